@@ -90,11 +90,11 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_LAYOUT_HASH_FLAT_4X4_4_5 0x97e04f9a9ea46b5du
 #define ATAS_LAYOUT_HASH_CYLINDER_4X4_4_5_12 0xfe26b6b80fa0ce8du
 
-// Which hand.
+// Left or right hand.
 enum atas_hand {
-    // The left hand: joints 0 to 10 of the built-in robot.
+    // Left hand: joints 0 to 10 of the built-in robot.
     ATAS_HAND_LEFT = 0,
-    // The right hand: joints 11 to 21 of the built-in robot.
+    // Right hand: joints 11 to 21 of the built-in robot.
     ATAS_HAND_RIGHT = 1,
 };
 
@@ -102,65 +102,68 @@ enum atas_hand {
 enum atas_mode {
     // Waiting for the first valid frames and joint states.
     ATAS_MODE_INIT = 0,
-    // Everything fresh, no goal.
+    // All inputs are fresh; no goal.
     ATAS_MODE_READY = 1,
-    // A goal is being pursued.
+    // A goal is in progress.
     ATAS_MODE_RUN = 2,
-    // Something is in doubt: positions and grip are kept, the cause is watched.
+    // A fault is present: positions and grip are kept until it clears.
     ATAS_MODE_HOLD = 3,
-    // Stopped and latched until an explicit recover.
+    // Stopped and latched until a recover request.
     ATAS_MODE_SAFE_STOP = 4,
-    // The daemon itself failed; latched until restart.
+    // Internal failure of the daemon; latched until restart.
     ATAS_MODE_FAULT = 5,
 };
 
-// Which task.
+// Task of a goal.
 enum atas_goal_kind {
-    // Grasp, lift and hold the object at from_m (paper II.b (1)).
+    // Grasps, lifts and holds the object at from_m (paper II.b (1)).
     ATAS_GOAL_KIND_GRASP = 1,
-    // Grasp at from_m, set down at to_m (paper II.b (3)).
+    // Grasps at from_m and places at to_m (paper II.b (3)).
     ATAS_GOAL_KIND_PICK_PLACE = 2,
-    // Screw the cap at from_m (paper II.b (2)).
+    // Screws the cap at from_m (paper II.b (2)).
     ATAS_GOAL_KIND_SCREW = 3,
-    // Cap from from_m onto the bottle at to_m, with both hands (paper II.c).
+    // Takes the cap from from_m and screws it onto the bottle at to_m, with both hands
+    // (paper II.c).
     ATAS_GOAL_KIND_ASSEMBLE = 4,
-    // Open the hand where it is and move it home.
+    // Opens the hand in place and moves it home.
     ATAS_GOAL_KIND_RELEASE = 5,
-    // A user's own task, by GoalRequest::task.
+    // User-defined task, named by GoalRequest::task.
     ATAS_GOAL_KIND_CUSTOM = 6,
-    // The acting hand follows the targets that this goal's client streams (GraspTarget).
+    // Teleoperation: the acting hand tracks the targets streamed by the client
+    // (GraspTarget).
     ATAS_GOAL_KIND_FOLLOW = 7,
-    // Both hands do.
+    // Teleoperation of both hands.
     ATAS_GOAL_KIND_FOLLOW_BOTH = 8,
 };
 
-// What happens to a goal when its client goes away.
+// Reaction to the disconnection of the client.
 enum atas_goal_policy {
-    // The goal goes on to its end.
+    // The goal continues.
     ATAS_GOAL_POLICY_DETACHED = 0,
-    // The goal is held: HOLD within 100 ticks.
+    // The robot enters HOLD within 100 ticks.
     ATAS_GOAL_POLICY_ATTACHED = 1,
 };
 
-// Where a goal stands.
+// State of a goal.
 enum atas_goal_state {
-    // Checked and queued for the next tick.
+    // Validated and queued for the next tick.
     ATAS_GOAL_STATE_ACCEPTED = 1,
-    // Refused before anything moved; reason says why.
+    // Rejected before any motion; see reason.
     ATAS_GOAL_STATE_REJECTED = 2,
     // In progress.
     ATAS_GOAL_STATE_RUNNING = 3,
-    // Done as asked.
+    // Completed.
     ATAS_GOAL_STATE_SUCCEEDED = 4,
-    // The robot refused the object while trying, and backed out safely (for example: too heavy for the hand).
+    // Ended by the robot during the attempt because of the object (for example too heavy),
+    // with a safe recovery.
     ATAS_GOAL_STATE_REFUSED = 5,
-    // Ended without success; reason says why.
+    // Ended without success; see reason.
     ATAS_GOAL_STATE_FAILED = 6,
-    // Ended by the client.
+    // Cancelled by the client.
     ATAS_GOAL_STATE_CANCELLED = 7,
 };
 
-// Which way a cap is turned, seen from above.
+// Direction in which a cap is turned, seen from above.
 enum atas_turn {
     // Closes a standard right-hand thread.
     ATAS_TURN_CLOCKWISE = 0,
@@ -168,84 +171,86 @@ enum atas_turn {
     ATAS_TURN_ANTICLOCKWISE = 1,
 };
 
-// What the fingers shall do.
+// Grip command of a target.
 enum atas_grip_order {
-    // Go to opening_m. Fingertips that meet something on their way take hold of it, and hold it as gently as touch
-    // allows, until a wider opening is wanted.
+    // Moves to opening_m. On contact the fingertips hold the object with the minimum force,
+    // until a wider opening is commanded.
     ATAS_GRIP_ORDER_WIDTH = 0,
-    // Close until the fingertips touch, and hold what is there.
+    // Closes until contact and holds the object.
     ATAS_GRIP_ORDER_HOLD = 1,
 };
 
-// What is asked.
+// Operation of a control request.
 enum atas_control_op {
-    // Stop now and latch (SAFE_STOP).
+    // Stops immediately and latches SAFE_STOP.
     ATAS_CONTROL_OP_ESTOP = 1,
-    // Leave SAFE_STOP. The robot then waits in HOLD until nothing is in doubt; HOLD ends by itself.
+    // Leaves SAFE_STOP. The robot stays in HOLD until all faults have cleared; HOLD ends by
+    // itself.
     ATAS_CONTROL_OP_RECOVER = 2,
-    // Read the parameter name.
+    // Reads the parameter name.
     ATAS_CONTROL_OP_PARAM_GET = 3,
-    // Set the parameter name to value.
+    // Sets the parameter name to value.
     ATAS_CONTROL_OP_PARAM_SET = 4,
-    // Name the parameter with the index value.
+    // Returns the name of the parameter with the index value.
     ATAS_CONTROL_OP_PARAM_LIST = 5,
-    // Take the present reading of the hand with index value as zero force.
+    // Takes the present reading of the hand with the index value as zero force.
     ATAS_CONTROL_OP_BIAS = 6,
-    // Read the configuration files again.
+    // Reloads the configuration files.
     ATAS_CONTROL_OP_RELOAD = 7,
-    // Cancel the goal whose id is written in name, in decimal; nothing if it has ended.
+    // Cancels the goal whose decimal id is in name; no effect if the goal has ended.
     ATAS_CONTROL_OP_CANCEL = 8,
-    // In lock-step: let virtual time go on to the tick with the index value, also without a goal. It stands still there.
+    // Lock-step only: advances virtual time to the tick with the index value, even without a
+    // goal, and pauses there.
     ATAS_CONTROL_OP_ADVANCE = 9,
 };
 
-// How it went.
+// Result of a control request.
 enum atas_control_outcome {
     // Done.
     ATAS_CONTROL_OUTCOME_DONE = 1,
-    // Refused; text says why.
+    // Refused; text has the reason.
     ATAS_CONTROL_OUTCOME_REFUSED = 2,
-    // The daemon does not know the operation or the name.
+    // Unknown operation or name.
     ATAS_CONTROL_OUTCOME_UNKNOWN = 3,
 };
 
-// What became of a stop.
+// Result of a stop request.
 enum atas_stop_outcome {
-    // A tick took it: the commands stand still from that tick on.
+    // A tick processed the stop: commands hold still from that tick on.
     ATAS_STOP_OUTCOME_STOPPED = 1,
-    // It waits for the next tick, which has not come yet: the tick is frozen, or time stands still in lock-step.
+    // The stop is pending: the tick is frozen, or virtual time is paused in lock-step.
     ATAS_STOP_OUTCOME_WAITING = 2,
 };
 
-// What an event is about.
+// Kind of an event.
 enum atas_event_kind {
     // A module became active.
     ATAS_EVENT_KIND_MODULE_ON = 1,
     // A module became inactive.
     ATAS_EVENT_KIND_MODULE_OFF = 2,
-    // A fingertip touched something.
+    // A fingertip made contact.
     ATAS_EVENT_KIND_TOUCH_ON = 3,
-    // A fingertip let go.
+    // A fingertip lost contact.
     ATAS_EVENT_KIND_TOUCH_OFF = 4,
-    // A goal changed its state; value is the state.
+    // The state of a goal changed; value is the new state.
     ATAS_EVENT_KIND_GOAL = 5,
-    // A task entered a step; text names it.
+    // A task entered the step named in text.
     ATAS_EVENT_KIND_STEP = 6,
-    // The mode changed; reason says why.
+    // The mode changed because of reason.
     ATAS_EVENT_KIND_MODE = 7,
-    // The stiffness probe ended; value is N/m, text is F_2.
+    // The stiffness probe ended; value is in N/m, text is F_2.
     ATAS_EVENT_KIND_STIFFNESS = 8,
-    // Something is wrong but was tolerated; reason says what.
+    // A tolerated fault, described by reason.
     ATAS_EVENT_KIND_WARNING = 9,
 };
 
-// The modules of the paper, and the motions that carry them.
+// Modules of the paper and additional modules.
 enum atas_module_id {
     // No module.
     ATAS_MODULE_ID_NONE = 0,
     // Module 0: square trajectory, adapted by contact (paper II.b (2)).
     ATAS_MODULE_ID_TRAJECTORY = 1,
-    // Module 0': conveys and sets down (paper II.b (3)).
+    // Module 0': moves and places the object (paper II.b (3)).
     ATAS_MODULE_ID_TRANSFER = 2,
     // Module 1: first touch, F_n > F_1 (paper II.b (1)).
     ATAS_MODULE_ID_FIRST_TOUCH = 3,
@@ -253,245 +258,250 @@ enum atas_module_id {
     ATAS_MODULE_ID_SLIP = 4,
     // Module 3: force limit, F_n > F_2 (paper II.b (1)).
     ATAS_MODULE_ID_FORCE_LIMIT = 5,
-    // Module 4: terminates screwing, dF_t > 1.4 dF_max (paper II.b (2)).
+    // Module 4: ends screwing, dF_t > 1.4 dF_max (paper II.b (2)).
     ATAS_MODULE_ID_TERMINATE_SCREW = 6,
     // Module 4: releases on upward tangential force (paper II.b (3)).
     ATAS_MODULE_ID_RELEASE_PLACED = 7,
     // Stiffness probe, 100 ms after the first touch (paper II.b (1)).
     ATAS_MODULE_ID_PROBE = 8,
-    // Carries the hand along a planned path.
+    // Moves the hand along a planned path.
     ATAS_MODULE_ID_CARRY = 9,
-    // Gives back force that friction does not need.
+    // Grip relaxation: reduces force that friction does not require.
     ATAS_MODULE_ID_RELAX = 10,
-    // Turns the hand back when it touches something while it moves freely.
+    // Moves the hand back on contact during free motion.
     ATAS_MODULE_ID_CONTACT_GUARD = 11,
-    // Tugs back once in a lift, to tell what hangs from what still stands.
+    // Lift verification: one pull-back during the lift distinguishes a suspended object from a
+    // supported one.
     ATAS_MODULE_ID_LOAD_TEST = 12,
-    // Grips harder by a fixed share whenever the object slips: a baseline, in no built-in task.
+    // Increases the grip by a fixed share on each slip; a baseline, not used by built-in
+    // tasks.
     ATAS_MODULE_ID_SLIP_REACTION = 13,
-    // Leads the hand after streamed targets, within limits of speed, acceleration and jerk.
+    // Teleoperation: tracks streamed targets with limited speed, acceleration and jerk.
     ATAS_MODULE_ID_FOLLOW = 14,
-    // Reads fingers and hand off the task's behaviour table (paper section III).
+    // Commands fingers and hand from the behaviour table of the task (paper section III).
     ATAS_MODULE_ID_BEHAVIOUR_TABLE = 15,
 };
 
-// What went wrong.
+// Cause of a rejection, a hold or a stop.
 enum atas_cause {
-    // Nothing.
+    // No cause.
     ATAS_CAUSE_NONE = 0,
     // A value of the goal is not finite.
     ATAS_CAUSE_NOT_FINITE = 1,
     // A value of the goal is out of its range.
     ATAS_CAUSE_OUT_OF_RANGE = 2,
-    // The position cannot be reached.
+    // The position is outside the workspace.
     ATAS_CAUSE_UNREACHABLE = 3,
     // The goal's kind, hand or policy is unknown.
     ATAS_CAUSE_UNKNOWN_GOAL = 4,
     // Another goal is active.
     ATAS_CAUSE_BUSY = 5,
-    // The daemon is not ready: see its mode.
+    // The daemon is not in mode READY.
     ATAS_CAUSE_NOT_READY = 6,
     // The hand still holds an object.
     ATAS_CAUSE_HAND_FULL = 7,
     // The hand has no tactile sensor.
     ATAS_CAUSE_NO_SENSOR = 8,
-    // The two arms would come too near to each other.
+    // The clearance between the two arms would be too small.
     ATAS_CAUSE_ARMS_COLLIDE = 9,
-    // No object was touched on the way in.
+    // The hand closed without contact.
     ATAS_CAUSE_NOTHING_TOUCHED = 10,
-    // The object needs more force than the fingers may press with (grasp.f2_max_n).
+    // The object needs more force than the configured maximum (grasp.f2_max_n).
     ATAS_CAUSE_TOO_HEAVY = 11,
     // The object slipped out of the hand.
     ATAS_CAUSE_LOST_OBJECT = 12,
-    // Force is at its ceiling and the object still slips while held.
+    // The object slips although the grip force has reached its limit.
     ATAS_CAUSE_OUT_OF_FORCE = 13,
-    // A step took longer than allowed.
+    // A step exceeded its time limit.
     ATAS_CAUSE_TIMED_OUT = 14,
     // The client cancelled.
     ATAS_CAUSE_CANCELLED = 15,
-    // The client of an attached goal went away.
+    // The client of an attached goal disconnected.
     ATAS_CAUSE_CLIENT_GONE = 16,
-    // Nothing carried the object where it should have been set down; the hand has lifted it again.
+    // No support was detected at the place position; the hand has lifted the object again.
     ATAS_CAUSE_NO_SUPPORT = 17,
-    // A fingertip touched something while the hand moved freely; the hand has gone back.
+    // A fingertip touched an obstacle during free motion; the hand has moved back.
     ATAS_CAUSE_OBSTRUCTED = 18,
-    // The goal names a task that the configuration does not have.
+    // The goal names a task that is not configured.
     ATAS_CAUSE_UNKNOWN_TASK = 19,
-    // No tactile frame for too long.
+    // Tactile frames have stopped arriving.
     ATAS_CAUSE_FRAMES_STOPPED = 20,
-    // A frame's stamp is too old.
+    // The time stamp of a frame is too old.
     ATAS_CAUSE_FRAME_STALE = 21,
-    // A frame's stamp lies in the future.
+    // The time stamp of a frame is in the future.
     ATAS_CAUSE_FRAME_FUTURE = 22,
-    // Too many frames were lost in a row.
+    // Too many consecutive frames were lost.
     ATAS_CAUSE_FRAMES_LOST = 23,
     // A frame failed its checksum.
     ATAS_CAUSE_FRAME_CORRUPT = 24,
-    // A frame came from a writer that is not the pinned one, or follows another layout.
+    // A frame comes from a writer other than the pinned one, or uses another layout.
     ATAS_CAUSE_FRAME_FOREIGN = 25,
     // Too many elements are invalid.
     ATAS_CAUSE_ELEMENTS_INVALID = 26,
-    // The readings do not change any more although the counter advances.
+    // The readings are constant although the frame counter advances.
     ATAS_CAUSE_FRAMES_FROZEN = 27,
-    // The sensor process restarted in mid-task.
+    // The sensor process restarted during a task.
     ATAS_CAUSE_SENSOR_RESTARTED = 28,
-    // An object that is held slides through the fingers.
+    // A held object slides between the fingertips.
     ATAS_CAUSE_SLIDING = 29,
-    // No joint state for too long.
+    // Joint states have stopped arriving.
     ATAS_CAUSE_JOINTS_STOPPED = 30,
     // A joint state is not finite, out of range or jumps.
     ATAS_CAUSE_JOINTS_INVALID = 31,
     // A joint does not follow its command.
     ATAS_CAUSE_FOLLOWING_ERROR = 32,
-    // A command was not finite.
+    // A command is not finite.
     ATAS_CAUSE_COMMAND_NOT_FINITE = 33,
-    // A command jumped.
+    // The step between two commands is too large.
     ATAS_CAUSE_COMMAND_STEP = 34,
-    // A grip force rose above its ceiling.
+    // A grip force exceeds its limit.
     ATAS_CAUSE_GRIP_CEILING = 35,
     // The robot process restarted.
     ATAS_CAUSE_ROBOT_RESTARTED = 36,
-    // A fingertip's force cannot be: it is more than a hand can press.
+    // The force reported for a fingertip exceeds the largest force that a hand can exert.
     ATAS_CAUSE_FORCE_IMPLAUSIBLE = 37,
-    // An order that is not allowed now: the robot moves, or the hand is not empty.
+    // The request is not allowed now: the robot moves, or the hand is not empty.
     ATAS_CAUSE_NOT_NOW = 38,
-    // There is no robot to move: the daemon was told to sense only.
+    // The daemon runs in sense-only mode and commands no robot.
     ATAS_CAUSE_SENSE_ONLY = 39,
     // A module panicked.
     ATAS_CAUSE_MODULE_PANICKED = 40,
-    // The loop stood still for a while.
+    // The control loop stalled.
     ATAS_CAUSE_LOOP_STALLED = 41,
-    // Stopped by a person: atas estop.
+    // An operator stopped the robot with atas estop.
     ATAS_CAUSE_ESTOP = 42,
     // The daemon is shutting down.
     ATAS_CAUSE_SHUTDOWN = 43,
-    // The daemon's supervisor, which takes orders and tells users, has been silent.
+    // The supervisor, which serves requests and reports, does not respond.
     ATAS_CAUSE_SUPERVISOR_SILENT = 44,
-    // Some elements of a fingertip keep their reading although frames keep coming: they are not believed.
+    // Some elements of a fingertip report a constant value although frames arrive; they are
+    // masked.
     ATAS_CAUSE_ELEMENT_STUCK = 45,
-    // What a skin says that a hand presses, and what its joints bear, do not agree.
+    // The tactile force of a hand disagrees with its joint-estimated force.
     ATAS_CAUSE_FORCE_AGAINST_JOINTS = 46,
-    // The object needs more force than its stiffness bears (grasp.compression_m).
+    // The object needs more force than its stiffness allows (grasp.compression_m).
     ATAS_CAUSE_TOO_SOFT = 50,
-    // The hand was found gripping something; it keeps it and watches it.
+    // The daemon found the hand gripping an object at start; it keeps and monitors the grip.
     ATAS_CAUSE_GRIP_FOUND = 51,
-    // The object turned about the closing axis while it was held.
+    // The object rotated about the closing axis while held.
     ATAS_CAUSE_TURNED_IN_HAND = 52,
-    // The object slipped through the fingers on the way, and was held again.
+    // The object slipped between the fingertips and was held again.
     ATAS_CAUSE_SLIPPED_IN_HAND = 53,
     // The object needs more force than the goal allows (GoalRequest).
     ATAS_CAUSE_ABOVE_MAX_FORCE = 54,
-    // The ways of the task are too long, or those of both hands together too many, to be checked.
+    // The paths of the task, or their combinations for both hands, are too long to be checked.
     ATAS_CAUSE_TASK_TOO_LONG = 60,
     // The robot has no such hand.
     ATAS_CAUSE_NO_HAND = 61,
-    // The fingertips cannot pass each other, as turning a cap needs.
+    // The hand cannot turn a cap because its fingertips cannot pass each other.
     ATAS_CAUSE_CANNOT_TURN = 62,
-    // A client can lead only a hand whose robot file states a workspace.
+    // The robot file of the hand has no workspace, which teleoperation requires.
     ATAS_CAUSE_NO_WORKSPACE = 63,
-    // The hand holds nothing that the task could go on with.
+    // The hand holds no object, which the task requires.
     ATAS_CAUSE_HAND_EMPTY = 64,
-    // Closed to this width, the jaws' domes would not face each other well enough to feel.
+    // At this width the fingertips would be too misaligned for tactile sensing.
     ATAS_CAUSE_DOMES_ASKEW = 65,
-    // The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
+    // The target stream of the client has ended or pauses; the hand stops and keeps its grip.
     ATAS_CAUSE_TARGETS_STOPPED = 70,
     // A target failed its checksum.
     ATAS_CAUSE_TARGET_CORRUPT = 71,
-    // A target comes from another writer than the one whose goal opened the stream.
+    // A target comes from a writer other than the one that opened the stream.
     ATAS_CAUSE_TARGET_FOREIGN = 72,
-    // A target is older than the one before, was made before its goal began or ahead of time, or has expired.
+    // A target is out of order, predates its goal, is stamped in the future, or has expired.
     ATAS_CAUSE_TARGET_STALE = 73,
-    // A target names a hand that its goal does not have, or an order that this version does not know.
+    // A target names a hand outside its goal, or an unknown grip command.
     ATAS_CAUSE_TARGET_UNKNOWN = 74,
     // A value of a target is not finite.
     ATAS_CAUSE_TARGET_NOT_FINITE = 75,
     // A value of a target is out of its range.
     ATAS_CAUSE_TARGET_OUT_OF_RANGE = 76,
-    // An arm stands across the middle, which both keep clear of while a client leads them.
+    // An arm crosses the middle plane, which both arms must avoid during teleoperation.
     ATAS_CAUSE_ACROSS_THE_MIDDLE = 77,
 };
 
-// What a tick was told by the daemon's supervisor.
+// Request from the supervisor to a tick.
 enum atas_order_kind {
-    // Nothing.
+    // No request.
     ATAS_ORDER_KIND_NONE = 0,
-    // Start goal.
+    // Starts goal.
     ATAS_ORDER_KIND_START = 1,
-    // End the goal goal_id.
+    // Ends the goal goal_id.
     ATAS_ORDER_KIND_CANCEL = 2,
-    // The client of the goal goal_id went away.
+    // The client of the goal goal_id disconnected.
     ATAS_ORDER_KIND_CLIENT_GONE = 3,
-    // Stop and latch for reason.
+    // Stops and latches because of reason.
     ATAS_ORDER_KIND_STOP = 4,
-    // Leave SAFE_STOP.
+    // Leaves SAFE_STOP.
     ATAS_ORDER_KIND_RECOVER = 5,
-    // Set the parameter with this index to value.
+    // Sets the parameter at index to value.
     ATAS_ORDER_KIND_SET_PARAMETER = 6,
-    // Replace all settings by settings.
+    // Replaces all settings by settings.
     ATAS_ORDER_KIND_CONFIGURE = 7,
-    // Take the reading of the hand with this index as zero force.
+    // Takes the reading of the hand at index as zero force.
     ATAS_ORDER_KIND_BIAS = 8,
-    // Hold in this tick for reason.
+    // Holds in this tick because of reason.
     ATAS_ORDER_KIND_HOLD = 9,
 };
 
-// One sensor bit of a behaviour table that feels: true or false in every tick (paper Table 1, S1 to S5).
+// Sensor bit of a behaviour table, evaluated in every tick (paper Table 1, S1 to S5).
 enum atas_sensor_bit {
     // No bit.
     ATAS_SENSOR_BIT_NONE = 0,
-    // Every finger touches.
+    // Every fingertip is in contact.
     ATAS_SENSOR_BIT_TOUCHING = 1,
-    // The weakest finger presses more than F_1: what Module 1 asks.
+    // The lowest normal force exceeds F_1 (condition of Module 1).
     ATAS_SENSOR_BIT_ABOVE_F1 = 2,
-    // A finger has nearly used up its friction, or slips: what Module 2 asks.
+    // The friction utilisation of a fingertip is close to 1, or it slips (condition of Module
+    // 2).
     ATAS_SENSOR_BIT_SLIPPING = 3,
-    // The strongest finger presses more than F_2: what Module 3 asks.
+    // The highest normal force exceeds F_2 (condition of Module 3).
     ATAS_SENSOR_BIT_ABOVE_F2 = 4,
-    // The hand has carried its object for more than 3 mm.
+    // The hand has lifted the object by more than 3 mm.
     ATAS_SENSOR_BIT_LIFTED = 5,
-    // Every finger has had friction to spare for 100 ms.
+    // Every fingertip has had a friction margin for 100 ms.
     ATAS_SENSOR_BIT_SPARE = 6,
 };
 
-// Which light a base's photo sensors look for.
+// Light that the photo sensors of a base detect.
 enum atas_light {
-    // The object's.
+    // Light of the object.
     ATAS_LIGHT_OBJECT = 0,
-    // The goal's.
+    // Light of the goal.
     ATAS_LIGHT_GOAL = 1,
 };
 
-// Who has the say over a robot.
+// Subsystem that controls the robot.
 enum atas_say {
-    // Nobody: the base brakes and stands.
+    // No owner: the base brakes and stands.
     ATAS_SAY_NOBODY = 0,
-    // The behaviour table: the base drives.
+    // The behaviour table drives the base.
     ATAS_SAY_TABLE = 1,
-    // The hand: it works, the base stands.
+    // The hand works; the base stands.
     ATAS_SAY_HAND = 2,
-    // Nobody any more: the course is over, the base brakes and stays.
+    // The course is over: the base brakes and stays.
     ATAS_SAY_OVER = 3,
 };
 
-// What ended a base's course at once.
+// Incident that ended the course of a base.
 enum atas_mishap {
-    // Nothing did.
+    // No incident.
     ATAS_MISHAP_NONE = 0,
-    // It came too near to a wall.
+    // The base came too close to a wall.
     ATAS_MISHAP_LEFT_FIELD = 1,
-    // It met another robot.
+    // The base collided with another robot.
     ATAS_MISHAP_MET_ROBOT = 2,
-    // It drove over an object.
+    // The base drove over an object.
     ATAS_MISHAP_MET_OBJECT = 3,
 };
 
-// Who wrote a payload, when, and as which in its series.
+// Writer, time and sequence number of a payload.
 typedef struct atas_stamp {
-    // Counts the payloads of this writer, from 0, without gaps: a gap means that payloads were lost.
+    // Sequence number of this writer, from 0; a gap means lost payloads.
     uint64_t sequence;
-    // When the content was true (sensor time, not sending time), nanoseconds of CLOCK_MONOTONIC.
+    // Capture time of the content, not its sending time, ns of CLOCK_MONOTONIC.
     uint64_t captured_ns;
-    // Drawn anew at each start of the writer. A reader pins it; a change means that the writer restarted.
+    // Random number, drawn at each start of the writer. A reader pins it; a change means that
+    // the writer restarted.
     uint64_t writer_epoch;
 } atas_stamp;
 #define ATAS_STAMP_TYPE "atas.Stamp.v1"
@@ -501,27 +511,29 @@ _Static_assert(offsetof(atas_stamp, sequence) == 0, "atas_stamp.sequence");
 _Static_assert(offsetof(atas_stamp, captured_ns) == 8, "atas_stamp.captured_ns");
 _Static_assert(offsetof(atas_stamp, writer_epoch) == 16, "atas_stamp.writer_epoch");
 
-// One reading of all fingertips of one hand.
+// Tactile frame: readings of all fingertips of one hand.
 //
-// Forces are those of the object **on** the tip, resolved along each element's own axes: f_n = −F·d (positive
-// when pressed), f_t1 = F·t1, f_t2 = F·t2. The axes d, t1, t2 come from the Layout that both
-// sides are configured with; HandFrame::layout_hash proves that they agree.
+// Forces act from the object **on** the fingertip, resolved along the axes of each element:
+// f_n = −F·d (positive under pressure), f_t1 = F·t1, f_t2 = F·t2. The axes d, t1, t2
+// come from the Layout that both sides configure; HandFrame::layout_hash
+// verifies that the layouts match.
 typedef struct atas_hand_frame {
-    // captured_ns is when the sensor sampled.
+    // captured_ns is the sampling time of the sensor.
     atas_stamp stamp;
-    // Layout::hash of the layout that the elements follow.
+    // Layout::hash of the element layout.
     uint64_t layout_hash;
-    // Which hand.
+    // Hand of the sensors.
     uint32_t hand; // enum atas_hand
-    // Fingers that carry data, at most FINGERS. Finger 0 is finger1 of the URDF.
+    // Number of fingertips with data, at most FINGERS. Fingertip 0 is finger1 of the
+    // URDF.
     uint32_t finger_count;
-    // Per finger, bit e set: element e carries a valid reading.
+    // Per fingertip: bit e is set if the reading of element e is valid.
     uint64_t valid_mask[4];
-    // Newtons: force_n[finger][element] = [f_n, f_t1, f_t2].
+    // Forces, N: force_n[finger][element] = [f_n, f_t1, f_t2].
     float force_n[4][64][3];
     // Written as zero.
     uint32_t pad;
-    // CRC-32 (IEEE) of every byte before this field: HandFrame::seal, HandFrame::is_intact.
+    // CRC-32 (IEEE) of every byte before this field; see HandFrame::seal.
     uint32_t crc32;
 } atas_hand_frame;
 #define ATAS_HAND_FRAME_TYPE "atas.HandFrame.v1"
@@ -543,32 +555,35 @@ static inline int atas_hand_frame_is_intact(const atas_hand_frame *payload) {
     return payload->crc32 == atas_crc32(payload, offsetof(atas_hand_frame, crc32));
 }
 
-// Measured joints, left 11 then right 11 for the built-in robot, and what they are told to do.
+// Measured joints (built-in robot: 11 left, then 11 right) and the command in force.
 //
-// The robot outlives the daemon. What it tells of the command in force lets the next daemon go on from there: a grip is
-// what the servos are commanded beyond where the fingers are, so who began again from measured positions would let go.
+// The robot process outlives the daemon, so it reports the command in force and a new daemon
+// continues from it. Servos hold a grip by being commanded beyond the measured finger
+// positions; restarting from measured positions would release the object.
 typedef struct atas_joint_state {
-    // captured_ns is when the encoders were read.
+    // captured_ns is the time at which the encoders were read.
     atas_stamp stamp;
-    // Joints that carry data, at most JOINTS.
+    // Number of joints with data, at most JOINTS.
     uint32_t joint_count;
-    // Joints whose commanded_rad means something: joint_count, or 0 for a robot that cannot tell.
+    // Number of valid entries in commanded_rad: joint_count, or 0 if the robot cannot
+    // report them.
     uint32_t commanded_count;
     // Measured positions, rad.
     double position_rad[32];
     // Measured velocities, rad/s.
     double velocity_rad_s[32];
-    // Measured efforts, N·m; zero where the drive does not measure.
+    // Measured efforts, N·m; zero if the drive does not measure them.
     double effort_n_m[32];
-    // Positions that the servos hold now, rad: of the last command obeyed, also when it has expired.
+    // Positions held by the servos, rad: those of the last executed command, even if it has
+    // expired.
     double commanded_rad[32];
     // JointCommand::grip_limit_n of that command, 0 before the first.
     double grip_limit_n[2];
-    // Epoch of the writer of that command, 0 before the first.
+    // Writer epoch of that command, 0 before the first.
     uint64_t command_epoch;
-    // Sequence of that command.
+    // Sequence number of that command.
     uint64_t command_sequence;
-    // Until when that command is valid, ns; it has expired if this has passed.
+    // End of validity of that command, ns.
     uint64_t command_valid_until_ns;
     // Written as zero.
     uint32_t pad;
@@ -599,29 +614,32 @@ static inline int atas_joint_state_is_intact(const atas_joint_state *payload) {
     return payload->crc32 == atas_crc32(payload, offsetof(atas_joint_state, crc32));
 }
 
-// What the joints shall do now. Published every tick, also in HOLD: the command is the heartbeat.
+// Joint command of one tick. It is published every tick, also in HOLD, and serves as
+// heartbeat.
 //
-// The consumer enforces JointCommand::valid_until_ns: on expiry it holds the last commanded positions with
-// zero velocity, which keeps the last safe grip force. Opening the hand is never the default stop.
+// The consumer enforces JointCommand::valid_until_ns: on expiry it holds the last
+// commanded positions with zero velocity, which keeps the last safe grip force. Opening the
+// hand is never the default stop.
 typedef struct atas_joint_command {
-    // captured_ns is the tick's time.
+    // captured_ns is the time of the tick.
     atas_stamp stamp;
-    // The command must not be obeyed after this time, CLOCK_MONOTONIC nanoseconds.
+    // End of validity, ns of CLOCK_MONOTONIC; the command must not be executed later.
     uint64_t valid_until_ns;
-    // The tick that produced the command.
+    // Tick that produced the command.
     uint64_t tick;
-    // Sequence of the newest JointState that the command has seen; lock-step waits for it.
+    // Sequence number of the newest JointState used by the command; lock-step waits for
+    // it.
     uint64_t answers_sequence;
     // Mode of the daemon.
     uint32_t mode; // enum atas_mode
-    // Joints that carry data, at most JOINTS.
+    // Number of joints with data, at most JOINTS.
     uint32_t joint_count;
     // Commanded positions, rad.
     double position_rad[32];
     // Velocity feed-forward, rad/s; zero in HOLD.
     double velocity_rad_s[32];
-    // F_2, the most that what each hand holds may be pressed with, N; 0 for an empty hand. The robot does nothing with it but
-    // tell it in JointState: so a limit outlives the daemon that knows it.
+    // Force limit F_2 per hand for the held object, N; 0 for an empty hand. The robot only
+    // copies it to JointState, so that the limit survives a restart of the daemon.
     double grip_limit_n[2];
     // Written as zero.
     uint32_t pad;
@@ -650,42 +668,45 @@ static inline int atas_joint_command_is_intact(const atas_joint_command *payload
     return payload->crc32 == atas_crc32(payload, offsetof(atas_joint_command, crc32));
 }
 
-// One goal. Frame: base of the robot (x forward, y left, z up, origin on the table top under the torso).
+// A goal request. All poses are in the robot base frame (x forward, y left, z up, origin on
+// the table top under the torso).
 typedef struct atas_goal_request {
     // captured_ns is when the client sent it.
     atas_stamp stamp;
-    // Chosen by the client; repeated in every update.
+    // Id chosen by the client; repeated in every update.
     uint64_t goal_id;
-    // Which task.
+    // Task.
     uint32_t kind; // enum atas_goal_kind
-    // Which hand acts; for assembly, which hand screws.
+    // Acting hand; for assembly, the hand that screws.
     uint32_t hand; // enum atas_hand
-    // What happens when the client goes away.
+    // Reaction to the disconnection of the client.
     uint32_t policy; // enum atas_goal_policy
-    // Which way to turn a cap; not used by GRASP and PICK_PLACE.
+    // Direction in which a cap is turned; not used by GRASP and PICK_PLACE.
     uint32_t turn; // enum atas_turn
-    // Where the fingertips shall close, m. The true object may be off by some millimetres.
+    // Grasp point, m. The object may be some millimetres off.
     double from_m[3];
-    // Direction of the closing axis at from_m, from finger 2's side to finger 1's, rad from +x towards +y.
+    // Direction of the closing axis at from_m, from the side of finger 2 to that of finger
+    // 1, rad from +x towards +y.
     double from_yaw_rad;
-    // Where the object shall stand afterwards, m; not used by GRASP.
+    // Place position of the object, m; not used by GRASP.
     double to_m[3];
     // Direction of the closing axis at to_m, rad; not used by GRASP.
     double to_yaw_rad;
-    // Expected width of the object along the closing axis, m. The hand opens a little wider.
+    // Expected object width along the closing axis, m. The hand opens slightly wider.
     double width_m;
-    // How far to lift, m.
+    // Lift height, m.
     double lift_m;
-    // How long to hold the lifted object before the goal counts as reached, s.
+    // Hold time after the lift before the goal succeeds, s.
     double hold_s;
-    // Expected width of what the other hand holds, m; only used by ASSEMBLE: the bottle's.
+    // Expected width of the object in the other hand, m; only used by ASSEMBLE (bottle).
     double helper_width_m;
-    // How far the object reaches above where the fingertips close, m: the hand comes from above that. Zero if unknown.
+    // Height of the object above the grasp point, m; the hand approaches from above it. Zero
+    // if unknown.
     double top_m;
-    // What one side of the hand may press the object with at most, N: F_2, instead of what its stiffness allows. Zero if
-    // unknown.
+    // Largest force per grasp side, N; it replaces the stiffness-based force limit F_2. Zero
+    // if unknown.
     double max_force_n;
-    // Name of the task for CUSTOM.
+    // Task name for CUSTOM.
     char task[32];
 } atas_goal_request;
 #define ATAS_GOAL_REQUEST_TYPE "atas.GoalRequest.v3"
@@ -709,23 +730,23 @@ _Static_assert(offsetof(atas_goal_request, top_m) == 144, "atas_goal_request.top
 _Static_assert(offsetof(atas_goal_request, max_force_n) == 152, "atas_goal_request.max_force_n");
 _Static_assert(offsetof(atas_goal_request, task) == 160, "atas_goal_request.task");
 
-// What the hand learnt about the object, SI units, zero where not (yet) known.
+// Estimates of the grasp and the object, SI units; zero while unknown.
 typedef struct atas_grasp_figures {
-    // Normal force per finger, N.
+    // Normal force per fingertip, N.
     float normal_n[4];
-    // Tangential force per finger, N.
+    // Tangential force per fingertip, N.
     float tangential_n[4];
-    // F_1, the minimum grasping force, N.
+    // Minimum grip force F_1, N.
     float f1_n;
-    // F_2, the maximum grasping force, N.
+    // Force limit F_2, N.
     float f2_n;
     // Object stiffness from the stiffness probe, N/m.
     float stiffness_n_m;
-    // How far the stiffness may be trusted, 0 to 1.
+    // Confidence of the stiffness, 0 to 1.
     float stiffness_confidence;
-    // Estimated friction coefficient, the lowest of the fingers.
+    // Estimated friction coefficient, lowest of all fingertips.
     float friction;
-    // How far the hand has lifted the object, m.
+    // Height by which the hand has lifted the object, m.
     float lifted_m;
 } atas_grasp_figures;
 #define ATAS_GRASP_FIGURES_TYPE "atas.GraspFigures.v1"
@@ -740,17 +761,17 @@ _Static_assert(offsetof(atas_grasp_figures, stiffness_confidence) == 44, "atas_g
 _Static_assert(offsetof(atas_grasp_figures, friction) == 48, "atas_grasp_figures.friction");
 _Static_assert(offsetof(atas_grasp_figures, lifted_m) == 52, "atas_grasp_figures.lifted_m");
 
-// A cause with the module that saw it and the value against its limit.
+// A cause with its module, value and limit.
 typedef struct atas_reason {
-    // What went wrong.
+    // The cause.
     uint32_t cause; // enum atas_cause
-    // Which module saw it; ModuleId::NONE outside the modules.
+    // The module that reports it; ModuleId::NONE outside the modules.
     uint32_t module; // enum atas_module_id
-    // The value that broke the limit, in the unit that the sentence of Reason's Display names.
+    // Value that violates the limit, in the unit that Reason's Display prints.
     double value;
-    // The limit it broke.
+    // The violated limit.
     double limit;
-    // Which field, joint, finger or hand, by index; its meaning depends on the cause.
+    // Index of the field, joint, fingertip or hand; the meaning depends on the cause.
     uint32_t index;
     // Written as zero.
     uint32_t pad;
@@ -765,23 +786,24 @@ _Static_assert(offsetof(atas_reason, limit) == 16, "atas_reason.limit");
 _Static_assert(offsetof(atas_reason, index) == 24, "atas_reason.index");
 _Static_assert(offsetof(atas_reason, pad) == 28, "atas_reason.pad");
 
-// One step of a goal's story.
+// Progress report of a goal.
 typedef struct atas_goal_update {
-    // captured_ns is the tick's time.
+    // captured_ns is the time of the tick.
     atas_stamp stamp;
     // Echo of GoalRequest::goal_id.
     uint64_t goal_id;
     // Tick of this update.
     uint64_t tick;
-    // Where the goal stands.
+    // State of the goal.
     uint32_t state; // enum atas_goal_state
     // Fraction done, 0 to 1.
     float progress;
-    // Why, when rejected, refused, failed or held.
+    // Reason of a rejection, refusal, failure or hold.
     atas_reason reason;
-    // Name of the task's step, for example lift; of a goal that names an unknown task, that name.
+    // Name of the task step, for example lift. If the task is unknown: the requested task
+    // name.
     char step[16];
-    // What the hand learnt so far.
+    // Present estimates of the grasp and the object.
     atas_grasp_figures figures;
 } atas_goal_update;
 #define ATAS_GOAL_UPDATE_TYPE "atas.GoalUpdate.v1"
@@ -796,26 +818,28 @@ _Static_assert(offsetof(atas_goal_update, reason) == 48, "atas_goal_update.reaso
 _Static_assert(offsetof(atas_goal_update, step) == 80, "atas_goal_update.step");
 _Static_assert(offsetof(atas_goal_update, figures) == 96, "atas_goal_update.figures");
 
-// Where a hand shall be: one target of the stream that a goal follow has opened. Frame: base of the robot (x forward,
-// y left, z up, origin on the table top under the torso); the hand points straight down.
+// Target of one hand in the stream of a goal teleop. Frame: robot base (x forward, y left, z
+// up, origin on the table top under the torso); the hand points straight down.
 //
-// The newest target counts. The hand follows it within limits of its own; how hard it holds is not the client's to say.
+// The newest target replaces older ones. The hand tracks it within the daemon's own limits;
+// the controller alone determines the grip force.
 typedef struct atas_grasp_target {
-    // writer_epoch is that of the goal's request, sequence rises, captured_ns is when the target was made.
+    // writer_epoch is that of the goal request, sequence increases, captured_ns is the
+    // creation time of the target.
     atas_stamp stamp;
-    // The hand stops and keeps what it holds if nothing newer has come by then, nanoseconds of the clock of the daemon's
-    // stamps. At most two seconds ahead count.
+    // End of validity, ns of the daemon's clock, effective up to two seconds ahead. Without a
+    // newer target the hand then stops and keeps its grip.
     uint64_t valid_until_ns;
-    // Which hand.
+    // Hand to move.
     uint32_t hand; // enum atas_hand
-    // What its fingers shall do.
+    // Grip command.
     uint32_t grip; // enum atas_grip_order
     // Point between the fingertips, m.
     double centre_m[3];
-    // Direction of the closing axis, rad from +x towards +y. A half turn more or less is the same grasp: the hand takes
-    // the one that is nearer.
+    // Direction of the closing axis, rad from +x towards +y. Directions half a turn apart are
+    // the same grasp; the hand takes the nearer one.
     double closing_yaw_rad;
-    // Distance between the fingertips' surfaces, m; not used by HOLD.
+    // Distance between the fingertip surfaces, m; not used by HOLD.
     double opening_m;
     // Written as zero.
     uint32_t pad;
@@ -842,17 +866,17 @@ static inline int atas_grasp_target_is_intact(const atas_grasp_target *payload) 
     return payload->crc32 == atas_crc32(payload, offsetof(atas_grasp_target, crc32));
 }
 
-// One request.
+// A control request.
 typedef struct atas_control_request {
     // captured_ns is when the client sent it.
     atas_stamp stamp;
-    // What is asked.
+    // Operation.
     uint32_t op; // enum atas_control_op
     // Written as zero.
     uint32_t pad;
-    // Its number, where it has one.
+    // Numeric argument, if any.
     double value;
-    // Its name, where it has one.
+    // Name argument, if any.
     char name[64];
 } atas_control_request;
 #define ATAS_CONTROL_REQUEST_TYPE "atas.ControlRequest.v1"
@@ -864,21 +888,21 @@ _Static_assert(offsetof(atas_control_request, pad) == 28, "atas_control_request.
 _Static_assert(offsetof(atas_control_request, value) == 32, "atas_control_request.value");
 _Static_assert(offsetof(atas_control_request, name) == 40, "atas_control_request.name");
 
-// The answer: exactly one per request, given after the request took effect.
+// Reply to a control request: exactly one, sent after the request took effect.
 typedef struct atas_control_reply {
     // captured_ns is when the daemon answered.
     atas_stamp stamp;
-    // How it went.
+    // Result.
     uint32_t outcome; // enum atas_control_outcome
     // Written as zero.
     uint32_t pad;
-    // The value asked for.
+    // Requested value.
     double value;
-    // The lowest value allowed, for parameters.
+    // Lower limit of the parameter.
     double lower;
-    // The highest value allowed, for parameters.
+    // Upper limit of the parameter.
     double upper;
-    // Of a parameter its name, and on a second line what it means; else a sentence that says why not.
+    // For a parameter: name, and description on a second line. For a refusal: the reason.
     char text[256];
 } atas_control_reply;
 #define ATAS_CONTROL_REPLY_TYPE "atas.ControlReply.v1"
@@ -892,11 +916,11 @@ _Static_assert(offsetof(atas_control_reply, lower) == 40, "atas_control_reply.lo
 _Static_assert(offsetof(atas_control_reply, upper) == 48, "atas_control_reply.upper");
 _Static_assert(offsetof(atas_control_reply, text) == 56, "atas_control_reply.text");
 
-// A stop. Whatever else arrives at the stop socket counts as one too, without a reason.
+// A stop request. Any other data at the stop socket also stops the robot, without a reason.
 typedef struct atas_stop_request {
     // captured_ns is when the client sent it.
     atas_stamp stamp;
-    // Why, for the log.
+    // Reason, for the log.
     char reason[96];
 } atas_stop_request;
 #define ATAS_STOP_REQUEST_TYPE "atas.StopRequest.v1"
@@ -907,9 +931,9 @@ _Static_assert(offsetof(atas_stop_request, reason) == 24, "atas_stop_request.rea
 
 // The answer to a stop.
 typedef struct atas_stop_answer {
-    // captured_ns is when the daemon received the stop, sequence counts the stops that it received.
+    // captured_ns is the arrival time of the stop; sequence counts received stops.
     atas_stamp stamp;
-    // What became of it.
+    // Result.
     uint32_t outcome; // enum atas_stop_outcome
     // Process id of the daemon.
     uint32_t pid;
@@ -921,31 +945,32 @@ _Static_assert(offsetof(atas_stop_answer, stamp) == 0, "atas_stop_answer.stamp")
 _Static_assert(offsetof(atas_stop_answer, outcome) == 24, "atas_stop_answer.outcome");
 _Static_assert(offsetof(atas_stop_answer, pid) == 28, "atas_stop_answer.pid");
 
-// One event. Ordered by stamp.sequence; a gap means that the queue was full and events were dropped.
+// One event. Ordered by stamp.sequence; a gap means that events were dropped because the
+// queue was full.
 typedef struct atas_module_event {
-    // captured_ns is the tick's time.
+    // captured_ns is the time of the tick.
     atas_stamp stamp;
-    // The tick.
+    // Tick of the event.
     uint64_t tick;
-    // What the event is about.
+    // Kind of the event.
     uint32_t kind; // enum atas_event_kind
-    // Which module, where one is concerned.
+    // Module, if applicable.
     uint32_t module; // enum atas_module_id
-    // Which hand, where one is concerned.
+    // Hand, if applicable.
     uint32_t hand; // enum atas_hand
-    // Which finger of the hand, where one is concerned.
+    // Fingertip of the hand, if applicable.
     uint32_t finger;
     // Mode after the event.
     uint32_t mode; // enum atas_mode
     // Written as zero.
     uint32_t pad;
-    // The value that decided, SI units.
+    // Value that triggered the event, SI units.
     double value;
-    // The threshold it was held against, SI units.
+    // Threshold of that value, SI units.
     double threshold;
-    // Why, for modes, goals and warnings.
+    // Reason of a mode change, goal change or warning.
     atas_reason reason;
-    // A name, where one helps.
+    // Name, if applicable.
     char text[16];
 } atas_module_event;
 #define ATAS_MODULE_EVENT_TYPE "atas.ModuleEvent.v1"
@@ -964,7 +989,7 @@ _Static_assert(offsetof(atas_module_event, threshold) == 64, "atas_module_event.
 _Static_assert(offsetof(atas_module_event, reason) == 72, "atas_module_event.reason");
 _Static_assert(offsetof(atas_module_event, text) == 104, "atas_module_event.text");
 
-// A distribution of durations since the start, ns.
+// Percentiles of a duration since the start, ns.
 typedef struct atas_percentiles {
     // Median.
     uint64_t p50_ns;
@@ -972,9 +997,9 @@ typedef struct atas_percentiles {
     uint64_t p99_ns;
     // 99.9th percentile.
     uint64_t p999_ns;
-    // Longest.
+    // Maximum.
     uint64_t max_ns;
-    // How many were measured.
+    // Number of samples.
     uint64_t count;
 } atas_percentiles;
 #define ATAS_PERCENTILES_TYPE "atas.Percentiles.v1"
@@ -986,39 +1011,39 @@ _Static_assert(offsetof(atas_percentiles, p999_ns) == 16, "atas_percentiles.p999
 _Static_assert(offsetof(atas_percentiles, max_ns) == 24, "atas_percentiles.max_ns");
 _Static_assert(offsetof(atas_percentiles, count) == 32, "atas_percentiles.count");
 
-// What the daemon thinks of one hand's sensor. All counts since the daemon's start.
+// Status of one hand's sensor. Counts are since the start of the daemon.
 typedef struct atas_hand_status {
-    // Frames accepted.
+    // Accepted frames.
     uint64_t frames;
-    // Frames lost, by gaps in the sequence.
+    // Lost frames, from gaps in the sequence.
     uint64_t lost;
-    // Frames seen twice.
+    // Duplicate frames.
     uint64_t duplicates;
-    // Frames that came after a newer one.
+    // Frames that arrived after a newer one.
     uint64_t reordered;
-    // Frames that failed their checksum.
+    // Frames with a wrong checksum.
     uint64_t corrupt;
-    // Frames stamped too far in the past or in the future.
+    // Frames with a stamp too far in the past or future.
     uint64_t mistimed;
     // Frames of another writer, hand or layout.
     uint64_t foreign;
-    // Readings masked because they were not finite or out of range.
+    // Readings masked because they are not finite or out of range.
     uint64_t masked_elements;
     // Restarts of the sensor process.
     uint64_t restarts;
-    // Touches per finger, with hysteresis.
+    // Contacts per fingertip, with hysteresis.
     uint64_t touches[4];
-    // Epoch of the pinned writer.
+    // Writer epoch of the pinned writer.
     uint64_t writer_epoch;
     // Age of the newest accepted frame, ns; u64::MAX before the first.
     uint64_t age_ns;
-    // Configured layout.
+    // Hash of the configured layout.
     uint64_t layout_hash;
-    // Normal force per finger, N.
+    // Normal force per fingertip, N.
     float normal_n[4];
-    // Tangential force per finger, N.
+    // Tangential force per fingertip, N.
     float tangential_n[4];
-    // 1 if the configuration wants this hand.
+    // 1 if the configuration requires this hand.
     uint32_t required;
     // Bit n set: the module with ModuleId n is active.
     uint32_t modules_active;
@@ -1044,15 +1069,15 @@ _Static_assert(offsetof(atas_hand_status, tangential_n) == 144, "atas_hand_statu
 _Static_assert(offsetof(atas_hand_status, required) == 160, "atas_hand_status.required");
 _Static_assert(offsetof(atas_hand_status, modules_active) == 164, "atas_hand_status.modules_active");
 
-// What the daemon thinks of the joint feedback.
+// Status of the joint feedback.
 typedef struct atas_joint_status {
-    // States accepted.
+    // Accepted joint states.
     uint64_t states;
-    // States not taken in, by gaps in the sequence: lost, or superseded by a newer one within one tick.
+    // Unused joint states, from gaps in the sequence: lost, or superseded within one tick.
     uint64_t lost;
-    // States refused.
+    // Rejected joint states.
     uint64_t rejected;
-    // Age of the newest, ns; u64::MAX before the first.
+    // Age of the newest joint state, ns; u64::MAX before the first.
     uint64_t age_ns;
 } atas_joint_status;
 #define ATAS_JOINT_STATUS_TYPE "atas.JointStatus.v1"
@@ -1063,58 +1088,58 @@ _Static_assert(offsetof(atas_joint_status, lost) == 8, "atas_joint_status.lost")
 _Static_assert(offsetof(atas_joint_status, rejected) == 16, "atas_joint_status.rejected");
 _Static_assert(offsetof(atas_joint_status, age_ns) == 24, "atas_joint_status.age_ns");
 
-// The daemon's state, 50 Hz.
+// Status of the daemon, 50 Hz.
 typedef struct atas_status {
-    // captured_ns is when the snapshot was taken.
+    // captured_ns is the time of the snapshot.
     atas_stamp stamp;
     // Version of the daemon.
     char version[32];
-    // FNV-1a 64 of the configuration text in force.
+    // FNV-1a 64 of the active configuration text.
     uint64_t config_hash;
-    // When the daemon started, ns of the clock of its stamps: CLOCK_MONOTONIC; in lock-step the virtual time of its first
-    // tick, 0 before that.
+    // Start time of the daemon, ns of CLOCK_MONOTONIC. In lock-step: virtual time of the
+    // first tick, 0 before it.
     uint64_t started_ns;
     // Process id.
     uint32_t pid;
     // StatusFlags.
     uint32_t flags;
-    // Mode.
+    // Mode of the daemon.
     uint32_t mode; // enum atas_mode
     // Tick rate, Hz.
     uint32_t rate_hz;
-    // Why the mode is HOLD, SAFE_STOP or FAULT.
+    // Reason of the mode HOLD, SAFE_STOP or FAULT.
     atas_reason reason;
-    // Ticks executed.
+    // Executed ticks.
     uint64_t ticks;
-    // Ticks missed: their time had passed when the loop came round.
+    // Missed ticks: their time had passed before they could begin.
     uint64_t missed_ticks;
     // Ticks that began more than a tenth of a period late.
     uint64_t late_ticks;
-    // Ticks that began because the frames that they awaited came.
+    // Ticks started by the arrival of the expected frames.
     uint64_t ticks_on_arrival;
-    // Ticks that awaited a frame until the latest moment, in vain.
+    // Ticks started by the timeout because an expected frame did not arrive.
     uint64_t ticks_in_vain;
-    // Records dropped because the queue to the non-real-time side was full.
+    // Records dropped because the queue to the supervisor was full.
     uint64_t dropped_records;
     // Active or last goal, 0 if none.
     uint64_t goal_id;
-    // Its kind.
+    // Kind of that goal.
     uint32_t goal_kind; // enum atas_goal_kind
-    // Its state.
+    // State of that goal.
     uint32_t goal_state; // enum atas_goal_state
-    // Its step.
+    // Task step.
     char step[16];
-    // Name of its task if it is one of the user's own, else empty.
+    // Name of a user-defined task, else empty.
     char task[32];
-    // Why it ended, if it ended without success.
+    // Reason, if the goal ended without success.
     atas_reason goal_reason;
-    // How late ticks begin.
+    // Wake-up delay of the ticks.
     atas_percentiles wake;
     // Age of the newest frame at the tick.
     atas_percentiles frame_age;
-    // Duration of the tick's body.
+    // Duration of the tick computation.
     atas_percentiles tick;
-    // From the sensor's stamp to the command.
+    // Time from the sensor stamp to the command.
     atas_percentiles sensor_to_command;
     // Per hand.
     atas_hand_status hands[2];
@@ -1152,29 +1177,29 @@ _Static_assert(offsetof(atas_status, sensor_to_command) == 384, "atas_status.sen
 _Static_assert(offsetof(atas_status, hands) == 424, "atas_status.hands");
 _Static_assert(offsetof(atas_status, joints) == 760, "atas_status.joints");
 
-// What a sensor process says of its device, about 10 Hz and once more at its end.
+// Status of a sensor device from its sensor process, about 10 Hz and once at exit.
 typedef struct atas_sensor_status {
-    // captured_ns is when the snapshot was taken.
+    // captured_ns is the time of the snapshot.
     atas_stamp stamp;
-    // The driver, for example optoforce.
+    // Driver name, for example optoforce.
     char driver[32];
-    // The device, for example a tty.
+    // Device name, for example a tty.
     char device[64];
-    // Which hand it feels for.
+    // Hand of the sensor.
     uint32_t hand; // enum atas_hand
-    // 1 while the device delivers.
+    // 1 while the device delivers data.
     uint32_t alive;
     // Valid frames read from the device.
     uint64_t frames;
-    // Frames lost, by gaps in the device's own counter.
+    // Lost frames, from gaps in the device's counter.
     uint64_t lost;
-    // Bytes that belong to no valid frame.
+    // Bytes outside valid frames.
     uint64_t junk_bytes;
-    // Candidates that failed their checksum.
+    // Frame candidates with a wrong checksum.
     uint64_t checksum_failures;
-    // Frames whose status word reports an error or an overload.
+    // Frames whose status word reports an error or overload.
     uint64_t device_errors;
-    // The device's last status word.
+    // Last status word of the device.
     uint32_t device_status;
     // Written as zero.
     uint32_t pad;
@@ -1195,7 +1220,7 @@ _Static_assert(offsetof(atas_sensor_status, device_errors) == 160, "atas_sensor_
 _Static_assert(offsetof(atas_sensor_status, device_status) == 168, "atas_sensor_status.device_status");
 _Static_assert(offsetof(atas_sensor_status, pad) == 172, "atas_sensor_status.pad");
 
-// What one fingertip felt, after perception.
+// Contact state of one fingertip after perception.
 typedef struct atas_finger_report {
     // F_n in the contact-patch frame, N.
     float normal_n;
@@ -1203,15 +1228,15 @@ typedef struct atas_finger_report {
     float tangential_n;
     // dF_t over its window, N.
     float tangential_increment_n;
-    // S, friction utilisation: 1 means gross slip.
+    // Friction utilisation S; 1 means gross slip.
     float utilisation;
-    // S from the present friction reading, without memory.
+    // S from the present friction estimate, without its history.
     float utilisation_now;
     // Estimated friction coefficient.
     float friction;
     // Commanded closing speed, m/s, positive when closing.
     float closing_m_s;
-    // 1 while the fingertip touches something.
+    // 1 while the fingertip is in contact.
     uint32_t in_contact;
 } atas_finger_report;
 #define ATAS_FINGER_REPORT_TYPE "atas.FingerReport.v1"
@@ -1226,27 +1251,27 @@ _Static_assert(offsetof(atas_finger_report, friction) == 20, "atas_finger_report
 _Static_assert(offsetof(atas_finger_report, closing_m_s) == 24, "atas_finger_report.closing_m_s");
 _Static_assert(offsetof(atas_finger_report, in_contact) == 28, "atas_finger_report.in_contact");
 
-// What one hand felt and wanted.
+// Grasp state and active modules of one hand.
 typedef struct atas_hand_report {
-    // Sequence of the newest frame that the tick used.
+    // Sequence number of the newest frame used by the tick.
     uint64_t frame_sequence;
     // Age of that frame at the tick, ns.
     uint64_t frame_age_ns;
-    // Frames that arrived since the tick before.
+    // Frames received since the previous tick.
     uint32_t frames;
     // Bit n set: the module with ModuleId n is active.
     uint32_t modules_active;
-    // Index of the task's step.
+    // Index of the task step.
     uint32_t step;
-    // F_1, N.
+    // Minimum grip force F_1, N.
     float f1_n;
-    // F_2, N.
+    // Force limit F_2, N.
     float f2_n;
     // Object stiffness, N/m.
     float stiffness_n_m;
     // Commanded position of the hand's centre, base frame, m.
     double centre_m[3];
-    // Per finger.
+    // Per fingertip.
     atas_finger_report fingers[4];
 } atas_hand_report;
 #define ATAS_HAND_REPORT_TYPE "atas.HandReport.v1"
@@ -1263,25 +1288,26 @@ _Static_assert(offsetof(atas_hand_report, stiffness_n_m) == 36, "atas_hand_repor
 _Static_assert(offsetof(atas_hand_report, centre_m) == 40, "atas_hand_report.centre_m");
 _Static_assert(offsetof(atas_hand_report, fingers) == 64, "atas_hand_report.fingers");
 
-// What one tick did.
+// Report of one tick.
 typedef struct atas_tick_report {
-    // captured_ns is the tick's time.
+    // captured_ns is the time of the tick.
     atas_stamp stamp;
-    // Index of the tick; a gap means missed ticks.
+    // Tick index; a gap means missed ticks.
     uint64_t tick;
-    // Ticks missed so far.
+    // Ticks missed since the start.
     uint64_t missed_ticks;
     // Active goal, 0 if none.
     uint64_t goal_id;
-    // Sequence of the joint state that the tick used.
+    // Sequence number of the joint state used by the tick.
     uint64_t joint_sequence;
-    // How late the tick began, ns.
+    // Wake-up delay of the tick, ns.
     uint32_t wake_late_ns;
     // Mode after the tick.
     uint32_t mode; // enum atas_mode
-    // Duration of each stage, ns: intake, perception, modules, kinematics, safety, publish, report, recording.
+    // Duration of each stage, ns: intake, perception, modules, kinematics, safety, publish,
+    // report, recording.
     uint32_t stage_ns[8];
-    // From the newest frame's capture to the command's publication, ns.
+    // Time from the capture of the newest frame to the publication of the command, ns.
     uint32_t sensor_to_command_ns;
     // CRC-32 of the published command.
     uint32_t command_crc32;
@@ -1303,22 +1329,22 @@ _Static_assert(offsetof(atas_tick_report, sensor_to_command_ns) == 96, "atas_tic
 _Static_assert(offsetof(atas_tick_report, command_crc32) == 100, "atas_tick_report.command_crc32");
 _Static_assert(offsetof(atas_tick_report, hands) == 104, "atas_tick_report.hands");
 
-// The newest frames and joint state, some 60 times a second: the streams of the 1 kHz loop have a closed set of peers,
-// this one is for screens.
+// Newest frames and joint state, at about 60 Hz. The 1 kHz streams have a closed set of peers;
+// observers read this one instead.
 typedef struct atas_view {
     // captured_ns is the tick's time; sequence counts the views.
     atas_stamp stamp;
-    // The tick that left it.
+    // Tick that published the view.
     uint64_t tick;
-    // Per hand, 1 once a frame has come.
+    // Per hand: 1 after the first frame.
     uint32_t has_frame[2];
-    // 1 once a joint state has come.
+    // 1 after the first joint state.
     uint32_t has_joints;
     // Written as zero.
     uint32_t pad;
-    // The newest frame of each hand, as it came, unchecked.
+    // Newest frame of each hand, as received, not validated.
     atas_hand_frame frames[2];
-    // The newest joint state, as it came, unchecked.
+    // Newest joint state, as received, not validated.
     atas_joint_state joints;
 } atas_view;
 #define ATAS_VIEW_TYPE "atas.View.v2"
@@ -1332,15 +1358,15 @@ _Static_assert(offsetof(atas_view, pad) == 44, "atas_view.pad");
 _Static_assert(offsetof(atas_view, frames) == 48, "atas_view.frames");
 _Static_assert(offsetof(atas_view, joints) == 6352, "atas_view.joints");
 
-// Every tunable number, in the order of the daemon's table of parameters.
+// All tunable parameters, in the order of the daemon's parameter table.
 typedef struct atas_settings_record {
-    // FNV-1a 64 of the names: values of another table mean something else.
+    // FNV-1a 64 of the parameter names; values of another table are incompatible.
     uint64_t names_hash;
-    // Numbers that are used, at most SETTINGS.
+    // Number of used entries in value, at most SETTINGS.
     uint32_t count;
     // Written as zero.
     uint32_t pad;
-    // The numbers.
+    // Parameter values.
     double value[96];
 } atas_settings_record;
 #define ATAS_SETTINGS_RECORD_TYPE "atas.SettingsRecord.v1"
@@ -1351,23 +1377,23 @@ _Static_assert(offsetof(atas_settings_record, count) == 8, "atas_settings_record
 _Static_assert(offsetof(atas_settings_record, pad) == 12, "atas_settings_record.pad");
 _Static_assert(offsetof(atas_settings_record, value) == 16, "atas_settings_record.value");
 
-// One step of a task. The numbers are those of the daemon's words for tasks (crate atas, tasks::words).
+// One step of a task. The numeric codes are defined in tasks::words of the crate atas.
 typedef struct atas_step_record {
-    // Name, as users see it.
+    // Display name.
     char name[16];
-    // How the hand moves.
+    // Motion of the hand.
     uint32_t motion;
-    // Where to, for a motion that has a waypoint.
+    // Waypoint of the motion, if it has one.
     uint32_t waypoint;
-    // Which modules work: bit n stands for the module with the number n.
+    // Active modules: bit n stands for module number n.
     uint32_t modules;
-    // When the step is done.
+    // Condition that ends the step.
     uint32_t transition;
     // Meeting point, for a step that ends at one.
     uint32_t point;
     // Written as zero.
     uint32_t pad;
-    // When it has taken too long, s; infinite for never.
+    // Time limit, s; infinite for none.
     double timeout_s;
 } atas_step_record;
 #define ATAS_STEP_RECORD_TYPE "atas.StepRecord.v1"
@@ -1382,13 +1408,13 @@ _Static_assert(offsetof(atas_step_record, point) == 32, "atas_step_record.point"
 _Static_assert(offsetof(atas_step_record, pad) == 36, "atas_step_record.pad");
 _Static_assert(offsetof(atas_step_record, timeout_s) == 40, "atas_step_record.timeout_s");
 
-// The steps of one hand.
+// Step sequence of one hand.
 typedef struct atas_track_record {
-    // Steps that are used, at most STEPS; 0 for a hand that does nothing.
+    // Number of used entries in steps, at most STEPS; 0 for an idle hand.
     uint32_t count;
     // Written as zero.
     uint32_t pad;
-    // The steps.
+    // Steps.
     atas_step_record steps[32];
 } atas_track_record;
 #define ATAS_TRACK_RECORD_TYPE "atas.TrackRecord.v1"
@@ -1398,21 +1424,23 @@ _Static_assert(offsetof(atas_track_record, count) == 0, "atas_track_record.count
 _Static_assert(offsetof(atas_track_record, pad) == 4, "atas_track_record.pad");
 _Static_assert(offsetof(atas_track_record, steps) == 8, "atas_track_record.steps");
 
-// The behaviour table of a task (paper Table 1): one row per combination of sensor bits, one level per actuator and row.
+// Behaviour table of a task (paper Table 1): one row per combination of sensor bits, one level
+// per actuator and row.
 typedef struct atas_table_record {
-    // FNV-1a over all other fields; 0 with no bits: the task has no table.
+    // FNV-1a over all other fields; 0 if the task has no table.
     uint64_t hash;
-    // Sensor bits that are used, at most SENSOR_BITS; the first is the lowest of the row's number.
+    // Number of used sensor bits, at most SENSOR_BITS; the first is the lowest bit of the
+    // row number.
     uint32_t count;
-    // Which bits.
+    // Sensor bits.
     uint32_t bits[6]; // enum atas_sensor_bit
     // Written as zero.
     uint32_t pad;
-    // Closing speed of the fingers per level, m/s, negative opens.
+    // Closing speed of the fingers per level, m/s; negative opens.
     double fingers_m_s[4];
-    // Factor on the hand's speed along its path per level, −1 (back) to 1.
+    // Factor on the path speed of the hand per level, −1 (backwards) to 1.
     double hand[4];
-    // Four bits per row, row 0 lowest: level of the fingers, then level of the hand times four.
+    // Four bits per row, row 0 lowest: finger level plus four times hand level.
     uint64_t rows[4];
 } atas_table_record;
 #define ATAS_TABLE_RECORD_TYPE "atas.TableRecord.v1"
@@ -1426,15 +1454,15 @@ _Static_assert(offsetof(atas_table_record, fingers_m_s) == 40, "atas_table_recor
 _Static_assert(offsetof(atas_table_record, hand) == 72, "atas_table_record.hand");
 _Static_assert(offsetof(atas_table_record, rows) == 104, "atas_table_record.rows");
 
-// What a goal made the hands do: a built-in task or a user's own.
+// Task of a goal: built-in or user-defined.
 typedef struct atas_task_record {
-    // Name, as users see it.
+    // Display name.
     char name[16];
-    // The hand that the goal names.
+    // Steps of the hand that the goal names.
     atas_track_record acting;
-    // The other hand.
+    // Steps of the other hand.
     atas_track_record helping;
-    // What the module "behaviour table" reads.
+    // Table of the module "behaviour table".
     atas_table_record table;
 } atas_task_record;
 #define ATAS_TASK_RECORD_TYPE "atas.TaskRecord.v2"
@@ -1445,23 +1473,24 @@ _Static_assert(offsetof(atas_task_record, acting) == 16, "atas_task_record.actin
 _Static_assert(offsetof(atas_task_record, helping) == 1560, "atas_task_record.helping");
 _Static_assert(offsetof(atas_task_record, table) == 3104, "atas_task_record.table");
 
-// One order; only what its kind names is used, the rest is zero.
+// One supervisor request. Only the fields that its kind uses are set; all others are zero.
 typedef struct atas_order_record {
-    // What is ordered.
+    // Kind of the request.
     uint32_t kind; // enum atas_order_kind
     // Index of a parameter or of a hand.
     uint32_t index;
-    // Which goal.
+    // Goal of the request.
     uint64_t goal_id;
-    // Value of a parameter; of a goal to start, how far its hands may grasp beside where they were told, m.
+    // Value of a parameter. For START: largest allowed offset of the grasp from the commanded
+    // position, m.
     double value;
-    // Why.
+    // Reason of a stop or hold.
     atas_reason reason;
-    // A goal to start.
+    // Goal to start.
     atas_goal_request goal;
-    // Its task, as the configuration had it then.
+    // Task of that goal, as configured at that time.
     atas_task_record task;
-    // All settings.
+    // New settings.
     atas_settings_record settings;
 } atas_order_record;
 #define ATAS_ORDER_RECORD_TYPE "atas.OrderRecord.v5"
@@ -1476,16 +1505,16 @@ _Static_assert(offsetof(atas_order_record, goal) == 56, "atas_order_record.goal"
 _Static_assert(offsetof(atas_order_record, task) == 248, "atas_order_record.task");
 _Static_assert(offsetof(atas_order_record, settings) == 3488, "atas_order_record.settings");
 
-// What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
-// than one target, is told in several parts, one after the other.
+// Inputs of one tick and the resulting command. A tick with several frames of a hand, or
+// several targets, is split into consecutive parts.
 typedef struct atas_tick_inputs {
-    // sequence counts the parts of all ticks since the start, from 0; captured_ns is the tick's time.
+    // sequence counts the parts of all ticks from 0; captured_ns is the time of the tick.
     atas_stamp stamp;
     // Index of the tick; a gap means missed ticks.
     uint64_t tick;
-    // Which part this is, from 0. What is not per frame stands in every part.
+    // Index of this part, from 0. Fields that are not per frame are repeated in every part.
     uint32_t part;
-    // Parts of this tick.
+    // Number of parts of this tick.
     uint32_t parts;
     // Per hand, 1 if this part has a frame.
     uint32_t has_frame[2];
@@ -1493,15 +1522,15 @@ typedef struct atas_tick_inputs {
     uint32_t has_joints;
     // 1 if this part has a target.
     uint32_t has_target;
-    // Frame number part of each hand, as it came, unchecked.
+    // Frame number part of each hand, as received, not validated.
     atas_hand_frame frames[2];
-    // The newest joint state, as it came, unchecked.
+    // Newest joint state, as received, not validated.
     atas_joint_state joints;
-    // Target number part, as it came, unchecked.
+    // Target number part, as received, not validated.
     atas_grasp_target target;
-    // The order that was taken.
+    // Supervisor request processed in this tick.
     atas_order_record order;
-    // The command that was published.
+    // Published command.
     atas_joint_command command;
 } atas_tick_inputs;
 #define ATAS_TICK_INPUTS_TYPE "atas.TickInputs.v7"
@@ -1520,15 +1549,15 @@ _Static_assert(offsetof(atas_tick_inputs, target) == 7464, "atas_tick_inputs.tar
 _Static_assert(offsetof(atas_tick_inputs, order) == 7552, "atas_tick_inputs.order");
 _Static_assert(offsetof(atas_tick_inputs, command) == 11824, "atas_tick_inputs.command");
 
-// One hand's sensor, as the controller is wired to it.
+// Sensor set-up of one hand.
 typedef struct atas_hand_wiring_record {
-    // Fingers that carry sensors.
+    // Number of fingertips with sensors.
     uint32_t fingers;
-    // 1 if the robot must hold when this hand is silent.
+    // 1 if the robot must hold when frames of this hand stop arriving.
     uint32_t required;
     // Nominal frame rate, Hz.
     double rate_hz;
-    // Elements of the layout, at most ELEMENTS.
+    // Number of elements of the layout, at most ELEMENTS.
     uint32_t element_count;
     // Written as zero.
     uint32_t pad;
@@ -1557,17 +1586,17 @@ _Static_assert(offsetof(atas_hand_wiring_record, tangent2) == 3096, "atas_hand_w
 _Static_assert(offsetof(atas_hand_wiring_record, position_m) == 4632, "atas_hand_wiring_record.position_m");
 _Static_assert(offsetof(atas_hand_wiring_record, element_area_m2) == 6168, "atas_hand_wiring_record.element_area_m2");
 
-// How a run began: what the controller was made from.
+// Header of a run: everything that determines the controller's initial state.
 typedef struct atas_run_header {
-    // captured_ns is when the daemon started; the epoch is that of its commands.
+    // captured_ns is the start time of the daemon; the epoch is that of its commands.
     atas_stamp stamp;
-    // Version of the daemon. Another version may compute another command.
+    // Version of the daemon. Other versions may compute other commands.
     char version[32];
     // FNV-1a 64 of config.
     uint64_t config_hash;
-    // The robot: built-in, or the path of its URDF.
+    // Robot: name of a shipped robot, or absolute path of its model file.
     char robot[256];
-    // FNV-1a 64 of the URDF's text, 0 for the built-in robot.
+    // FNV-1a 64 of the URDF and robot file texts; 0 if the files are missing.
     uint64_t robot_hash;
     // Tick rate, Hz.
     uint32_t rate_hz;
@@ -1579,13 +1608,13 @@ typedef struct atas_run_header {
     uint32_t joints_required;
     // Written as zero.
     uint32_t pad;
-    // Servo stiffness of each joint of one hand, N·m/rad; zero where there is no joint.
+    // Servo stiffness of each joint of one hand, N·m/rad; zero in unused entries.
     double stiffness_n_m_rad[32];
     // Per hand.
     atas_hand_wiring_record hands[2];
-    // The settings of the first tick. Later changes are orders.
+    // Settings of the first tick. Later changes are supervisor requests.
     atas_settings_record settings;
-    // The whole configuration as TOML, for people: what a replay needs of it stands in the other fields.
+    // Complete configuration as TOML, for readers only; a replay uses the other fields.
     char config[16384];
 } atas_run_header;
 #define ATAS_RUN_HEADER_TYPE "atas.RunHeader.v2"
@@ -1606,19 +1635,20 @@ _Static_assert(offsetof(atas_run_header, hands) == 608, "atas_run_header.hands")
 _Static_assert(offsetof(atas_run_header, settings) == 12960, "atas_run_header.settings");
 _Static_assert(offsetof(atas_run_header, config) == 13744, "atas_run_header.config");
 
-// What every agent senses at the start of one field frame.
+// Sensor rows of all agents at the start of one field frame.
 typedef struct atas_agent_sensors {
-    // captured_ns is the frame's time.
+    // captured_ns is the time of the frame.
     atas_stamp stamp;
     // Index of the field frame within the trial.
     uint64_t frame;
     // Index of the trial (goal position).
     uint32_t trial;
-    // Agents that carry data, at most AGENTS.
+    // Number of used entries in row, at most AGENTS.
     uint32_t agent_count;
-    // Names the field's numbers, so that agents can refuse a field that their tables were not evolved for.
+    // Hash of the field parameters. Agents reject a field for which their tables were not
+    // evolved.
     uint64_t field_hash;
-    // Per agent the table row that its sensors select: bit 0 is S1, bit 4 is S5.
+    // Per agent: table row selected by the sensors; bit 0 is S1, bit 4 is S5.
     uint32_t row[1024];
 } atas_agent_sensors;
 #define ATAS_AGENT_SENSORS_TYPE "atas.AgentSensors.v2"
@@ -1631,19 +1661,19 @@ _Static_assert(offsetof(atas_agent_sensors, agent_count) == 36, "atas_agent_sens
 _Static_assert(offsetof(atas_agent_sensors, field_hash) == 40, "atas_agent_sensors.field_hash");
 _Static_assert(offsetof(atas_agent_sensors, row) == 48, "atas_agent_sensors.row");
 
-// What every agent does in that field frame.
+// Wheel commands of all agents for one field frame.
 typedef struct atas_wheel_commands {
-    // captured_ns is copied from the sensors that it answers.
+    // captured_ns is copied from the sensors that this command answers.
     atas_stamp stamp;
-    // The field frame that it answers.
+    // Field frame that this command answers.
     uint64_t frame;
-    // The trial that it answers.
+    // Trial that this command answers.
     uint32_t trial;
-    // Agents that carry data.
+    // Number of used entries in output.
     uint32_t agent_count;
-    // First 8 bytes of the hash of the table that was looked up, so that a swap is visible.
+    // First 8 bytes of the hash of the behaviour table in use; a change shows a table swap.
     uint64_t table_hash;
-    // Per agent the table's output bits: L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3.
+    // Per agent: output bits of the table; L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3.
     uint32_t output[1024];
 } atas_wheel_commands;
 #define ATAS_WHEEL_COMMANDS_TYPE "atas.WheelCommands.v1"
@@ -1656,23 +1686,25 @@ _Static_assert(offsetof(atas_wheel_commands, agent_count) == 36, "atas_wheel_com
 _Static_assert(offsetof(atas_wheel_commands, table_hash) == 40, "atas_wheel_commands.table_hash");
 _Static_assert(offsetof(atas_wheel_commands, output) == 48, "atas_wheel_commands.output");
 
-// What a base sees at the start of a frame. Places are metres ahead of its middle and to the left.
+// State of a base at the start of a frame. Positions are relative to the base centre, m:
+// ahead, left.
 typedef struct atas_base_state {
-    // captured_ns is the frame's time.
+    // captured_ns is the time of the frame.
     atas_stamp stamp;
     // Index of the frame.
     uint64_t frame;
-    // Where the object's light is, m; means nothing while the hand has the object.
+    // Position of the object light, m; undefined while the hand holds the object.
     double object_m[2];
-    // Where the goal's light is, m.
+    // Position of the goal light, m.
     double goal_m[2];
-    // Distance to the robot that has the right of way, m; infinite if this one has it, or nobody needs it.
+    // Distance to the robot with the right of way, m; infinite if this robot has it or no
+    // robot needs it.
     double first_m;
-    // 1 while the object stands, so that its light is seen.
+    // 1 while the object stands on the ground and its light is visible.
     uint32_t object_stands;
-    // 1 while the wheels stand.
+    // 1 while the wheels are stopped.
     uint32_t stands;
-    // What ended the course at once.
+    // Incident that ended the course.
     uint32_t mishap; // enum atas_mishap
     // Written as zero.
     uint32_t pad;
@@ -1690,15 +1722,16 @@ _Static_assert(offsetof(atas_base_state, stands) == 76, "atas_base_state.stands"
 _Static_assert(offsetof(atas_base_state, mishap) == 80, "atas_base_state.mishap");
 _Static_assert(offsetof(atas_base_state, pad) == 84, "atas_base_state.pad");
 
-// What a base is told for that frame.
+// Command to a base for one frame.
 typedef struct atas_base_command {
-    // captured_ns is copied from the state that it answers.
+    // captured_ns is copied from the state that this command answers.
     atas_stamp stamp;
-    // The frame that it answers.
+    // Frame that this command answers.
     uint64_t frame;
-    // Who has the say.
+    // Control owner.
     uint32_t say; // enum atas_say
-    // Which light counts. The base drives gently once it is the goal's: its robot carries the object then.
+    // Light that the base detects. With the goal light the base drives gently, because the
+    // robot carries the object.
     uint32_t light; // enum atas_light
 } atas_base_command;
 #define ATAS_BASE_COMMAND_TYPE "atas.BaseCommand.v1"
@@ -1709,68 +1742,71 @@ _Static_assert(offsetof(atas_base_command, frame) == 24, "atas_base_command.fram
 _Static_assert(offsetof(atas_base_command, say) == 32, "atas_base_command.say");
 _Static_assert(offsetof(atas_base_command, light) == 36, "atas_base_command.light");
 
-// The true state of one simulated object.
+// Ground truth of one simulated object.
 typedef struct atas_object_truth {
-    // Name of the object, as in its data file.
+    // Object name, as in its data file.
     char name[32];
-    // Middle of its shape, base frame, m.
+    // Centre of its shape, base frame, m.
     double position_m[3];
     // Orientation, base frame, quaternion w, x, y, z.
     double orientation[4];
-    // How far its middle is above where it rested at the start, m.
+    // Height of the centre above its initial rest height, m.
     double lifted_m;
-    // Tilt of its upright axis, rad.
+    // Tilt of the upright axis, rad.
     double tilt_rad;
-    // Force each finger must press with to carry it, m·g / (2·μ), N.
+    // Minimum force per grasp side to carry the object, m·g / (2·μ), N.
     double needed_n;
-    // Force at which it crushes, N; infinite if it does not.
+    // Force at which the object is crushed, N; infinite if never.
     double crush_n;
-    // Largest force it has felt, N.
+    // Largest force applied so far, N.
     double max_force_n;
-    // Sum of the forces of the table, or of what else it stands on, N.
+    // Sum of the support forces of the table or another base, N.
     double table_n;
-    // When it first stood again after it had been lifted last, simulated time, ns; 0 if never.
+    // Simulated time of the first landing after the last lift, ns; 0 if never.
     uint64_t landed_ns;
-    // When what it stands on first truly carried it after that: with 0.2 N or a tenth of its weight, whichever is more, where a
-    // first corner that grazes carries less; simulated time, ns; 0 if never.
+    // Simulated time at which the support first carries the object after that landing, ns; 0
+    // if never. The threshold is the larger of 0.2 N and a tenth of its weight, so a grazing
+    // corner does not count.
     uint64_t carried_ns;
-    // When the last fingertip let go of it after it had been lifted last: for the first time after it landed, else most
-    // recently; simulated time, ns; 0 if never.
+    // Simulated time at which the last fingertip released the object after the last lift, ns;
+    // 0 if never. It is the first release after landing, else the most recent one.
     uint64_t released_ns;
-    // Its height above what was under it at that moment, m.
+    // Clearance under the object at that moment, m.
     double released_above_m;
-    // Greatest slip along the fingertips in any hold of a hand so far, while its support did not carry all of it, m.
+    // Largest slip along the fingertips in any hold so far, m. Measured while the support does
+    // not carry the whole weight.
     double slip_in_hand_m;
-    // Greatest turn in any of these holds, rad.
+    // Largest rotation in any of these holds, rad.
     double turn_in_hand_rad;
-    // How far it is from where it stood at the start, over the table, m.
+    // Horizontal distance from the initial position, m.
     double displaced_m;
-    // How far a cap has been turned since the threads met, rad, positive closing. This and the following are 0 for
-    // other objects.
+    // Rotation of a cap since thread engagement, rad, positive closing. This and the following
+    // cap fields are 0 for other objects.
     double cap_angle_rad;
-    // Angle at which a cap is closed, rad.
+    // Angle at which the cap is closed, rad.
     double cap_closing_rad;
-    // Friction torque of a cap's thread before it closes, N·m.
+    // Thread friction torque before the cap closes, N·m.
     double cap_friction_n_m;
-    // Torque on a cap's thread now, N·m.
+    // Present torque on the thread, N·m.
     double cap_torque_n_m;
-    // Torque that it takes to turn a cap any further, N·m: how tight it is.
+    // Torque needed to turn the cap further (tightness), N·m.
     double cap_holding_n_m;
-    // 1 while a cap is on the neck and its thread engaged.
+    // 1 while the cap is on the neck and its thread is engaged.
     uint32_t cap_engaged;
-    // 1 while it is engaged and turned to its closing angle or beyond.
+    // 1 while the thread is engaged and turned to the closing angle or beyond.
     uint32_t cap_closed;
-    // 1 while it stands by itself, upright within 5° and within 10 mm of where it stood at the start.
+    // 1 while the object stands unsupported by a hand, within 5° of upright and 10 mm of its
+    // initial position.
     uint32_t stands;
-    // 1 while a fingertip presses it.
+    // 1 while a fingertip presses the object.
     uint32_t pressed;
     // 1 once crushed.
     uint32_t crushed;
-    // 1 once dropped: it fell out of the hand after it had been lifted.
+    // 1 once dropped: fallen out of the hand after a lift.
     uint32_t dropped;
-    // 1 once it tipped over.
+    // 1 once tipped over.
     uint32_t tipped;
-    // 1 once spilt: a bottle that tilted while it was not closed.
+    // 1 once spilt: a bottle tilted while it was not closed.
     uint32_t spilt;
 } atas_object_truth;
 #define ATAS_OBJECT_TRUTH_TYPE "atas.ObjectTruth.v4"
@@ -1806,21 +1842,21 @@ _Static_assert(offsetof(atas_object_truth, dropped) == 252, "atas_object_truth.d
 _Static_assert(offsetof(atas_object_truth, tipped) == 256, "atas_object_truth.tipped");
 _Static_assert(offsetof(atas_object_truth, spilt) == 260, "atas_object_truth.spilt");
 
-// The true state of the simulated world.
+// Ground truth of the simulated world.
 typedef struct atas_world_truth {
     // captured_ns is the simulated time.
     atas_stamp stamp;
-    // Milliseconds of the machine's clock that were skipped so far because the simulator came late; 0 in lock-step.
+    // Milliseconds of real time skipped so far because the simulator was late; 0 in lock-step.
     uint64_t missed_ticks;
-    // Objects that carry data.
+    // Number of used entries in objects.
     uint32_t object_count;
-    // Commands refused or expired so far.
+    // Commands rejected or expired so far.
     uint32_t expired_commands;
-    // The objects.
+    // Objects.
     atas_object_truth objects[4];
-    // True sliding distance of each fingertip on what it touches since its first touch, m.
+    // Sliding distance of each fingertip on the touched surface since its first contact, m.
     double slip_m[2][4];
-    // True normal force of each fingertip, N.
+    // Normal force of each fingertip, N.
     double normal_n[2][4];
 } atas_world_truth;
 #define ATAS_WORLD_TRUTH_TYPE "atas.WorldTruth.v4"
@@ -1834,18 +1870,18 @@ _Static_assert(offsetof(atas_world_truth, objects) == 40, "atas_world_truth.obje
 _Static_assert(offsetof(atas_world_truth, slip_m) == 1096, "atas_world_truth.slip_m");
 _Static_assert(offsetof(atas_world_truth, normal_n) == 1160, "atas_world_truth.normal_n");
 
-// One agent in one frame: where it is, what it senses there, and what it does about it.
+// Pose, sensor row and output of one agent in one frame.
 typedef struct atas_agent_truth {
-    // Its centre, to the right of the field's and above it, px.
+    // Centre relative to the field centre, x right and y up, px.
     float position_px[2];
-    // Where it looks, counter-clockwise from +x, 1/64 turns.
+    // Heading, counter-clockwise from +x, 1/64 turns.
     uint32_t heading_steps;
-    // The table row that its sensors select here: bit 0 is S1, bit 4 is S5.
+    // Table row selected by the sensors: bit 0 is S1, bit 4 is S5.
     uint32_t row;
-    // What it does in this frame, its table's output bits: L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3. It stands still (0) where
-    // nothing was answered and when a trial is over.
+    // Output bits of the table in this frame: L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3. 0
+    // (standing) without a command and after a trial.
     uint32_t output;
-    // 1 if it pressed against the object in the frame before.
+    // 1 if the agent pushed the object in the previous frame.
     uint32_t touches;
 } atas_agent_truth;
 #define ATAS_AGENT_TRUTH_TYPE "atas.AgentTruth.v1"
@@ -1857,23 +1893,23 @@ _Static_assert(offsetof(atas_agent_truth, row) == 12, "atas_agent_truth.row");
 _Static_assert(offsetof(atas_agent_truth, output) == 16, "atas_agent_truth.output");
 _Static_assert(offsetof(atas_agent_truth, touches) == 20, "atas_agent_truth.touches");
 
-// One field: an object, a goal, and how well the object is on its way.
+// State of one field: object, goal and score.
 typedef struct atas_field_truth {
     // Centre of the object, px.
     float object_px[2];
     // Centre of the goal, px.
     float goal_px[2];
-    // From the object to the goal, px.
+    // Distance from the object to the goal, px.
     float distance_px;
     // E1 (Eq. 2) of that distance, points.
     float e1_points;
-    // E2 (Eq. 3), points; 0 before the object was within the goal's radius.
+    // E2 (Eq. 3), points; 0 until the object is within the goal radius.
     float e2_points;
-    // What the trial is worth by the field's rule, points of 100; 0 before it is over.
+    // Score of the trial by the rule of the field, of 100 points; 0 until the trial is over.
     float points;
-    // The first frame, from 1, after which the object was within the goal's radius; 0 before.
+    // First frame, from 1, after which the object is within the goal radius; 0 until then.
     uint32_t reached_frame;
-    // 1 once the trial is over and the object was carried to its goal.
+    // 1 once the trial is over and the object has reached its goal.
     uint32_t solved;
 } atas_field_truth;
 #define ATAS_FIELD_TRUTH_TYPE "atas.FieldTruth.v1"
@@ -1888,23 +1924,23 @@ _Static_assert(offsetof(atas_field_truth, points) == 28, "atas_field_truth.point
 _Static_assert(offsetof(atas_field_truth, reached_frame) == 32, "atas_field_truth.reached_frame");
 _Static_assert(offsetof(atas_field_truth, solved) == 36, "atas_field_truth.solved");
 
-// What a trial that is over came to, on field 0.
+// Result of a completed trial on field 0.
 typedef struct atas_trial_truth {
     // Index of the trial.
     uint32_t trial;
-    // Its goal, 1 to 8; 0 in a place that holds no trial yet.
+    // Goal of the trial, 1 to 8; 0 in an unused entry.
     uint32_t goal;
-    // From the object to the goal in the end, px.
+    // Final distance from the object to the goal, px.
     float distance_px;
-    // The first frame, from 1, after which the object was within the goal's radius; 0 if it never was.
+    // First frame, from 1, after which the object was within the goal radius; 0 if never.
     uint32_t reached_frame;
-    // What it is worth by the field's rule, points of 100.
+    // Score by the rule of the field, of 100 points.
     float points;
-    // Fields, of all side by side, whose object was carried to its goal.
+    // Number of parallel fields in which the object reached its goal.
     uint32_t solved_fields;
-    // Frames in which the agents stood still because no answer came in time.
+    // Frames in which the agents stood still because the command was late.
     uint32_t missed_frames;
-    // Frames in which they stood still because the answer was malformed.
+    // Frames in which the agents stood still because the command was malformed.
     uint32_t refused_frames;
 } atas_trial_truth;
 #define ATAS_TRIAL_TRUTH_TYPE "atas.TrialTruth.v1"
@@ -1921,9 +1957,9 @@ _Static_assert(offsetof(atas_trial_truth, refused_frames) == 28, "atas_trial_tru
 
 // A straight wall inside a field.
 typedef struct atas_wall_truth {
-    // Where it begins, px.
+    // Start point, px.
     float from_px[2];
-    // Where it ends, px.
+    // End point, px.
     float to_px[2];
 } atas_wall_truth;
 #define ATAS_WALL_TRUTH_TYPE "atas.WallTruth.v1"
@@ -1932,11 +1968,11 @@ _Static_assert(_Alignof(atas_wall_truth) == 4, "atas_wall_truth");
 _Static_assert(offsetof(atas_wall_truth, from_px) == 0, "atas_wall_truth.from_px");
 _Static_assert(offsetof(atas_wall_truth, to_px) == 8, "atas_wall_truth.to_px");
 
-// A round post inside a field.
+// A cylindrical post inside a field.
 typedef struct atas_post_truth {
-    // Its centre, px.
+    // Centre, px.
     float at_px[2];
-    // Its radius, px.
+    // Radius, px.
     float radius_px;
 } atas_post_truth;
 #define ATAS_POST_TRUTH_TYPE "atas.PostTruth.v1"
@@ -1945,69 +1981,72 @@ _Static_assert(_Alignof(atas_post_truth) == 4, "atas_post_truth");
 _Static_assert(offsetof(atas_post_truth, at_px) == 0, "atas_post_truth.at_px");
 _Static_assert(offsetof(atas_post_truth, radius_px) == 8, "atas_post_truth.radius_px");
 
-// The true state of the swarm's fields in one frame.
+// Ground truth of all fields in one frame.
 typedef struct atas_arena_truth {
-    // captured_ns is the frame's time, as in the agents' sensors.
+    // captured_ns is the time of the frame, as in AgentSensors.
     atas_stamp stamp;
-    // Index of the frame within the trial; as many as a trial has when it is over.
+    // Index of the frame within the trial; equals trial_frames when the trial is over.
     uint64_t frame;
-    // Names the field's numbers, as in the agents' sensors.
+    // Hash of the field parameters, as in AgentSensors.
     uint64_t field_hash;
-    // First 8 bytes of the hash of the table that is looked up in this frame; 0 if nothing was answered.
+    // First 8 bytes of the hash of the behaviour table in use; 0 without a command.
     uint64_t table_hash;
     // Index of the trial (goal position).
     uint32_t trial;
-    // Trials of the session.
+    // Number of trials in the session.
     uint32_t trial_count;
     // Goal of the trial on field 0, 1 to 8, counter-clockwise from +x.
     uint32_t goal;
     // Frames of the task execution time (paper III.b.3).
     uint32_t execution_frames;
-    // Frames of a trial: the execution time and the evaluation time after it.
+    // Frames of a trial: execution time plus evaluation time.
     uint32_t trial_frames;
-    // 1 if the agents were told what to do in this frame.
+    // 1 if the agents received a command for this frame.
     uint32_t is_driven;
-    // Agents that carry data, at most AGENTS: those of field 0 first.
+    // Number of used entries in agents, at most AGENTS; the agents of field 0 come
+    // first.
     uint32_t agent_count;
-    // Fields that carry data, at most AGENTS.
+    // Number of used entries in fields, at most AGENTS.
     uint32_t field_count;
-    // Agents on each field.
+    // Agents per field.
     uint32_t team;
-    // Angle of the side IR sensors to straight ahead, 1/64 turns.
+    // Angle between the side IR sensors and straight ahead, 1/64 turns.
     uint32_t ir_angle_steps;
-    // Angle of the photo sensors' axes to straight ahead, 1/64 turns.
+    // Angle between the photo sensor axes and straight ahead, 1/64 turns.
     uint32_t photo_angle_steps;
-    // Cosine of half a photo sensor's opening angle: 0 sees a half-plane, towards 1 sees a ray.
+    // Cosine of half the opening angle of a photo sensor: 0 for a half-plane, 1 for a ray.
     float photo_half_angle_cosine;
-    // Half the side of a field: its border, px.
+    // Half the side length of a field, px.
     float half_side_px;
     // Radius of an agent, px.
     float agent_radius_px;
     // Radius of an object, px.
     float object_radius_px;
-    // An object has arrived when its centre is this close to the goal's, px.
+    // Largest distance between object and goal centres at which the object counts as
+    // delivered, px.
     float goal_radius_px;
-    // Reach of an IR sensor from the agent's centre, px.
+    // Range of an IR sensor from the agent centre, px.
     float ir_range_px;
-    // Distance within which the object's light is seen, px.
+    // Distance within which the object light is visible, px.
     float object_light_px;
-    // Distance within which the goal's light is seen, px.
+    // Distance within which the goal light is visible, px.
     float goal_light_px;
-    // Friction of the object over the force at which one agent stalls; 0 in a field whose yielding was fitted.
+    // Object friction divided by the stall force of one agent; 0 in a field with a fitted
+    // yielding.
     float friction_stall_forces;
-    // The part of an overlap by which one, two, three and four agents move the object.
+    // Share of an overlap by which one, two, three and four agents move the object.
     float yielding[4];
-    // Walls that carry data, at most OBSTACLES.
+    // Number of used entries in walls, at most OBSTACLES.
     uint32_t wall_count;
-    // Posts that carry data, at most OBSTACLES.
+    // Number of used entries in posts, at most OBSTACLES.
     uint32_t post_count;
-    // The walls inside every field.
+    // Walls inside every field.
     atas_wall_truth walls[16];
-    // The posts inside every field.
+    // Posts inside every field.
     atas_post_truth posts[16];
-    // How the field's preset is called.
+    // Name of the field preset.
     char preset[32];
-    // The newest trials that are over, that of index t in place t modulo 8.
+    // Most recent completed trials; trial t is at index t modulo 8.
     atas_trial_truth trials[8];
     // The fields.
     atas_field_truth fields[1024];

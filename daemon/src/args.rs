@@ -1,4 +1,4 @@
-//! The command line.
+//! Command line.
 
 use std::path::PathBuf;
 
@@ -7,57 +7,60 @@ use shm_bus::BusName;
 
 use crate::config::Source;
 
-/// The 1 kHz ATAS daemon: feels with its hands, moves their joints, takes goals.
+/// The 1 kHz ATAS daemon: reads tactile sensors, commands joints, executes goals.
 #[derive(Clone, Debug, Parser)]
 #[command(version, after_help = AFTER, args_conflicts_with_subcommands = true)]
 pub struct Args {
-    /// What to do instead of feeling and moving.
+    /// Command to run instead of the daemon.
     #[command(subcommand)]
     pub instead: Option<Instead>,
-    /// The bus to run on; every process of one robot uses the same.
+    /// The bus to run on; all processes of one robot use the same.
     #[arg(long, value_name = "NAME", env = BusName::ENV, default_value_t)]
     pub bus: BusName,
-    /// Configuration file, may be repeated: later ones win [default: /etc/atas/atas.toml and /etc/atas/conf.d/*.toml].
+    /// Configuration file, may be repeated: later ones win [default: /etc/atas/atas.toml and
+    /// /etc/atas/conf.d/*.toml].
     #[arg(long, value_name = "FILE")]
     pub config: Vec<PathBuf>,
-    /// The robot, one that ships (`atas robot list`) or a robot file; the same as `--set robot.model=…`.
+    /// The robot: a shipped one (`atas robot list`) or a robot file; same as `--set robot.model=…`.
     #[arg(long, value_name = "NAME|FILE")]
     pub robot: Option<String>,
-    /// One value on top of the files, may be repeated, for example `--set grasp.dr_n=0.08`.
+    /// Overrides one value of the files, may be repeated, for example `--set grasp.dr_n=0.08`.
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Checks the configuration, prints what would be in force, and exits.
+    /// Checks the configuration, prints the effective one, and exits.
     #[arg(long)]
     pub check_config: bool,
-    /// Prints the built-in tasks as a configuration of one's own tasks, to start from, and exits.
+    /// Prints the built-in tasks as configuration, a starting point for user tasks, and exits.
     #[arg(long)]
     pub print_tasks: bool,
-    /// Ticks when the simulator has sent a joint state instead of by the clock. Deterministic; never real-time.
+    /// Ticks on each joint state of the simulator instead of the clock. Deterministic; never
+    /// real-time.
     #[arg(long)]
     pub lockstep: bool,
-    /// Publishes what every tick takes in, for `atas record`; the same as `--set recording.stream=true`.
+    /// Publishes the inputs of every tick, for `atas record`; same as
+    /// `--set recording.stream=true`.
     #[arg(long)]
     pub record_stream: bool,
-    /// How the log on standard error looks; RUST_LOG says how much of it there is.
+    /// Format of the log on standard error; RUST_LOG sets its level.
     #[arg(long, value_enum, default_value_t = LogFormat::Human)]
     pub log_format: LogFormat,
 }
 
-/// What is done instead of feeling and moving.
+/// Commands other than running the daemon.
 #[derive(Clone, Debug, Subcommand)]
 pub enum Instead {
     /// Print completions for a shell.
     #[command(after_help = "Example:\n  atasd completions bash > /etc/bash_completion.d/atasd")]
     Completions {
-        /// Which shell.
+        /// Shell.
         shell: clap_complete::Shell,
     },
 }
 
-/// How the log looks.
+/// Log format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
-    /// For people.
+    /// Text for people.
     Human,
     /// One JSON object per line.
     Json,
@@ -93,7 +96,7 @@ Exit codes:
   130, 143  stopped at once by a second SIGINT or SIGTERM";
 
 impl Args {
-    /// Where the configuration comes from.
+    /// Source of the configuration.
     #[must_use]
     pub fn source(&self) -> Source {
         Source {
@@ -102,10 +105,10 @@ impl Args {
         }
     }
 
-    /// What a shell reads to complete this command line.
+    /// Completion script for a shell.
     #[must_use]
     pub fn completions(shell: clap_complete::Shell) -> Vec<u8> {
-        // Into memory: clap's generator panics where a pipe is closed or a disk is full.
+        // Generated in memory: clap's generator panics on a closed pipe or full disk.
         let mut script = Vec::new();
         clap_complete::generate(shell, &mut Self::command(), "atasd", &mut script);
         script

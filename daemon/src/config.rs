@@ -1,13 +1,14 @@
-//! Configuration: TOML files and `--set` flags go in, a checked [`Config`] comes out, or an error that names every
-//! wrong key with its place, its value and what it needs.
+//! Configuration: turns TOML files and `--set` flags into a validated [`Config`], or into an error
+//! that lists every invalid key with its location, value and permitted values.
 //!
-//! Values are merged key by key, later over earlier: built-in defaults, `/etc/atas/atas.toml`,
-//! `/etc/atas/conf.d/*.toml` in the order of their names (or the `--config` files instead of those), then `--set`.
-//! The file `atas.example.toml` shows every key.
+//! Values are merged by key, later ones win: built-in defaults, `/etc/atas/atas.toml`,
+//! `/etc/atas/conf.d/*.toml` by name (or instead the `--config` files), `--set`. The file
+//! `atas.example.toml` shows every key.
 //!
-//! * **Invariants:** a [`Config`] from [`Source::load`] is complete, finite and within every range. Unknown keys are
-//!   refused. [`Config::text`] says everything that is in force, and reading it back gives the same configuration.
-//! * **Absent on purpose:** the name of the bus, which every process on it must share (`--bus`, `ATAS_BUS`).
+//! * **Invariants:** a [`Config`] from [`Source::load`] is complete, finite and within all ranges.
+//!   Unknown keys are rejected. [`Config::text`] contains all effective values and reads back to
+//!   the same configuration.
+//! * The bus name is not part of it, because all processes share it (`--bus`, `ATAS_BUS`).
 
 mod document;
 mod error;
@@ -31,7 +32,7 @@ use robot_model::{HandModel, ModelError, RobotModel, Side, TWO_HAND_ARM};
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 
-/// Everything that can be configured.
+/// Complete configuration.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
@@ -41,13 +42,13 @@ pub struct Config {
     pub robot: Robot,
     /// The sensors.
     pub hands: Hands,
-    /// What is kept of a run.
+    /// Recording.
     pub recording: Recording,
-    /// Who besides the bus's user may do what.
+    /// Rights of other users.
     pub access: Access,
-    /// Which frames and joint states are believed.
+    /// Acceptance of frames and joint states.
     pub intake: settings::Intake,
-    /// From element forces to what a fingertip feels.
+    /// Estimation of contact values from element forces.
     pub perception: settings::Perception,
     /// Modules 1, 2 and 3.
     pub grasp: settings::Grasp,
@@ -55,28 +56,28 @@ pub struct Config {
     pub place: settings::Place,
     /// Modules 0 and 4: screwing.
     pub screw: settings::Screw,
-    /// Following a client's targets.
+    /// Teleoperation by a client.
     pub follow: settings::Follow,
-    /// How the hand moves.
+    /// Motion of the hand.
     pub motion: settings::Motion,
-    /// The last gate.
+    /// Safety gate.
     pub safety: settings::Safety,
-    /// The user's own tasks.
+    /// User tasks.
     #[serde(skip_serializing)]
     pub tasks: Tasks,
 }
 
-/// What is kept of a run.
+/// Recording of a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Recording {
-    /// Whether every tick's inputs are published, for a recorder.
+    /// True if the inputs of every tick are published for a recorder.
     pub stream: bool,
     /// Folder of the flight recorder; empty for the service's own.
     pub flight_folder: String,
 }
 
-/// Who besides the bus's user may do what. Read by `atas-gate` from the same files, at each use; checked here.
+/// Rights of users other than the bus's. `atas-gate` reads them from the same files at each use.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Access {
@@ -84,15 +85,15 @@ pub struct Access {
     pub group: GroupRight,
 }
 
-/// Whether the daemon insists on real-time scheduling.
+/// Treatment of missing real-time scheduling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RealtimeMode {
-    /// It does not start without.
+    /// The daemon does not start without it.
     Require,
-    /// It runs without, and says so (`DEGRADED`).
+    /// The daemon runs without it and reports `DEGRADED`.
     Try,
-    /// It does not ask.
+    /// Real-time scheduling is not requested.
     Off,
 }
 
@@ -100,7 +101,7 @@ pub enum RealtimeMode {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Realtime {
-    /// What to do about real-time scheduling and memory locking.
+    /// Real-time scheduling and memory locking.
     pub mode: RealtimeMode,
     /// `SCHED_FIFO` priority of the tick thread.
     pub priority: u32,
@@ -108,25 +109,25 @@ pub struct Realtime {
     pub cpu: Cpu,
     /// Tick rate, Hz.
     pub rate_hz: u32,
-    /// Longest spin before a deadline, µs.
+    /// Maximum spin before a deadline, µs.
     pub spin_us: u32,
-    /// Whether the cores are kept from idle states that they wake up from slowly.
+    /// True if the cores are kept out of slow idle states.
     pub keep_awake: bool,
-    /// Whether ticks follow the frames.
+    /// True if ticks align with the arrival of frames.
     pub phase_lock: bool,
-    /// First guess of the time from a frame's stamp to its arrival, µs.
+    /// Initial estimate of the time from a frame's stamp to its arrival, µs.
     pub phase_offset_us: u32,
-    /// Longest time that a tick awaits a frame beyond its usual arrival, µs.
+    /// Maximum time that a tick waits for a late frame, µs.
     pub arrival_wait_us: u32,
 }
 
-/// A core, or any.
+/// Choice of the core.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Cpu {
-    /// The core with this number.
+    /// Core with this number.
     Core(u32),
-    /// `"any"`: the kernel chooses.
+    /// `"any"`: chosen by the kernel.
     Any(AnyWord),
 }
 
@@ -142,9 +143,9 @@ pub enum AnyWord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Robot {
-    /// Name of a robot that ships, or path of a robot file.
+    /// Name of a shipped robot, or path of a robot file.
     pub model: String,
-    /// Whether joint feedback exists; without it the daemon senses and never moves anything.
+    /// True if joint feedback exists; without it the daemon only senses.
     pub joints_required: bool,
 }
 
@@ -158,17 +159,18 @@ pub struct Hands {
     pub right: HandSensor,
 }
 
-/// One hand's sensor.
+/// Sensor of one hand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct HandSensor {
-    /// Where the elements sit.
+    /// Arrangement of the elements.
     pub layout: LayoutChoice,
-    /// Fingers that carry sensors; 0: as many as the robot has there.
+    /// Number of fingertips with sensors; 0: as in the robot file.
     pub fingers: usize,
     /// Nominal frame rate, Hz.
     pub rate_hz: f64,
-    /// Whether the robot must hold when this sensor is silent. A hand without a required sensor takes no goals.
+    /// True if the robot must hold while this sensor is silent. A hand without a required sensor
+    /// takes no goals.
     pub required: bool,
 }
 
@@ -209,7 +211,7 @@ impl Default for HandSensor {
 }
 
 impl Config {
-    /// The numbers that may change while the daemon runs.
+    /// Values that may change at run time.
     #[must_use]
     pub fn settings(&self) -> Settings {
         Settings {
@@ -224,7 +226,7 @@ impl Config {
         }
     }
 
-    /// The same configuration with other settings.
+    /// The configuration with other settings.
     #[must_use]
     pub fn with_settings(&self, settings: &Settings) -> Self {
         Self {
@@ -240,10 +242,10 @@ impl Config {
         }
     }
 
-    /// What the controller of a robot is wired to.
+    /// Sensor set-up of the controller of a robot.
     ///
     /// # Errors
-    /// [`ConfigError`] for a layout that [`Source::load`] would have refused.
+    /// [`ConfigError`] for a layout that [`Source::load`] would reject.
     pub fn wiring(&self, robot: &RobotModel, writer_epoch: u64) -> Result<Wiring, ConfigError> {
         let [left, right] = Side::BOTH.map(|side| robot.hand(side));
         Ok(Wiring {
@@ -260,7 +262,7 @@ impl Config {
     /// Loads the robot.
     ///
     /// # Errors
-    /// [`ModelError`] if there is no such robot, or its files do not fit.
+    /// [`ModelError`] if the robot does not exist or its files are inconsistent.
     pub fn robot_model(&self) -> Result<RobotModel, ModelError> {
         RobotModel::find(&self.robot.model)
     }
@@ -268,7 +270,7 @@ impl Config {
     /// The effective configuration as TOML.
     #[must_use]
     pub fn text(&self) -> String {
-        // Every field is a number, a word, a truth value or an array of those, which TOML can always write.
+        // All fields are numbers, words, truth values or arrays of them, which TOML can represent.
         toml::to_string(self).unwrap_or_default() + &self.tasks.text()
     }
 
@@ -305,8 +307,8 @@ impl HandSensor {
 }
 
 impl Recording {
-    /// Folder of the flight recorder: the configured one, else `flight` in the state folder that a service manager gives
-    /// (`$STATE_DIRECTORY`), else none.
+    /// Folder of the flight recorder: the configured one, else `flight` in the service manager's
+    /// state folder (`$STATE_DIRECTORY`), else none.
     #[must_use]
     pub fn flight_folder(&self, state_directory: Option<&OsStr>) -> Option<PathBuf> {
         if !self.flight_folder.is_empty() {

@@ -1,4 +1,4 @@
-//! From a command line to a running daemon and back.
+//! Start-up and shutdown of the daemon.
 
 use std::io;
 use std::thread::{Builder, JoinHandle};
@@ -19,30 +19,30 @@ use crate::stop_thread::StopThread;
 use crate::supervisor::{OpenError, Signals, Supervisor, SupervisorState, TickThreadEnded};
 use crate::tick::TickLoop;
 
-/// Name under which others see the daemon on the bus.
 const ROLE: &str = "atasd";
-/// Stack of the tick thread, bytes: all of it is locked. Copies of a controller are put together on it, 210 kB each.
+/// Stack of the tick thread, bytes, all of it locked. Copies of a controller are built on it, 210
+/// kB each.
 const TICK_STACK_BYTES: usize = 3 << 19;
 
-/// Why the daemon ended other than as asked.
+/// Error that ends the daemon.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The configuration.
+    /// Invalid configuration.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The robot's file.
+    /// Robot file.
     #[error("could not load the robot: {0}")]
     Robot(#[from] ModelError),
-    /// The bus.
+    /// Bus.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// Real time is required.
+    /// Real time is required but not available.
     #[error(transparent)]
     Realtime(#[from] Refused),
-    /// The operating system.
+    /// Operating system.
     #[error("could not start because of: {0}")]
     System(#[from] io::Error),
-    /// The tick thread.
+    /// Tick thread.
     #[error(transparent)]
     Ticks(#[from] TickThreadEnded),
 }
@@ -57,7 +57,7 @@ impl From<OpenError> for Failure {
 }
 
 impl Failure {
-    /// The exit code of what could not be printed.
+    /// Exit code for output that could not be written.
     pub const UNWRITTEN: u8 = 1;
 
     /// The exit code, see the [crate's table](crate).
@@ -120,7 +120,7 @@ fn supervise(
         .and_then(|bus| Supervisor::open(bus, link, state, signals));
     let supervised = opened.map(|mut supervisor| (supervisor.run(&ticks), supervisor));
     quit.quit();
-    // A panic of the tick thread is in `supervised`.
+    // `supervised` contains a panic of the tick thread.
     let _joined = ticks.join();
     let (ended, mut supervisor) = supervised?;
     supervisor.conclude();
@@ -157,7 +157,6 @@ fn free_pacer(realtime: &config::Realtime) -> FreePacer {
     }
 }
 
-/// What the tick thread needs to begin.
 struct Start {
     bus: BusName,
     config: Config,
@@ -167,7 +166,7 @@ struct Start {
 }
 
 impl Start {
-    /// Starts the tick thread and waits until it has its ports and its scheduling, or was refused.
+    /// Starts the tick thread and waits until its ports and scheduling are set up, or failed.
     fn spawn(self, link: TickEnd) -> Result<(JoinHandle<()>, Granted), Failure> {
         let (send, receive) = bounded(1);
         let ticks = Builder::new()

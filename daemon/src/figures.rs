@@ -1,16 +1,17 @@
-//! Distributions of what the ticks measured.
+//! Timing distributions of the ticks.
 
 use hdrhistogram::Histogram;
 use shm_schemas::{Percentiles, Status};
 
 use crate::link::TickRecord;
 
-/// Longest duration that is told apart, ns; longer ones count as this. Longer than any stall short of a suspend. Ours.
+/// Upper bound of the histograms, ns; longer durations count as this. Design choice: longer than
+/// any stall except a suspend.
 const LONGEST_NS: u64 = 10_000_000_000;
-/// Figures that are kept: 1 % resolution, 20 KiB per distribution.
+/// Resolution: 1 % with 20 KiB per distribution.
 const SIGNIFICANT_FIGURES: u8 = 2;
 
-/// The distributions of [`Status`], since the start.
+/// Distributions of [`Status`] since the start.
 #[derive(Debug)]
 pub struct Figures {
     wake: Histogram<u64>,
@@ -20,7 +21,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Empty distributions. `None` never, because the bounds are valid.
+    /// Empty distributions. Never `None`, because the bounds are valid.
     #[must_use]
     pub fn new() -> Option<Self> {
         let empty = || Histogram::new_with_bounds(1, LONGEST_NS, SIGNIFICANT_FIGURES).ok();
@@ -32,7 +33,7 @@ impl Figures {
         })
     }
 
-    /// Counts a tick.
+    /// Adds a tick.
     pub fn record(&mut self, record: &TickRecord) {
         self.wake
             .saturating_record(u64::from(record.report.wake_late_ns));

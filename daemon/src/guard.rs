@@ -1,8 +1,9 @@
-//! The controller behind a guard: if it panics, the robot holds.
+//! Panic guard around the controller: if it panics, the robot holds.
 //!
-//! A panic latches FAULT. In that same tick, and in every tick from then on, the last command goes out again with a new
-//! stamp and zero velocity: the robot keeps its position and its grip, and its consumer keeps hearing a heartbeat. The
-//! controller is not asked again before the daemon is restarted, because its state may be half-written.
+//! A panic latches FAULT. From that tick on, the last command is published again with a new stamp
+//! and zero velocity. The robot keeps its position and grip, and the robot driver keeps receiving
+//! commands. The controller is not used until the daemon restarts, because its state may be
+//! inconsistent.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -15,32 +16,32 @@ use shm_schemas::{
     Stamp, Status, Text, TickReport,
 };
 
-/// How long a command of a failed daemon stays valid, ns. The controller's own value cannot be asked any more.
+/// Validity of a command after a panic, ns. The controller's own value is not available then.
 const VALID_NS: u64 = 5_000_000;
 
-/// What a tick gives out.
+/// Outputs of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
-    /// The command to publish.
+    /// Command to publish.
     pub command: &'a JointCommand,
-    /// What the tick saw and did, without timings.
+    /// Report without timings.
     pub report: &'a TickReport,
-    /// News of the goal.
+    /// Goal update.
     pub goal_update: Option<&'a GoalUpdate>,
-    /// What happened.
+    /// Events.
     pub events: &'a [ModuleEvent],
 }
 
-/// The guarded controller.
+/// Controller with panic guard.
 #[derive(Debug)]
 pub struct Guard {
-    /// Boxed because it is large: moving it would need more stack than a tick does.
+    /// Boxed because it is large: moving it needs more stack than a tick.
     controller: Box<Controller>,
     last: Last,
     failure: Option<Failure>,
 }
 
-/// What of the last good tick a failure needs.
+/// Values of the last good tick that a failure needs.
 #[derive(Debug, Default)]
 struct Last {
     command: JointCommand,
@@ -57,7 +58,7 @@ struct Failure {
 }
 
 impl Guard {
-    /// Guards a controller.
+    /// Wraps a controller.
     #[must_use]
     pub fn new(controller: Box<Controller>) -> Self {
         Self {
@@ -67,18 +68,18 @@ impl Guard {
         }
     }
 
-    /// One tick, see [`Controller::step_timed`].
+    /// Runs one tick, see [`Controller::step_timed`].
     pub fn step(&mut self, inputs: &Inputs<'_>, passed: impl FnMut(Stage)) -> Step<'_> {
         self.guarded(inputs, |controller| controller.step_timed(inputs, passed))
     }
 
-    /// The controller, as long as it can be asked.
+    /// The controller, unless it has panicked.
     #[must_use]
     pub fn controller(&self) -> Option<&Controller> {
         self.failure.is_none().then_some(&*self.controller)
     }
 
-    /// Whether a goal is being pursued.
+    /// Returns true while a goal is active.
     #[must_use]
     pub fn pursues_goal(&self) -> bool {
         self.failure.is_none()
@@ -88,7 +89,7 @@ impl Guard {
                 .is_some_and(|goal| !goal.state.is_final())
     }
 
-    /// The part of the status that the controller knows.
+    /// The controller's part of the status.
     #[must_use]
     pub fn status(&self, now_ns: u64) -> Status {
         let (mode, reason) = match self.failure {
@@ -115,7 +116,7 @@ impl Guard {
         }
     }
 
-    /// A goal that the controller was still pursuing when it failed has failed too.
+    /// A goal that was active at the panic has failed.
     fn state_of(&self, state: GoalState) -> GoalState {
         if self.failure.is_some() && !state.is_final() {
             GoalState::FAILED
@@ -207,7 +208,7 @@ impl Failure {
         }
     }
 
-    /// The last command again, at rest, with this tick's stamp.
+    /// Repeats the last command with zero velocity and this tick's stamp.
     fn hold(&mut self, inputs: &Inputs<'_>) {
         let command = &mut self.command;
         command.stamp.sequence += 1;

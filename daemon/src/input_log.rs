@@ -1,8 +1,8 @@
-//! The input log: what every tick took in and gave out, on its way from the tick to a recorder.
+//! Input log: passes the inputs and the command of every tick to a recorder.
 //!
-//! A fixed number of boxes goes round: the tick fills a blank one and passes it on, the supervisor publishes it and gives
-//! it back. Nothing is allocated, nothing waits; if the blanks are used up, parts are dropped, counted, and missing from
-//! the sequence, so that no reader can mistake the rest for the whole.
+//! A fixed number of buffers circulates: the tick fills one, the supervisor publishes and returns
+//! it. Nothing is allocated and nothing waits. Without a free buffer, parts are dropped, counted
+//! and missing in the sequence, so that a reader detects the gap.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,19 +12,20 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{GraspTarget, HandFrame, JointCommand, JointState, OrderKind, Stamp, TickInputs};
 
-/// Boxes of 12 KiB, locked memory: the supervisor may fall behind by an eighth of a second at 1 kHz, thirty of its rounds.
-/// Ours.
+/// Number of buffers of 12 KiB, locked memory: 0.128 s of supervisor delay at 1 kHz, about thirty
+/// rounds. Design choice.
 const BOXES: usize = 128;
-/// Boxes beyond which lock-step waits for the supervisor. They bound its pace to 8,000 ticks per second, at which a recorder
-/// may fall behind by 36 ms. Ours.
+/// Filled buffers beyond which lock-step waits. They limit its pace to 8,000 ticks per second, at
+/// which a recorder may lag 36 ms. Design choice.
 const WAITING: usize = BOXES / 4;
-/// Boxes that go round as long as the supervisor keeps up, few enough to stay in the processor's cache. Ours.
+/// Buffers that circulate while the supervisor keeps up, few enough to stay in the processor's
+/// cache. Design choice.
 const WARM: usize = 8;
 
-/// The tick's end.
+/// Tick side of the log.
 #[derive(Debug)]
 pub struct LogWriter {
-    /// Blank boxes that were used lately; taken first.
+    /// Recently used free buffers, taken first.
     warm: Consumer<Box<TickInputs>>,
     spare: Consumer<Box<TickInputs>>,
     full: Producer<Box<TickInputs>>,
@@ -32,7 +33,7 @@ pub struct LogWriter {
     dropped: Arc<AtomicU64>,
 }
 
-/// The supervisor's end.
+/// Supervisor side of the log.
 #[derive(Debug)]
 pub struct LogReader {
     warm: Producer<Box<TickInputs>>,
@@ -41,7 +42,7 @@ pub struct LogReader {
     dropped: Arc<AtomicU64>,
 }
 
-/// A log with all its boxes blank.
+/// Creates a log with all buffers free.
 #[must_use]
 pub fn input_log() -> (LogWriter, LogReader) {
     let (warm_in, warm) = RingBuffer::new(WARM);
@@ -66,7 +67,7 @@ pub fn input_log() -> (LogWriter, LogReader) {
 }
 
 impl LogWriter {
-    /// Keeps what a tick took in, and the command that it gave out.
+    /// Records the inputs and the command of a tick.
     pub fn keep(&mut self, inputs: &Inputs<'_>, command: &JointCommand) {
         let frames = inputs.frames.iter().map(|frames| frames.len());
         let parts = frames
@@ -89,12 +90,12 @@ impl LogWriter {
             };
             (blank.part, blank.parts) = (part as u32, parts as u32);
             fill(&mut blank, inputs, part, command);
-            // There is room for every box there is.
+            // The queue has room for all buffers.
             let _kept = self.full.push(blank);
         }
     }
 
-    /// Whether few parts wait. Time that stands still, as in lock-step, can wait until it is so; nothing is lost then.
+    /// Returns true if few parts are queued. Lock-step waits for this, so that nothing is lost.
     #[must_use]
     pub fn has_room(&self) -> bool {
         BOXES - self.full.slots() < WAITING
@@ -102,28 +103,28 @@ impl LogWriter {
 }
 
 impl LogReader {
-    /// The next part; give it back after use.
+    /// The next part; recycle it after use.
     #[must_use]
     pub fn next_part(&mut self) -> Option<Box<TickInputs>> {
         self.full.pop().ok()
     }
 
-    /// Makes a box blank again.
+    /// Returns a buffer to the free ones.
     pub fn give_back(&mut self, used: Box<TickInputs>) {
         if let Err(rtrb::PushError::Full(used)) = self.warm.push(used) {
-            // There is room for every box there is.
+            // The queue has room for all buffers.
             let _kept = self.spare.push(used);
         }
     }
 
-    /// Parts dropped because no box was blank.
+    /// Number of parts dropped without a free buffer.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }
 }
 
-/// Writes one part. What a part has not is zero; it is only written where the box had something before.
+/// Writes one part. Missing entries are zero, and written only if the buffer contained others.
 fn fill(blank: &mut TickInputs, inputs: &Inputs<'_>, part: usize, command: &JointCommand) {
     blank.tick = inputs.tick.index;
     for hand in 0..HANDS {

@@ -1,4 +1,4 @@
-//! `atasd`, see the crate `atasd` and `atasd --help`.
+//! `atasd`; see the crate `atasd` and `atasd --help`.
 
 use std::io::{self, Write as _};
 use std::process::ExitCode;
@@ -16,7 +16,7 @@ fn main() -> ExitCode {
     };
     let log = match log::start(args.log_format.into()) {
         Ok(log) => log,
-        // Without threads there is no daemon, and nobody to tell.
+        // Without the log thread no message can be written.
         Err(_) => return ExitCode::FAILURE,
     };
     let code = match run(&args) {
@@ -42,7 +42,7 @@ fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-/// A reader that has seen enough is no failure.
+/// Prints `text`. A closed pipe is not an error.
 fn print(text: &[u8]) -> Result<(), Failure> {
     let mut out = io::stdout();
     match out.write_all(text).and_then(|()| out.flush()) {

@@ -1,12 +1,12 @@
-//! When the next tick begins.
+//! Start time of the next tick.
 //!
-//! * [`FreePacer`] follows the machine's clock: absolute deadlines, sleep until shortly before, then spin. A late tick
-//!   is never caught up: whole periods that have passed are skipped and counted, the phase is kept. With a [`PhaseLock`]
-//!   the deadlines drift to the frames' arrival, and the spin looks for the frames: a tick begins when what it awaits is
-//!   there, at the latest a little after its deadline.
-//! * [`LockStep`] follows the sensors: a tick runs when a new joint state has arrived, and its time is that state's.
-//!   Virtual time stands still while there is nothing to do, so that a run depends on its goals only, not on when they
-//!   were sent. A client for which more than the goals goes on says how far it may go without any (`ControlOp::ADVANCE`).
+//! * [`FreePacer`] follows the clock: absolute deadlines, sleep until shortly before, then spin.
+//!   Late ticks are not made up: whole missed periods are skipped and counted, and the phase is
+//!   kept. With a [`PhaseLock`] the deadlines drift to the arrival of the frames. The spin then
+//!   polls for the awaited payloads, at most until shortly after the deadline.
+//! * [`LockStep`] follows the sensors: a tick runs on each new joint state, at that state's time.
+//!   Virtual time stands still without work, so that a run depends on its goals and not on when
+//!   they were sent. A client may let it advance without goals (`ControlOp::ADVANCE`).
 
 mod lockstep;
 mod phase;
@@ -25,18 +25,18 @@ use shm_bus::now_ns;
 use crate::link::TickEnd;
 use crate::ports::{InputPorts, STREAMS};
 
-/// What the ticks follow.
+/// Time base of the ticks.
 #[derive(Debug)]
 pub enum Pacer {
-    /// The clock.
+    /// Clock.
     Free(FreePacer),
-    /// The sensors.
+    /// Sensors.
     LockStep(LockStep),
 }
 
 impl Pacer {
-    /// Waits for the next tick. `None` when the loop shall end. Where there is time
-    /// between waking up and the tick, `warm` is called once, to bring into the caches what the tick will need.
+    /// Waits for the next tick; `None` when the loop must end. Calls `warm_up` once if there is
+    /// time after waking up.
     pub fn wait(
         &mut self,
         ports: &mut InputPorts,
@@ -50,8 +50,8 @@ impl Pacer {
         }
     }
 
-    /// Takes in what the tick shall use. In lock-step the joint state is in already: the tick's time is its own, and a newer
-    /// one is the next tick's.
+    /// Receives the inputs of the tick. In lock-step the joint state is already received, because
+    /// it sets the tick's time.
     pub fn take_in(&self, ports: &mut InputPorts) {
         match self {
             Self::Free(_) => ports.look(),
@@ -62,13 +62,14 @@ impl Pacer {
         }
     }
 
-    /// Whether the ticks follow the clock.
+    /// Returns true if the ticks follow the clock.
     #[must_use]
     pub fn is_free(&self) -> bool {
         matches!(self, Self::Free(_))
     }
 
-    /// Learns from a tick when the next one should begin; `true` if the ticks are locked to the frames.
+    /// Adapts the next deadline to a tick; returns true if the ticks are phase-locked to the
+    /// frames.
     pub fn learn(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> bool {
         match self {
             Self::Free(pacer) => pacer.learn(start, streams),
@@ -77,28 +78,29 @@ impl Pacer {
     }
 }
 
-/// What warming the caches takes until it is known, ns (measured: 10 to 45 µs when cold). Ours.
+/// Initial estimate of the cache warm-up's duration, ns (measured: 10 to 45 µs when cold). Design
+/// choice.
 const WARM_NS: u64 = 18_000;
-/// The wait for what is late ends at this fraction of a period at the latest, whatever is configured: the tick itself
-/// needs the rest. Ours.
+/// Upper bound of the wait for late frames, as a divisor of the period: the tick needs the rest.
+/// Design choice.
 const PATIENCE_PERIODS: u64 = 4;
 
-/// Ticks by the clock.
+/// Pacer that follows the clock.
 #[derive(Debug)]
 pub struct FreePacer {
     period_ns: u64,
-    /// Begins with the first wait, so that what comes before it costs no tick.
+    /// Created at the first wait, so that set-up time misses no tick.
     schedule: Option<Schedule>,
     margin: SpinMargin,
-    /// What warming takes here: begun any later, it would outlast the deadline.
+    /// Duration of the warm-up: a later start would pass the deadline.
     warming: SpinMargin,
     phase: Option<PhaseLock>,
     patience_ns: u64,
 }
 
 impl FreePacer {
-    /// Ticks of this period (not 0), the first one a period after the first wait begins; spins at most `spin_max_ns`
-    /// before each.
+    /// Ticks with this period (not 0), the first one period after the first wait. Spins at most
+    /// `spin_max_ns` before each.
     #[must_use]
     pub fn new(period_ns: u64, spin_max_ns: u64) -> Self {
         Self {
@@ -111,8 +113,8 @@ impl FreePacer {
         }
     }
 
-    /// The same, locked to the frames: they arrive about `lag_ns` after their stamps, and one that is late is awaited for
-    /// at most `patience_ns`.
+    /// Adds a phase lock: frames arrive about `lag_ns` after their stamps, and a late one is
+    /// awaited for at most `patience_ns`.
     #[must_use]
     pub fn locked(self, lag_ns: u64, patience_ns: u64) -> Self {
         Self {
@@ -130,7 +132,7 @@ impl FreePacer {
         phase.is_locked()
     }
 
-    /// Sleeps, warms up, then looks and spins until the next tick may begin.
+    /// Sleeps, warms up, then polls or spins until the next tick may start.
     fn wait(&mut self, ports: &mut InputPorts, warm: impl FnOnce(&InputPorts)) -> TickStart {
         let period_ns = self.period_ns;
         let schedule = self
@@ -162,15 +164,15 @@ impl FreePacer {
     }
 }
 
-/// Looks until what is awaited has come, or until the latest moment. Returns when that was, why it ended, and by how much
-/// it missed its moment. What comes is left where it is: to take it in is the tick's work.
+/// Polls until the awaited payloads have arrived or the time limit is reached. Returns the time,
+/// the reason of the start and the delay. Payloads stay queued for the tick.
 fn look_until(
     ports: &mut InputPorts,
     awaited: &Awaited,
     deadline_ns: u64,
     patience_ns: u64,
 ) -> (u64, Began, u64) {
-    // What waits already may be of the frame before; what comes from now on is new.
+    // Queued payloads may belong to the previous frame; later ones are new.
     ports.look();
     let missing = awaited.missing(&ports.captured_ns());
     let mut looked_ns = now_ns();
@@ -201,7 +203,7 @@ fn sleep_until(deadline_ns: u64) {
         tv_sec: (deadline_ns / 1_000_000_000).cast_signed(),
         tv_nsec: (deadline_ns % 1_000_000_000).cast_signed(),
     };
-    // A signal interrupts the sleep; any other refusal leaves the spin to wait.
+    // A signal interrupts the sleep; after any other error the spin waits.
     while clock_nanosleep_absolute(ClockId::Monotonic, &until) == Err(rustix::io::Errno::INTR) {}
 }
 

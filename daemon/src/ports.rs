@@ -1,4 +1,5 @@
-//! What comes in on the tick: both hands' frames, the newest joint state, a client's targets, in memory that was set aside at the start.
+//! Inputs of a tick: frames of both hands, newest joint state, grasp targets of a client. Buffers
+//! are allocated at the start.
 
 use atas_core::io::TARGETS_PER_TICK;
 use atas_core::{Inputs, Order, Tick};
@@ -6,13 +7,14 @@ use shm_bus::{Bus, BusError, Subscriber};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{GraspTarget, HandFrame, JointState, View, service};
 
-/// Most frames of one hand that one tick takes in. More wait for the next tick, which makes the drain bounded.
+/// Maximum number of frames per hand and tick. Further frames wait for the next tick, which bounds
+/// the work per tick.
 pub const FRAMES_PER_TICK: usize = 64;
 
-/// Streams that a tick takes in: the frames of both hands, and the joint states behind them.
+/// Number of input streams that a tick can await: the frames of both hands, then the joint states.
 pub const STREAMS: usize = HANDS + 1;
 
-/// The subscribers of the tick thread.
+/// Subscribers of the tick thread.
 #[derive(Debug)]
 pub struct InputPorts {
     hands: [HandPort; HANDS],
@@ -30,7 +32,7 @@ struct HandPort {
     port: Subscriber<HandFrame>,
     frames: Box<[HandFrame]>,
     count: usize,
-    /// Place of the newest frame that ever came.
+    /// Index of the newest frame received so far.
     newest: Option<usize>,
     captured_ns: u64,
 }
@@ -39,7 +41,7 @@ impl InputPorts {
     /// Opens the ports.
     ///
     /// # Errors
-    /// [`BusError`] if the bus refuses.
+    /// [`BusError`] if a port cannot be opened.
     pub fn open(bus: &Bus) -> Result<Self, BusError> {
         let [left, right] = service::HAND_FRAME;
         Ok(Self {
@@ -54,29 +56,29 @@ impl InputPorts {
         })
     }
 
-    /// Forgets what the last tick used.
+    /// Discards the inputs of the last tick.
     pub fn begin(&mut self) {
         self.hands.iter_mut().for_each(|hand| hand.count = 0);
         self.has_news = false;
         self.target_count = 0;
     }
 
-    /// Takes in what has come since the last look, hands before joints, as they are sent, and then what clients want. At most [`FRAMES_PER_TICK`]
-    /// frames of each hand fit between two calls of [`InputPorts::begin`].
+    /// Receives new payloads: hands before joints, in the order of sending, then targets. At most
+    /// [`FRAMES_PER_TICK`] frames per hand between two calls of [`InputPorts::begin`].
     pub fn look(&mut self) {
         self.look_for_frames();
         self.look_for_joints();
         self.look_for_targets();
     }
 
-    /// Takes in the frames alone.
+    /// Receives frames only.
     pub fn look_for_frames(&mut self) {
         for hand in &mut self.hands {
             self.failures += u64::from(hand.take().is_err());
         }
     }
 
-    /// Takes in the targets of a client that leads a hand; what finds no room waits for the next tick.
+    /// Receives targets of a teleoperation client; surplus targets wait for the next tick.
     pub fn look_for_targets(&mut self) {
         let Self {
             stream,
@@ -92,8 +94,8 @@ impl InputPorts {
         *failures += u64::from(taken.is_err());
     }
 
-    /// Whether something waits in each of these streams. Asked in the reverse of the order in which they are sent, so that
-    /// as long as the last one has not come nothing else is looked at.
+    /// Returns true if each of these streams has a waiting payload. Polls in reverse order of
+    /// sending: the check ends early while the last stream has none.
     #[must_use]
     pub fn have_news(&self, streams: &[bool; STREAMS]) -> bool {
         let [left, right] = self.hands.each_ref().map(|hand| &hand.port);
@@ -102,7 +104,7 @@ impl InputPorts {
             && (!streams[0] || left.has_news())
     }
 
-    /// Takes in the newest joint state alone; `false` if none has come since [`InputPorts::begin`].
+    /// Receives the newest joint state only; false if none has arrived since [`InputPorts::begin`].
     pub fn look_for_joints(&mut self) -> bool {
         let taken = self.joints.newest(&mut self.newest);
         self.failures += u64::from(taken.is_err());
@@ -110,27 +112,27 @@ impl InputPorts {
         self.has_news
     }
 
-    /// When the newest payload of each stream was captured, ns, as its writer says; 0 if there was none yet. Nobody has
-    /// checked it: good enough to begin a tick by, and for nothing else.
+    /// Unvalidated stamp of the newest payload of each stream, ns; 0 if there is none. Only for the
+    /// start time of a tick.
     #[must_use]
     pub fn captured_ns(&self) -> [u64; STREAMS] {
         let [left, right] = self.hands.each_ref().map(|hand| hand.captured_ns);
         [left, right, self.joints_captured_ns()]
     }
 
-    /// When the newest joint state was captured, ns.
+    /// Stamp of the newest joint state, ns.
     #[must_use]
     pub fn joints_captured_ns(&self) -> u64 {
         self.newest.stamp.captured_ns
     }
 
-    /// Calls on which the bus failed so far.
+    /// Number of failed bus calls so far.
     #[must_use]
     pub fn failures(&self) -> u64 {
         self.failures
     }
 
-    /// Writes what came last into a view; what it has of the hands stays where nothing came.
+    /// Writes the newest payloads into a view; a hand without a frame keeps its entry.
     pub fn write_view(&self, tick: Tick, view: &mut View) {
         view.stamp.captured_ns = tick.now_ns;
         view.tick = tick.index;
@@ -146,7 +148,7 @@ impl InputPorts {
         }
     }
 
-    /// What was taken in, for the controller.
+    /// The received inputs, for the controller.
     #[must_use]
     pub fn inputs<'a>(&'a self, tick: Tick, order: Option<&'a Order>) -> Inputs<'a> {
         Inputs {

@@ -1,7 +1,8 @@
-//! Real-time set-up: locked memory, a pinned core, `SCHED_FIFO`, a pre-faulted stack, cores that do not sleep deeply.
+//! Real-time set-up: locked memory, pinned core, `SCHED_FIFO`, pre-faulted stack, limited idle
+//! states of the cores.
 //!
-//! Whether the kernel grants it is found out by asking. A refusal stops the daemon under `realtime.mode = "require"`,
-//! and is shown as `DEGRADED` under `"try"`.
+//! A refusal of the kernel stops the daemon under `realtime.mode = "require"`, and is shown as
+//! `DEGRADED` under `"try"`.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
@@ -13,19 +14,19 @@ use rustix::thread::CpuSet;
 
 use crate::config::{Cpu, Realtime, RealtimeMode};
 
-/// Longest time the tick thread may compute without sleeping before the kernel ends the process, µs (fault catalogue
-/// F28: at most 25 ms). The robot's consumer then holds by itself.
+/// Maximum computing time of the tick thread without a sleep, µs; the kernel then ends the process
+/// (fault catalogue F28: at most 25 ms), and the robot driver holds.
 const COMPUTE_MAX_US: u64 = 20_000;
-/// Stack that is touched before the first tick, bytes: several times what a tick uses.
+/// Stack pre-faulted before the first tick, bytes: several times a tick's use.
 const STACK_BYTES: usize = 128 << 10;
-/// Timer slack of the tick thread, ns: the least there is. It matters only without `SCHED_FIFO`.
+/// Timer slack of the tick thread, ns: the minimum. It matters only without `SCHED_FIFO`.
 const TIMER_SLACK_NS: u64 = 1;
 
-/// Where the kernel is told how long a core may take to wake up from idle. The wish lasts as long as the file is open, so
-/// it ends with the process, however that ends; per-core settings would outlive a killed daemon.
+/// Device that limits the wake-up latency of idle cores. The limit holds while the file is open and
+/// so ends with the process; per-core settings would outlive a killed daemon.
 const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
 
-/// Something the kernel refused.
+/// Real-time request refused by the kernel.
 #[derive(Debug, thiserror::Error)]
 #[error("could not {what} because of: {source}; {cure}")]
 pub struct Refused {
@@ -34,16 +35,16 @@ pub struct Refused {
     cure: &'static str,
 }
 
-/// What the kernel granted.
+/// Real-time properties granted by the kernel.
 #[derive(Debug, Default)]
 pub struct Granted {
     /// The tick thread runs under `SCHED_FIFO`.
     pub fifo: bool,
     /// Memory is locked.
     pub locked: bool,
-    /// Cores are kept from deep idle states while this is open.
+    /// Open idle-latency device.
     pub awake: Option<File>,
-    /// What was asked for and refused.
+    /// Refused requests.
     pub refused: Vec<Refused>,
 }
 
@@ -60,7 +61,7 @@ impl Granted {
     }
 }
 
-/// Locks the memory of the process, now and later. Call before the tick thread starts.
+/// Locks present and future memory of the process. Call before the tick thread starts.
 ///
 /// # Errors
 /// [`Refused`] under `require`.
@@ -72,8 +73,8 @@ pub fn lock_memory(realtime: &Realtime) -> Result<Granted, Refused> {
     Ok(granted)
 }
 
-/// Keeps the cores from idle states that they wake up from slowly, as long as `granted.awake` lives. It costs power, and a
-/// refusal costs some 50 µs of wake-up latency at most: it is told, and never stops or degrades the daemon.
+/// Keeps the cores out of slow idle states while the device is open, at the cost of power. A
+/// refusal adds at most about 50 µs of wake-up latency; it is logged and never degrades the daemon.
 ///
 /// # Errors
 /// [`Refused`], for the log.
@@ -97,7 +98,7 @@ pub fn keep_awake(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refu
 /// Makes the calling thread the tick thread.
 ///
 /// # Errors
-/// [`Refused`] under `require`; a core that does not exist is refused under `try` as well, by `granted.refused`.
+/// [`Refused`] under `require`; under `try` refusals are added to `granted.refused`.
 pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> {
     if realtime.mode == RealtimeMode::Off {
         return Ok(());
@@ -106,7 +107,7 @@ pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> 
     if let Cpu::Core(core) = realtime.cpu {
         granted.note(mode, pin(core))?;
     }
-    // Only shortens the sleep of a thread without SCHED_FIFO; a kernel without it does no harm.
+    // Only affects threads without `SCHED_FIFO`; a failure is harmless.
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(TIMER_SLACK_NS));
     granted.fifo = granted.note(mode, schedule_fifo(realtime.priority))?;
     if granted.fifo {
@@ -116,15 +117,15 @@ pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> 
     Ok(())
 }
 
-/// Makes the calling thread real-time as well, just below the ticks: it waits for the kernel nearly always, and must not
-/// wait for other work when it is needed. A refusal leaves it as it is.
+/// Makes the calling thread real-time at the next lower priority: it mostly sleeps, but must run at
+/// once when needed. A refusal has no effect.
 pub fn enter_below_the_tick(realtime: &Realtime) {
     if realtime.mode != RealtimeMode::Off && realtime.priority > 1 {
         let _ordinary = schedule_fifo(realtime.priority - 1);
     }
 }
 
-/// Makes the tick thread an ordinary one again, because closing ports may compute for longer than a tick may.
+/// Makes the tick thread non-real-time again, because closing ports may exceed the computing limit.
 pub fn leave() {
     scheduling::leave_fifo();
 }
@@ -159,7 +160,7 @@ fn schedule_fifo(priority: u32) -> Result<(), Refused> {
 fn limit_compute_time() {
     let hard = rustix::process::getrlimit(Resource::Rttime).maximum;
     let current = Some(hard.map_or(COMPUTE_MAX_US, |hard| hard.min(COMPUTE_MAX_US)));
-    // A lower limit than the present one is never refused.
+    // The kernel never refuses to lower a limit.
     let _ = rustix::process::setrlimit(
         Resource::Rttime,
         Rlimit {

@@ -1,10 +1,11 @@
-//! The thread that receives stops and does nothing else ([`shm_bus::stop`]).
+//! Thread that receives stop requests ([`shm_bus::stop`]).
 //!
-//! * **In:** datagrams on the bus's stop socket. **Out:** a signal that the next tick takes, an answer to who asked, a line
-//!   in the log.
-//! * **Invariants:** it shares nothing with ordinary clients: no shared memory, no queue, no lock. Its log line goes through
-//!   the bounded queue of the log and cannot hold it up.
-//! * **Absent on purpose:** recovering. That is asked for on the control service.
+//! * **In:** datagrams on the bus's stop socket. **Out:** a signal for the next tick, an answer to
+//!   the sender, a log line.
+//! * **Invariants:** it shares no memory, queue or lock with ordinary clients. The log line goes
+//!   through a bounded queue and never blocks.
+//!
+//! Recovery is a request on the control service.
 
 use std::io;
 use std::sync::Arc;
@@ -15,10 +16,10 @@ use shm_bus::stop::{Heard, Listener, Signal};
 use crate::config::Realtime;
 use crate::realtime;
 
-/// Stack of the thread, bytes: it is locked memory.
+/// Stack of the thread, bytes, locked memory.
 const STACK_BYTES: usize = 128 << 10;
 
-/// The thread; ends when this is dropped.
+/// The thread; it ends on drop.
 #[derive(Debug)]
 pub(crate) struct StopThread {
     listener: Arc<Listener>,
@@ -26,7 +27,6 @@ pub(crate) struct StopThread {
 }
 
 impl StopThread {
-    /// Begins to listen.
     pub(crate) fn start(listener: Listener, realtime: &Realtime) -> io::Result<Self> {
         let listener = Arc::new(listener);
         let (server, realtime) = (Arc::clone(&listener), realtime.clone());
@@ -44,7 +44,6 @@ impl StopThread {
         })
     }
 
-    /// What the tick looks at.
     pub(crate) fn signal(&self) -> Arc<Signal> {
         self.listener.signal()
     }
@@ -54,7 +53,7 @@ impl Drop for StopThread {
     fn drop(&mut self) {
         self.listener.close();
         if let Some(thread) = self.thread.take() {
-            // A panic there has been logged.
+            // A panic of the thread has been logged.
             let _joined = thread.join();
         }
     }

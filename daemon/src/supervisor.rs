@@ -1,11 +1,13 @@
-//! The non-real-time side: everything that may wait, allocate, log or fail without the robot noticing.
+//! Supervisor, the non-real-time side: everything that may wait, allocate, log or fail without
+//! effect on the robot.
 //!
-//! Every 4 ms it takes what the ticks left ([`SupervisorEnd`]), publishes it, answers goals and control requests, cleans up
-//! after dead peers, feeds the service manager's watchdog, and looks at the signals.
+//! Every 4 ms it reads the records of the ticks ([`SupervisorEnd`]) and publishes them. It also
+//! answers goals and control requests, cleans up dead peers, feeds the service manager's watchdog
+//! and polls the signals.
 //!
-//! * **Invariants:** nothing here can hold up a tick. Every list is bounded. A goal hears exactly one final update.
-//! * **Absent on purpose:** decisions about motion. Goals are checked here for form and reach; whether one may start
-//!   now is the controller's to say.
+//! * **Invariants:** nothing here can delay a tick. Every list is bounded. A goal gets exactly one
+//!   final update.
+//! * Goals are checked here for form and reach; the controller decides whether one may start now.
 
 mod checker;
 mod controls;
@@ -37,18 +39,18 @@ use recording::RecordStream;
 use service::ServiceManager;
 use telemetry::Telemetry;
 
-/// Pause between two rounds: short against the 100 ms in which a person feels an answer as immediate. A round costs some
-/// 15 µs of a core. Ours.
+/// Pause between two rounds, short against the 100 ms that a person notices. A round takes about 15
+/// µs. Design choice.
 const ROUND: Duration = Duration::from_millis(4);
-/// How often the dead are cleaned up after (bus design: every 100 to 500 ms).
+/// Interval of the clean-up after dead peers (bus design: 100 to 500 ms).
 const CLEAN_EVERY: Duration = Duration::from_millis(250);
-/// Longest time from a signal to the end: the ramp to a stop takes some tens of milliseconds (fault catalogue F60:
-/// 200 ms in all).
+/// Time limit from a signal to the end: the ramp to a stop takes some tens of milliseconds (fault
+/// catalogue F60: 200 ms).
 const STOP_WITHIN: Duration = Duration::from_millis(150);
-/// Commands at rest that are published after the ramp, so that the robot hears them.
+/// Commands at rest published after the ramp, so that the robot receives them.
 const REST_TICKS: u32 = 5;
 
-/// The supervisor; lives on its own thread with its own ports.
+/// The supervisor, with its own thread and ports.
 #[derive(Debug)]
 pub struct Supervisor {
     bus: Bus,
@@ -65,18 +67,18 @@ pub struct Supervisor {
     resting_ticks: u32,
 }
 
-/// Why the supervisor could not begin.
+/// Error at the start of the supervisor.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// The bus.
+    /// Bus.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// A thread.
+    /// Thread creation.
     #[error("could not start a thread because of: {0}")]
     Thread(#[from] io::Error),
 }
 
-/// The tick thread ended although nobody asked it to.
+/// Unexpected end of the tick thread.
 #[derive(Debug, thiserror::Error)]
 #[error("the tick thread ended unexpectedly: {0}; restart the daemon and report this")]
 pub struct TickThreadEnded(String);
@@ -85,7 +87,7 @@ impl Supervisor {
     /// Opens the ports of the supervisor.
     ///
     /// # Errors
-    /// [`OpenError`] if the bus or the operating system refuses.
+    /// [`OpenError`] if a port or a thread cannot be created.
     pub fn open(
         bus: Bus,
         link: SupervisorEnd,
@@ -111,7 +113,7 @@ impl Supervisor {
         })
     }
 
-    /// Supervises until a signal asks to stop and the robot is at rest.
+    /// Runs until a signal requests a stop and the robot is at rest.
     ///
     /// # Errors
     /// [`TickThreadEnded`].
@@ -140,7 +142,7 @@ impl Supervisor {
         }
     }
 
-    /// Publishes what the ticks left after [`Supervisor::run`], when no more ticks come.
+    /// Publishes the remaining records after the last tick.
     pub fn conclude(&mut self) {
         self.take_records();
     }
@@ -201,7 +203,7 @@ impl Supervisor {
         tracing::info!("asked to stop; ramping to a stop");
         self.manager.stopping();
         self.resting_ticks = 0;
-        // The queue of stops has room: nobody else stops as often as every tick.
+        // The queue of stops has room: no other source stops in every tick.
         let _ticket = self.link.order(Order::Stop(Reason::of(Cause::SHUTDOWN)));
         Instant::now() + STOP_WITHIN
     }

@@ -1,9 +1,12 @@
-//! The hot loop: wait, take in, step, publish, record. [`TickLoop::run_once`] is all of it.
+//! Tick loop: wait, receive, step, publish, record ([`TickLoop::run_once`]).
 //!
-//! * **In:** frames, joint states and orders. **Out:** one command per tick, and one record for the supervisor.
-//! * **Invariants:** after the first ticks no allocation but the one inside iceoryx2 per published command, no lock, no
-//!   log, no system call but the sleep (`tests/allocation.rs`). A tick publishes in every mode, also after a panic.
-//! * **Absent on purpose:** statistics. The tick only writes down what it measured; the supervisor counts.
+//! * **In:** frames, joint states, requests. **Out:** one command per tick, one record for the
+//!   supervisor.
+//! * **Invariants:** after the first ticks one allocation per tick (iceoryx2, for the published
+//!   command), no lock, no log, no system call except the sleep (`tests/allocation.rs`). A tick
+//!   publishes in every mode, also after a panic.
+//!
+//! The supervisor computes the statistics.
 
 use atas_core::{Controller, Order, Tick};
 use robot_model::RobotVector;
@@ -17,16 +20,16 @@ use crate::pacer::{Arrivals, Began, Pacer, TickStart};
 use crate::ports::{InputPorts, STREAMS};
 use crate::warm::DryTick;
 
-/// Places of the stages after the controller's own in [`TickReport::stage_ns`].
+/// Indices in [`TickReport::stage_ns`] after the controller's stages.
 const PUBLISH: usize = 5;
 const REPORT: usize = 6;
 const RECORDING: usize = 7;
-/// How often the status is renewed when nothing happens, Hz.
+/// Minimum status rate, Hz.
 const STATUS_HZ: u64 = 50;
-/// How often a view is left for screens, Hz: as often as they are drawn.
+/// View rate, Hz: a screen's refresh rate.
 const VIEW_HZ: u64 = 60;
 
-/// The tick thread's state.
+/// State of the tick thread.
 #[derive(Debug)]
 pub struct TickLoop {
     pacer: Pacer,
@@ -56,7 +59,7 @@ impl TickLoop {
     /// Opens the ports of the tick thread. `rate_hz` is the tick rate.
     ///
     /// # Errors
-    /// [`BusError`] if the bus refuses.
+    /// [`BusError`] if a port cannot be opened.
     pub fn open(
         bus: &Bus,
         controller: Box<Controller>,
@@ -96,7 +99,7 @@ impl TickLoop {
         while self.run_once() {}
     }
 
-    /// One tick; `false` when the loop shall end.
+    /// Runs one tick; returns false when the loop must end.
     pub fn run_once(&mut self) -> bool {
         let Self {
             pacer,
@@ -144,7 +147,8 @@ impl TickLoop {
         if is_news || ticket != 0 || counts.ticks.is_multiple_of(counts.status_every) {
             link.leave_snapshot(&counts.complete(guard.status(start.tick.now_ns), &start));
         }
-        // After the snapshot: whoever hears the news and asks for the status is not told of the time before.
+        // After the snapshot: a client that reacts to the notification must not read an older
+        // status.
         link.leave_news(ticket, goal_update.as_ref());
         if counts.ticks.is_multiple_of(counts.view_every) {
             link.leave_view(|view| ports.write_view(start.tick, view));
@@ -156,7 +160,7 @@ impl TickLoop {
     }
 }
 
-/// What the supervisor or a stop wants of this tick; in free-running time a silent supervisor makes the robot hold.
+/// Request of the supervisor or stop socket; on the clock, a silent supervisor causes a hold.
 fn order_for(link: &mut TickEnd, start: &TickStart, is_free: bool) -> Option<Ticketed> {
     let order = link.take_order(start.settling);
     if order.is_some() || !is_free {
@@ -214,7 +218,7 @@ fn record_of(
     }
 }
 
-/// What had come by this tick: of the hands what was believed, of the joints what was said.
+/// Stamps and counts for the phase lock: accepted frames of the hands, unvalidated joint state.
 fn arrivals(report: &TickReport, ports: &InputPorts) -> [Option<Arrivals>; STREAMS] {
     let [left, right] = report.hands.map(|hand| {
         let captured_ns = report.stamp.captured_ns.checked_sub(hand.frame_age_ns)?;
@@ -236,7 +240,6 @@ fn commanded_rad(command: &JointCommand) -> Option<RobotVector> {
     (!positions_rad.is_empty()).then(|| RobotVector::from_slice(positions_rad))
 }
 
-/// Times the stages of one tick.
 #[derive(Debug, Default)]
 struct Stopwatch {
     started_ns: u64,

@@ -1,13 +1,14 @@
-//! A dry tick while there is nothing to do but wait.
+//! Cache warm-up: steps a copy of the controller before the tick.
 //!
-//! Between two ticks other work takes the core's caches: a tick that begins cold takes twice as long as a warm one. So the
-//! tick thread, which wakes up a little early anyway, steps a copy of the controller with what the next tick will
-//! probably get, and throws the copy away.
+//! Between two ticks other work occupies the core's caches; a tick with cold caches takes twice as
+//! long. The tick thread wakes up early anyway. It steps a copy of the controller with the expected
+//! inputs of the next tick and discards the result.
 //!
-//! * **In:** the controller, and the inputs of the last tick. **Out:** nothing but warm caches.
-//! * **Invariants:** the controller itself is only read. No allocation, no system call. A copy that panics is not stepped
-//!   again: the tick itself will find out why.
-//! * **Absent on purpose:** orders and targets. What they bring is rare and may be cold.
+//! * **In:** the controller and the inputs of the last tick. **Out:** warm caches only.
+//! * **Invariants:** the controller is only read. No allocation, no system call. After a panic of
+//!   the copy there are no further warm-ups; the tick itself will report the cause.
+//!
+//! Requests and targets are omitted, because they are rare.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -15,7 +16,7 @@ use atas_core::{Controller, Inputs, Tick};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, JointState};
 
-/// What a dry tick works on.
+/// Copy of the controller and inputs for a warm-up.
 #[derive(Debug)]
 pub struct DryTick {
     controller: Box<Controller>,
@@ -27,7 +28,7 @@ pub struct DryTick {
 }
 
 impl DryTick {
-    /// A dry tick for controllers like this one.
+    /// A warm-up for copies of this controller.
     #[must_use]
     pub fn new(controller: &Controller) -> Self {
         Self {
@@ -40,7 +41,7 @@ impl DryTick {
         }
     }
 
-    /// Steps a copy of the controller as if the next tick came with news like those of the last one.
+    /// Steps a copy of the controller with inputs like those of the last tick, one period later.
     pub fn run(&mut self, controller: &Controller, last: &Inputs<'_>, period_ns: u64) {
         if self.has_panicked {
             return;
@@ -70,7 +71,7 @@ impl DryTick {
         self.has_panicked = stepped.is_err();
     }
 
-    /// The newest payloads of the last tick, made those of the next one.
+    /// Advances the stamps of the last tick's newest payloads by one period.
     fn prepare(&mut self, last: &Inputs<'_>, period_ns: u64) {
         for hand in 0..HANDS {
             if let Some(newest) = last.frames[hand].last() {

@@ -1,6 +1,6 @@
-//! What a tick costs: one allocation, made inside iceoryx2 for the published command, and no more.
+//! Allocations of a tick: one, inside iceoryx2 for the published command.
 //!
-//! `cargo test -p atasd --test allocation -- --nocapture` prints how long the ticks took.
+//! `cargo test -p atasd --test allocation -- --nocapture` prints the durations of the ticks.
 
 #[path = "daemon/support.rs"]
 #[expect(dead_code, reason = "only the scripted world is needed here")]
@@ -20,12 +20,12 @@ use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{GoalKind, GoalRequest, Hand, Mode, Status};
 use support::World;
 
-/// Ticks that are counted, all of them in pursuit of a goal.
+/// Counted ticks, all with an active goal.
 const TICKS: u64 = 2_000;
-/// Ticks before: the world settles, the goal starts, connections are made.
+/// Ticks before counting: settling, start of the goal, connections.
 const WARM_UP: u64 = 200;
 const PERIOD_NS: u64 = 1_000_000;
-/// Place of the recording in [`shm_schemas::TickReport::stage_ns`].
+/// Index of the recording in [`shm_schemas::TickReport::stage_ns`].
 const RECORDING: usize = 7;
 
 fn grasp() -> Order {
@@ -51,7 +51,7 @@ fn recording_allocates_nothing_more() {
     print_figures("recording", &pursue(true));
 }
 
-/// Ticks in pursuit of a goal, each of which must allocate once.
+/// Runs ticks with an active goal, each of which must allocate once.
 fn pursue(recording: bool) -> Costs {
     let name = FreshBus::new("alloc");
     let mut world = World::on(&name);
@@ -97,7 +97,7 @@ fn pursue(recording: bool) -> Costs {
     costs
 }
 
-/// What the ticks took.
+/// Durations of the ticks.
 struct Costs {
     figures: Figures,
     recording_ns: Vec<u32>,
@@ -120,6 +120,6 @@ fn print_figures(what: &str, costs: &Costs) {
         us(tick.max_ns),
         us(u64::from(recording_ns[recording_ns.len() / 2])),
     );
-    // A closed standard output is no reason to fail.
+    // A closed standard output is not a failure.
     let _ = writeln!(std::io::stdout(), "{line}");
 }

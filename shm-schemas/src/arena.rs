@@ -1,6 +1,8 @@
-//! What the host of the swarm's fields knows and no agent senses: the onlooker's view.
+//! Ground truth of the swarm fields, published by the field process for observers. Agents do not
+//! read it.
 //!
-//! Lengths are the field's own, px of the paper's 800 × 800 (III.b.3); headings are 1/64 turns; times are frames.
+//! Lengths are field pixels (px) of the paper's 800 × 800 field (III.b.3), headings are 1/64 turns,
+//! times are frames.
 
 use crate::capacity::{AGENTS, GOALS, OBSTACLES, TEAM};
 use crate::payload::payload;
@@ -9,62 +11,62 @@ use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
-    /// One agent in one frame: where it is, what it senses there, and what it does about it.
+    /// Pose, sensor row and output of one agent in one frame.
     AgentTruth as "atas.AgentTruth.v1" {
-        /// Its centre, to the right of the field's and above it, px.
+        /// Centre relative to the field centre, x right and y up, px.
         pub position_px: [f32; 2],
-        /// Where it looks, counter-clockwise from +x, 1/64 turns.
+        /// Heading, counter-clockwise from +x, 1/64 turns.
         pub heading_steps: u32,
-        /// The table row that its sensors select here: bit 0 is S1, bit 4 is S5.
+        /// Table row selected by the sensors: bit 0 is S1, bit 4 is S5.
         pub row: u32,
-        /// What it does in this frame, its table's output bits: L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3. It stands still (0) where
-        /// nothing was answered and when a trial is over.
+        /// Output bits of the table in this frame: L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3. 0
+        /// (standing) without a command and after a trial.
         pub output: u32,
-        /// 1 if it pressed against the object in the frame before.
+        /// 1 if the agent pushed the object in the previous frame.
         pub touches: u32,
     }
 }
 
 payload! {
-    /// One field: an object, a goal, and how well the object is on its way.
+    /// State of one field: object, goal and score.
     FieldTruth as "atas.FieldTruth.v1" {
         /// Centre of the object, px.
         pub object_px: [f32; 2],
         /// Centre of the goal, px.
         pub goal_px: [f32; 2],
-        /// From the object to the goal, px.
+        /// Distance from the object to the goal, px.
         pub distance_px: f32,
         /// E1 (Eq. 2) of that distance, points.
         pub e1_points: f32,
-        /// E2 (Eq. 3), points; 0 before the object was within the goal's radius.
+        /// E2 (Eq. 3), points; 0 until the object is within the goal radius.
         pub e2_points: f32,
-        /// What the trial is worth by the field's rule, points of 100; 0 before it is over.
+        /// Score of the trial by the rule of the field, of 100 points; 0 until the trial is over.
         pub points: f32,
-        /// The first frame, from 1, after which the object was within the goal's radius; 0 before.
+        /// First frame, from 1, after which the object is within the goal radius; 0 until then.
         pub reached_frame: u32,
-        /// 1 once the trial is over and the object was carried to its goal.
+        /// 1 once the trial is over and the object has reached its goal.
         pub solved: u32,
     }
 }
 
 payload! {
-    /// What a trial that is over came to, on field 0.
+    /// Result of a completed trial on field 0.
     TrialTruth as "atas.TrialTruth.v1" {
         /// Index of the trial.
         pub trial: u32,
-        /// Its goal, 1 to 8; 0 in a place that holds no trial yet.
+        /// Goal of the trial, 1 to 8; 0 in an unused entry.
         pub goal: u32,
-        /// From the object to the goal in the end, px.
+        /// Final distance from the object to the goal, px.
         pub distance_px: f32,
-        /// The first frame, from 1, after which the object was within the goal's radius; 0 if it never was.
+        /// First frame, from 1, after which the object was within the goal radius; 0 if never.
         pub reached_frame: u32,
-        /// What it is worth by the field's rule, points of 100.
+        /// Score by the rule of the field, of 100 points.
         pub points: f32,
-        /// Fields, of all side by side, whose object was carried to its goal.
+        /// Number of parallel fields in which the object reached its goal.
         pub solved_fields: u32,
-        /// Frames in which the agents stood still because no answer came in time.
+        /// Frames in which the agents stood still because the command was late.
         pub missed_frames: u32,
-        /// Frames in which they stood still because the answer was malformed.
+        /// Frames in which the agents stood still because the command was malformed.
         pub refused_frames: u32,
     }
 }
@@ -72,87 +74,90 @@ payload! {
 payload! {
     /// A straight wall inside a field.
     WallTruth as "atas.WallTruth.v1" {
-        /// Where it begins, px.
+        /// Start point, px.
         pub from_px: [f32; 2],
-        /// Where it ends, px.
+        /// End point, px.
         pub to_px: [f32; 2],
     }
 }
 
 payload! {
-    /// A round post inside a field.
+    /// A cylindrical post inside a field.
     PostTruth as "atas.PostTruth.v1" {
-        /// Its centre, px.
+        /// Centre, px.
         pub at_px: [f32; 2],
-        /// Its radius, px.
+        /// Radius, px.
         pub radius_px: f32,
     }
 }
 
 payload! {
-    /// The true state of the swarm's fields in one frame.
+    /// Ground truth of all fields in one frame.
     ArenaTruth as "atas.ArenaTruth.v2" {
-        /// `captured_ns` is the frame's time, as in the agents' sensors.
+        /// `captured_ns` is the time of the frame, as in [`crate::AgentSensors`].
         pub stamp: Stamp,
-        /// Index of the frame within the trial; as many as a trial has when it is over.
+        /// Index of the frame within the trial; equals `trial_frames` when the trial is over.
         pub frame: u64,
-        /// Names the field's numbers, as in the agents' sensors.
+        /// Hash of the field parameters, as in [`crate::AgentSensors`].
         pub field_hash: u64,
-        /// First 8 bytes of the hash of the table that is looked up in this frame; 0 if nothing was answered.
+        /// First 8 bytes of the hash of the behaviour table in use; 0 without a command.
         pub table_hash: u64,
         /// Index of the trial (goal position).
         pub trial: u32,
-        /// Trials of the session.
+        /// Number of trials in the session.
         pub trial_count: u32,
         /// Goal of the trial on field 0, 1 to 8, counter-clockwise from +x.
         pub goal: u32,
         /// Frames of the task execution time (paper III.b.3).
         pub execution_frames: u32,
-        /// Frames of a trial: the execution time and the evaluation time after it.
+        /// Frames of a trial: execution time plus evaluation time.
         pub trial_frames: u32,
-        /// 1 if the agents were told what to do in this frame.
+        /// 1 if the agents received a command for this frame.
         pub is_driven: u32,
-        /// Agents that carry data, at most [`AGENTS`]: those of field 0 first.
+        /// Number of used entries in `agents`, at most [`AGENTS`]; the agents of field 0 come
+        /// first.
         pub agent_count: u32,
-        /// Fields that carry data, at most [`AGENTS`].
+        /// Number of used entries in `fields`, at most [`AGENTS`].
         pub field_count: u32,
-        /// Agents on each field.
+        /// Agents per field.
         pub team: u32,
-        /// Angle of the side IR sensors to straight ahead, 1/64 turns.
+        /// Angle between the side IR sensors and straight ahead, 1/64 turns.
         pub ir_angle_steps: u32,
-        /// Angle of the photo sensors' axes to straight ahead, 1/64 turns.
+        /// Angle between the photo sensor axes and straight ahead, 1/64 turns.
         pub photo_angle_steps: u32,
-        /// Cosine of half a photo sensor's opening angle: 0 sees a half-plane, towards 1 sees a ray.
+        /// Cosine of half the opening angle of a photo sensor: 0 for a half-plane, 1 for a ray.
         pub photo_half_angle_cosine: f32,
-        /// Half the side of a field: its border, px.
+        /// Half the side length of a field, px.
         pub half_side_px: f32,
         /// Radius of an agent, px.
         pub agent_radius_px: f32,
         /// Radius of an object, px.
         pub object_radius_px: f32,
-        /// An object has arrived when its centre is this close to the goal's, px.
+        /// Largest distance between object and goal centres at which the object counts as
+        /// delivered, px.
         pub goal_radius_px: f32,
-        /// Reach of an IR sensor from the agent's centre, px.
+        /// Range of an IR sensor from the agent centre, px.
         pub ir_range_px: f32,
-        /// Distance within which the object's light is seen, px.
+        /// Distance within which the object light is visible, px.
         pub object_light_px: f32,
-        /// Distance within which the goal's light is seen, px.
+        /// Distance within which the goal light is visible, px.
         pub goal_light_px: f32,
-        /// Friction of the object over the force at which one agent stalls; 0 in a field whose `yielding` was fitted.
+        /// Object friction divided by the stall force of one agent; 0 in a field with a fitted
+        /// `yielding`.
         pub friction_stall_forces: f32,
-        /// The part of an overlap by which one, two, three and four agents move the object.
+        /// Share of an overlap by which one, two, three and four agents move the object.
         pub yielding: [f32; TEAM],
-        /// Walls that carry data, at most [`OBSTACLES`].
+        /// Number of used entries in `walls`, at most [`OBSTACLES`].
         pub wall_count: u32,
-        /// Posts that carry data, at most [`OBSTACLES`].
+        /// Number of used entries in `posts`, at most [`OBSTACLES`].
         pub post_count: u32,
-        /// The walls inside every field.
+        /// Walls inside every field.
         pub walls: [WallTruth; OBSTACLES],
-        /// The posts inside every field.
+        /// Posts inside every field.
         pub posts: [PostTruth; OBSTACLES],
-        /// How the field's preset is called.
+        /// Name of the field preset.
         pub preset: Text<32>,
-        /// The newest trials that are over, that of index t in place t modulo 8.
+        /// Most recent completed trials; trial t is at index t modulo 8.
         pub trials: [TrialTruth; GOALS],
         /// The fields.
         pub fields: [FieldTruth; AGENTS],

@@ -1,4 +1,4 @@
-//! A robot's wheeled base: what it sees from where it is, and what whoever coordinates the robot tells it.
+//! Wheeled base: state of the base, and commands from the robot coordinator.
 
 use crate::code::code;
 use crate::payload::payload;
@@ -6,61 +6,63 @@ use crate::stamp::Stamp;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
-    /// Which light a base's photo sensors look for.
+    /// Light that the photo sensors of a base detect.
     Light as "atas.Light.v1" {
-        /// The object's.
+        /// Light of the object.
         OBJECT = 0, "object";
-        /// The goal's.
+        /// Light of the goal.
         GOAL = 1, "goal";
     }
 }
 
 code! {
-    /// Who has the say over a robot.
+    /// Subsystem that controls the robot.
     Say as "atas.Say.v1" {
-        /// Nobody: the base brakes and stands.
+        /// No owner: the base brakes and stands.
         NOBODY = 0, "nobody";
-        /// The behaviour table: the base drives.
+        /// The behaviour table drives the base.
         TABLE = 1, "table";
-        /// The hand: it works, the base stands.
+        /// The hand works; the base stands.
         HAND = 2, "hand";
-        /// Nobody any more: the course is over, the base brakes and stays.
+        /// The course is over: the base brakes and stays.
         OVER = 3, "over";
     }
 }
 
 code! {
-    /// What ended a base's course at once.
+    /// Incident that ended the course of a base.
     Mishap as "atas.Mishap.v1" {
-        /// Nothing did.
+        /// No incident.
         NONE = 0, "none";
-        /// It came too near to a wall.
+        /// The base came too close to a wall.
         LEFT_FIELD = 1, "left the field";
-        /// It met another robot.
+        /// The base collided with another robot.
         MET_ROBOT = 2, "met another robot";
-        /// It drove over an object.
+        /// The base drove over an object.
         MET_OBJECT = 3, "drove over an object";
     }
 }
 
 payload! {
-    /// What a base sees at the start of a frame. Places are metres ahead of its middle and to the left.
+    /// State of a base at the start of a frame. Positions are relative to the base centre, m:
+    /// ahead, left.
     BaseState as "atas.BaseState.v1" {
-        /// `captured_ns` is the frame's time.
+        /// `captured_ns` is the time of the frame.
         pub stamp: Stamp,
         /// Index of the frame.
         pub frame: u64,
-        /// Where the object's light is, m; means nothing while the hand has the object.
+        /// Position of the object light, m; undefined while the hand holds the object.
         pub object_m: [f64; 2],
-        /// Where the goal's light is, m.
+        /// Position of the goal light, m.
         pub goal_m: [f64; 2],
-        /// Distance to the robot that has the right of way, m; infinite if this one has it, or nobody needs it.
+        /// Distance to the robot with the right of way, m; infinite if this robot has it or no
+        /// robot needs it.
         pub first_m: f64,
-        /// 1 while the object stands, so that its light is seen.
+        /// 1 while the object stands on the ground and its light is visible.
         pub object_stands: u32,
-        /// 1 while the wheels stand.
+        /// 1 while the wheels are stopped.
         pub stands: u32,
-        /// What ended the course at once.
+        /// Incident that ended the course.
         pub mishap: Mishap,
         /// Written as zero.
         pub pad: u32,
@@ -68,15 +70,16 @@ payload! {
 }
 
 payload! {
-    /// What a base is told for that frame.
+    /// Command to a base for one frame.
     BaseCommand as "atas.BaseCommand.v1" {
-        /// `captured_ns` is copied from the state that it answers.
+        /// `captured_ns` is copied from the state that this command answers.
         pub stamp: Stamp,
-        /// The frame that it answers.
+        /// Frame that this command answers.
         pub frame: u64,
-        /// Who has the say.
+        /// Control owner.
         pub say: Say,
-        /// Which light counts. The base drives gently once it is the goal's: its robot carries the object then.
+        /// Light that the base detects. With the goal light the base drives gently, because the
+        /// robot carries the object.
         pub light: Light,
     }
 }

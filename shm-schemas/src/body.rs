@@ -1,9 +1,9 @@
-//! Names of the robot's bodies: what a [`crate::Reason`] says about two that would collide.
+//! Names of the robot bodies, for a [`crate::Reason`] about two bodies that would collide.
 
 use crate::stamp::Hand;
 use core::fmt;
 
-/// Names of the bodies of one arm with its hand, by the joint that moves them (robot design).
+/// Body names of one arm and hand, indexed by the joint that moves the body.
 const NAMES: [&str; 11] = [
     "shoulder",
     "upper arm",
@@ -23,23 +23,23 @@ const NAMES: [&str; 11] = [
 pub struct Body {
     /// 0 left, 1 right.
     pub hand: usize,
-    /// The joint of that hand that moves it, 0–10.
+    /// Joint of that hand that moves the body, 0 to 10.
     pub joint: usize,
 }
 
-/// Two bodies as the index of a [`crate::Reason`]; 0 stands for none.
+/// Two bodies, encoded as the index of a [`crate::Reason`]; index 0 means none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyPair(pub [Body; 2]);
 
 impl BodyPair {
-    /// The index that stands for the pair.
+    /// Encodes the pair as an index.
     #[must_use]
     pub fn index(self) -> usize {
         let [first, second] = self.0.map(|body| body.hand << 4 | body.joint & 0xf);
         1 + (first << 8 | second)
     }
 
-    /// The pair of an index.
+    /// Decodes the pair of an index.
     #[must_use]
     pub fn read(index: u32) -> Self {
         let pair = index.saturating_sub(1) as usize;

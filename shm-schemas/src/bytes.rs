@@ -1,5 +1,5 @@
-//! Payloads in a saved state: their bytes, as on the bus. What is kept of a payload is read again only where its size is
-//! the same.
+//! Serde support for payloads in a saved state. A payload is stored as its bytes on the bus and is
+//! read back only if the size is unchanged.
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -7,7 +7,7 @@ use core::marker::PhantomData;
 use serde::de::{Error, SeqAccess, Visitor};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// Reads a `T` from as many bytes as it has.
+/// Visitor that reads a `T` from exactly `size_of::<T>()` bytes.
 pub(crate) struct BytesOf<T>(pub(crate) PhantomData<T>);
 
 impl<'de, T: FromBytes + IntoBytes> Visitor<'de> for BytesOf<T> {
@@ -21,7 +21,7 @@ impl<'de, T: FromBytes + IntoBytes> Visitor<'de> for BytesOf<T> {
         T::read_from_bytes(bytes).map_err(|_| E::invalid_length(bytes.len(), &self))
     }
 
-    /// Formats without a word for bytes have them as a sequence.
+    /// Handles formats without a byte type, which store bytes as a sequence.
     fn visit_seq<A: SeqAccess<'de>>(self, mut bytes: A) -> Result<T, A::Error> {
         let mut value = T::new_zeroed();
         for (at, byte) in value.as_mut_bytes().iter_mut().enumerate() {
@@ -32,7 +32,7 @@ impl<'de, T: FromBytes + IntoBytes> Visitor<'de> for BytesOf<T> {
     }
 }
 
-/// Implements `Serialize` and `Deserialize` for a type that is plain bytes.
+/// Implements `Serialize` and `Deserialize` for a plain-bytes type.
 macro_rules! as_bytes {
     ($name:ident $(<const $n:ident: usize>)?) => {
         impl $(<const $n: usize>)? serde::Serialize for $name $(<$n>)? {

@@ -1,7 +1,7 @@
-//! Every payload and every code of the bus, as data.
+//! Schema catalogue: every payload and code of the bus, as data.
 //!
-//! Out: what other languages are told: the C header (`atas.h`), the tables of the protocol page and Python's array types are made
-//! from it, and cannot say anything else than the compiler does.
+//! It is the source of the C header (`atas.h`), the tables of the protocol page and the Python
+//! array types, which therefore match the compiled layout.
 
 use crate::schema::{CodeType, PayloadType};
 use crate::{arena, base, control, event, frame, goal, joints, module, reason, record, sensor_bit};
@@ -29,7 +29,7 @@ pub const CODES: &[&CodeType] = &[
     &base::Mishap::CODE,
 ];
 
-/// Every payload; one that is part of another stands before it.
+/// Every payload; nested payloads come before those that contain them.
 pub const PAYLOADS: &[&PayloadType] = &[
     &stamp::Stamp::PAYLOAD,
     &frame::HandFrame::PAYLOAD,

@@ -1,9 +1,9 @@
-//! Codes: open `u32` numbers with known values.
+//! Codes: `u32` numbers with named values.
 //!
-//! A Rust `enum` must never be read from foreign memory, because an unknown value is undefined behaviour. A code is
-//! a `u32` with named constants; an unknown value stays readable and prints as such.
+//! Foreign memory must not be read as a Rust `enum`, because an unknown value is undefined
+//! behaviour. A code accepts any `u32`; an unknown value remains readable and prints as unknown.
 
-/// Declares a code: a transparent-in-memory `u32` newtype with named values.
+/// Declares a code: a `#[repr(C)]` newtype of `u32` with named values.
 macro_rules! code {
     ($(#[doc = $doc:literal])* $name:ident as $wire:literal {
         $($(#[doc = $vdoc:literal])* $value:ident = $number:literal, $text:literal;)*
@@ -17,17 +17,17 @@ macro_rules! code {
         )]
         #[type_name($wire)]
         pub struct $name(
-            /// The number on the wire.
+            /// Number on the wire.
             pub u32,
         );
 
         impl $name {
             $($(#[doc = $vdoc])* pub const $value: Self = Self($number);)*
 
-            /// Every known value.
+            /// All known values.
             pub const ALL: &'static [Self] = &[$(Self::$value),*];
 
-            /// The code as other languages are told of it.
+            /// Schema of the code for other languages.
             pub const CODE: $crate::schema::CodeType = $crate::schema::CodeType {
                 name: stringify!($name),
                 about: &[$($doc),*],
@@ -39,7 +39,7 @@ macro_rules! code {
                 }),*],
             };
 
-            /// The value's name in logs and JSON; `"unknown"` for a value that this version does not know.
+            /// Returns the name in logs and JSON, or `"unknown"`.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self.0 {
@@ -48,14 +48,14 @@ macro_rules! code {
                 }
             }
 
-            /// Whether this version knows the value. Check before acting on a value from the bus.
+            /// Returns true if the value is known. Check before acting on a value from the bus.
             #[must_use]
             #[allow(clippy::manual_range_patterns, reason = "the macro cannot know whether the values are consecutive")]
             pub const fn is_known(self) -> bool {
                 matches!(self.0, $($number)|*)
             }
 
-            /// The value with this name.
+            /// Returns the value with this name.
             #[must_use]
             pub fn from_name(name: &str) -> Option<Self> {
                 match name {

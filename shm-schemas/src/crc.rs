@@ -1,15 +1,15 @@
-//! Seals: a CRC-32 over a payload, against bit flips and torn writes.
+//! CRC-32 checksum of a payload, against bit flips and torn writes.
 
-/// Gives a payload whose last field is `crc32` the two ends of its seal.
+/// Adds `seal` and `is_intact` to a payload whose last field is `crc32`.
 macro_rules! sealed {
     ($name:ident) => {
         impl $name {
-            /// Writes the checksum. Call last, after every other field is final.
+            /// Writes the checksum. Call after all other fields are set.
             pub fn seal(&mut self) {
                 self.crc32 = self.checksum();
             }
 
-            /// Whether the content is what its writer sealed.
+            /// Returns true if the checksum matches the content.
             #[must_use]
             pub fn is_intact(&self) -> bool {
                 self.crc32 == self.checksum()

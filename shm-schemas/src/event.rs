@@ -1,4 +1,4 @@
-//! Events: what happened, when it happened, one record each.
+//! Controller events, one record each.
 
 use crate::code::code;
 use crate::joints::Mode;
@@ -10,55 +10,56 @@ use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
-    /// What an event is about.
+    /// Kind of an event.
     EventKind as "atas.EventKind.v1" {
         /// A module became active.
         MODULE_ON = 1, "module-on";
         /// A module became inactive.
         MODULE_OFF = 2, "module-off";
-        /// A fingertip touched something.
+        /// A fingertip made contact.
         TOUCH_ON = 3, "touch-on";
-        /// A fingertip let go.
+        /// A fingertip lost contact.
         TOUCH_OFF = 4, "touch-off";
-        /// A goal changed its state; `value` is the state.
+        /// The state of a goal changed; `value` is the new state.
         GOAL = 5, "goal";
-        /// A task entered a step; `text` names it.
+        /// A task entered the step named in `text`.
         STEP = 6, "step";
-        /// The mode changed; `reason` says why.
+        /// The mode changed because of `reason`.
         MODE = 7, "mode";
-        /// The stiffness probe ended; `value` is N/m, `text` is F_2.
+        /// The stiffness probe ended; `value` is in N/m, `text` is F_2.
         STIFFNESS = 8, "stiffness";
-        /// Something is wrong but was tolerated; `reason` says what.
+        /// A tolerated fault, described by `reason`.
         WARNING = 9, "warning";
     }
 }
 
 payload! {
-    /// One event. Ordered by `stamp.sequence`; a gap means that the queue was full and events were dropped.
+    /// One event. Ordered by `stamp.sequence`; a gap means that events were dropped because the
+    /// queue was full.
     ModuleEvent as "atas.ModuleEvent.v1" {
-        /// `captured_ns` is the tick's time.
+        /// `captured_ns` is the time of the tick.
         pub stamp: Stamp,
-        /// The tick.
+        /// Tick of the event.
         pub tick: u64,
-        /// What the event is about.
+        /// Kind of the event.
         pub kind: EventKind,
-        /// Which module, where one is concerned.
+        /// Module, if applicable.
         pub module: ModuleId,
-        /// Which hand, where one is concerned.
+        /// Hand, if applicable.
         pub hand: Hand,
-        /// Which finger of the hand, where one is concerned.
+        /// Fingertip of the hand, if applicable.
         pub finger: u32,
         /// Mode after the event.
         pub mode: Mode,
         /// Written as zero.
         pub pad: u32,
-        /// The value that decided, SI units.
+        /// Value that triggered the event, SI units.
         pub value: f64,
-        /// The threshold it was held against, SI units.
+        /// Threshold of that value, SI units.
         pub threshold: f64,
-        /// Why, for modes, goals and warnings.
+        /// Reason of a mode change, goal change or warning.
         pub reason: Reason,
-        /// A name, where one helps.
+        /// Name, if applicable.
         pub text: Text<16>,
     }
 }

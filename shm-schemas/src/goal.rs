@@ -1,4 +1,4 @@
-//! Goals: what a client asks for, and what it hears back.
+//! Goals: requests of clients and the updates that answer them.
 
 use crate::capacity::FINGERS;
 use crate::code::code;
@@ -9,39 +9,41 @@ use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
-    /// Which task.
+    /// Task of a goal.
     GoalKind as "atas.GoalKind.v1" {
-        /// Grasp, lift and hold the object at `from_m` (paper II.b (1)).
+        /// Grasps, lifts and holds the object at `from_m` (paper II.b (1)).
         GRASP = 1, "grasp";
-        /// Grasp at `from_m`, set down at `to_m` (paper II.b (3)).
+        /// Grasps at `from_m` and places at `to_m` (paper II.b (3)).
         PICK_PLACE = 2, "pick-place";
-        /// Screw the cap at `from_m` (paper II.b (2)).
+        /// Screws the cap at `from_m` (paper II.b (2)).
         SCREW = 3, "screw";
-        /// Cap from `from_m` onto the bottle at `to_m`, with both hands (paper II.c).
+        /// Takes the cap from `from_m` and screws it onto the bottle at `to_m`, with both hands
+        /// (paper II.c).
         ASSEMBLE = 4, "assemble";
-        /// Open the hand where it is and move it home.
+        /// Opens the hand in place and moves it home.
         RELEASE = 5, "release";
-        /// A user's own task, by [`GoalRequest::task`].
+        /// User-defined task, named by [`GoalRequest::task`].
         CUSTOM = 6, "custom";
-        /// The acting hand follows the targets that this goal's client streams ([`crate::GraspTarget`]).
+        /// Teleoperation: the acting hand tracks the targets streamed by the client
+        /// ([`crate::GraspTarget`]).
         FOLLOW = 7, "follow";
-        /// Both hands do.
+        /// Teleoperation of both hands.
         FOLLOW_BOTH = 8, "follow-both";
     }
 }
 
 code! {
-    /// What happens to a goal when its client goes away.
+    /// Reaction to the disconnection of the client.
     GoalPolicy as "atas.GoalPolicy.v1" {
-        /// The goal goes on to its end.
+        /// The goal continues.
         DETACHED = 0, "detached";
-        /// The goal is held: HOLD within 100 ticks.
+        /// The robot enters HOLD within 100 ticks.
         ATTACHED = 1, "attached";
     }
 }
 
 code! {
-    /// Which way a cap is turned, seen from above.
+    /// Direction in which a cap is turned, seen from above.
     Turn as "atas.Turn.v1" {
         /// Closes a standard right-hand thread.
         CLOCKWISE = 0, "clockwise";
@@ -51,7 +53,7 @@ code! {
 }
 
 impl Turn {
-    /// Sign of the turn about the upward axis: 1 anticlockwise, −1 clockwise.
+    /// Returns the sign of the rotation about the upward axis: 1 anticlockwise, −1 clockwise.
     #[must_use]
     pub fn sign(self) -> f64 {
         if self == Self::ANTICLOCKWISE {
@@ -63,27 +65,28 @@ impl Turn {
 }
 
 code! {
-    /// Where a goal stands.
+    /// State of a goal.
     GoalState as "atas.GoalState.v1" {
-        /// Checked and queued for the next tick.
+        /// Validated and queued for the next tick.
         ACCEPTED = 1, "accepted";
-        /// Refused before anything moved; `reason` says why.
+        /// Rejected before any motion; see `reason`.
         REJECTED = 2, "rejected";
         /// In progress.
         RUNNING = 3, "running";
-        /// Done as asked.
+        /// Completed.
         SUCCEEDED = 4, "succeeded";
-        /// The robot refused the object while trying, and backed out safely (for example: too heavy for the hand).
+        /// Ended by the robot during the attempt because of the object (for example too heavy),
+        /// with a safe recovery.
         REFUSED = 5, "refused";
-        /// Ended without success; `reason` says why.
+        /// Ended without success; see `reason`.
         FAILED = 6, "failed";
-        /// Ended by the client.
+        /// Cancelled by the client.
         CANCELLED = 7, "cancelled";
     }
 }
 
 impl GoalKind {
-    /// Whether its client leads the hand by a stream of targets.
+    /// Returns true if the client streams targets (teleoperation).
     #[must_use]
     pub fn is_stream(self) -> bool {
         matches!(self, Self::FOLLOW | Self::FOLLOW_BOTH)
@@ -91,7 +94,7 @@ impl GoalKind {
 }
 
 impl GoalState {
-    /// Whether no further update follows.
+    /// Returns true if no further update follows.
     #[must_use]
     pub fn is_final(self) -> bool {
         !matches!(self, Self::ACCEPTED | Self::RUNNING)
@@ -99,48 +102,52 @@ impl GoalState {
 }
 
 payload! {
-    /// One goal. Frame: base of the robot (x forward, y left, z up, origin on the table top under the torso).
+    /// A goal request. All poses are in the robot base frame (x forward, y left, z up, origin on
+    /// the table top under the torso).
     GoalRequest as "atas.GoalRequest.v3" {
         /// `captured_ns` is when the client sent it.
         pub stamp: Stamp,
-        /// Chosen by the client; repeated in every update.
+        /// Id chosen by the client; repeated in every update.
         pub goal_id: u64,
-        /// Which task.
+        /// Task.
         pub kind: GoalKind,
-        /// Which hand acts; for assembly, which hand screws.
+        /// Acting hand; for assembly, the hand that screws.
         pub hand: Hand,
-        /// What happens when the client goes away.
+        /// Reaction to the disconnection of the client.
         pub policy: GoalPolicy,
-        /// Which way to turn a cap; not used by GRASP and PICK_PLACE.
+        /// Direction in which a cap is turned; not used by GRASP and PICK_PLACE.
         pub turn: Turn,
-        /// Where the fingertips shall close, m. The true object may be off by some millimetres.
+        /// Grasp point, m. The object may be some millimetres off.
         pub from_m: [f64; 3],
-        /// Direction of the closing axis at `from_m`, from finger 2's side to finger 1's, rad from +x towards +y.
+        /// Direction of the closing axis at `from_m`, from the side of finger 2 to that of finger
+        /// 1, rad from +x towards +y.
         pub from_yaw_rad: f64,
-        /// Where the object shall stand afterwards, m; not used by GRASP.
+        /// Place position of the object, m; not used by GRASP.
         pub to_m: [f64; 3],
         /// Direction of the closing axis at `to_m`, rad; not used by GRASP.
         pub to_yaw_rad: f64,
-        /// Expected width of the object along the closing axis, m. The hand opens a little wider.
+        /// Expected object width along the closing axis, m. The hand opens slightly wider.
         pub width_m: f64,
-        /// How far to lift, m.
+        /// Lift height, m.
         pub lift_m: f64,
-        /// How long to hold the lifted object before the goal counts as reached, s.
+        /// Hold time after the lift before the goal succeeds, s.
         pub hold_s: f64,
-        /// Expected width of what the other hand holds, m; only used by ASSEMBLE: the bottle's.
+        /// Expected width of the object in the other hand, m; only used by ASSEMBLE (bottle).
         pub helper_width_m: f64,
-        /// How far the object reaches above where the fingertips close, m: the hand comes from above that. Zero if unknown.
+        /// Height of the object above the grasp point, m; the hand approaches from above it. Zero
+        /// if unknown.
         pub top_m: f64,
-        /// What one side of the hand may press the object with at most, N: F_2, instead of what its stiffness allows. Zero if
-        /// unknown.
+        /// Largest force per grasp side, N; it replaces the stiffness-based force limit F_2. Zero
+        /// if unknown.
         pub max_force_n: f64,
-        /// Name of the task for `CUSTOM`.
+        /// Task name for `CUSTOM`.
         pub task: Text<32>,
     }
 }
 
 impl GoalRequest {
-    /// Names of [`GoalRequest::values`], in order; a [`Reason`] about a goal refers to them by index.
+    /// Names of [`GoalRequest::values`], in order. A [`Reason`] about a goal refers to them by
+    /// index.
     pub const VALUE_NAMES: [&'static str; 14] = [
         "from x",
         "from y",
@@ -158,7 +165,7 @@ impl GoalRequest {
         "maximum force",
     ];
 
-    /// Every number of the goal, in the order of [`GoalRequest::VALUE_NAMES`], SI units.
+    /// Returns all numbers of the goal, in the order of [`GoalRequest::VALUE_NAMES`], SI units.
     #[must_use]
     pub fn values(&self) -> [f64; 14] {
         let [from_x, from_y, from_z] = self.from_m;
@@ -184,45 +191,46 @@ impl GoalRequest {
 }
 
 payload! {
-    /// What the hand learnt about the object, SI units, zero where not (yet) known.
+    /// Estimates of the grasp and the object, SI units; zero while unknown.
     GraspFigures as "atas.GraspFigures.v1" {
-        /// Normal force per finger, N.
+        /// Normal force per fingertip, N.
         pub normal_n: [f32; FINGERS],
-        /// Tangential force per finger, N.
+        /// Tangential force per fingertip, N.
         pub tangential_n: [f32; FINGERS],
-        /// F_1, the minimum grasping force, N.
+        /// Minimum grip force F_1, N.
         pub f1_n: f32,
-        /// F_2, the maximum grasping force, N.
+        /// Force limit F_2, N.
         pub f2_n: f32,
         /// Object stiffness from the stiffness probe, N/m.
         pub stiffness_n_m: f32,
-        /// How far the stiffness may be trusted, 0 to 1.
+        /// Confidence of the stiffness, 0 to 1.
         pub stiffness_confidence: f32,
-        /// Estimated friction coefficient, the lowest of the fingers.
+        /// Estimated friction coefficient, lowest of all fingertips.
         pub friction: f32,
-        /// How far the hand has lifted the object, m.
+        /// Height by which the hand has lifted the object, m.
         pub lifted_m: f32,
     }
 }
 
 payload! {
-    /// One step of a goal's story.
+    /// Progress report of a goal.
     GoalUpdate as "atas.GoalUpdate.v1" {
-        /// `captured_ns` is the tick's time.
+        /// `captured_ns` is the time of the tick.
         pub stamp: Stamp,
         /// Echo of [`GoalRequest::goal_id`].
         pub goal_id: u64,
         /// Tick of this update.
         pub tick: u64,
-        /// Where the goal stands.
+        /// State of the goal.
         pub state: GoalState,
         /// Fraction done, 0 to 1.
         pub progress: f32,
-        /// Why, when rejected, refused, failed or held.
+        /// Reason of a rejection, refusal, failure or hold.
         pub reason: Reason,
-        /// Name of the task's step, for example `lift`; of a goal that names an unknown task, that name.
+        /// Name of the task step, for example `lift`. If the task is unknown: the requested task
+        /// name.
         pub step: Text<16>,
-        /// What the hand learnt so far.
+        /// Present estimates of the grasp and the object.
         pub figures: GraspFigures,
     }
 }

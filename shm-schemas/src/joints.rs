@@ -1,4 +1,4 @@
-//! What the robot's joints do and what they are told.
+//! Joint state, joint command and daemon mode.
 
 use crate::capacity::{HANDS, JOINTS};
 use crate::code::code;
@@ -8,32 +8,35 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::IntoBytes;
 
 payload! {
-    /// Measured joints, left 11 then right 11 for the built-in robot, and what they are told to do.
+    /// Measured joints (built-in robot: 11 left, then 11 right) and the command in force.
     ///
-    /// The robot outlives the daemon. What it tells of the command in force lets the next daemon go on from there: a grip is
-    /// what the servos are commanded beyond where the fingers are, so who began again from measured positions would let go.
+    /// The robot process outlives the daemon, so it reports the command in force and a new daemon
+    /// continues from it. Servos hold a grip by being commanded beyond the measured finger
+    /// positions; restarting from measured positions would release the object.
     JointState as "atas.JointState.v3" {
-        /// `captured_ns` is when the encoders were read.
+        /// `captured_ns` is the time at which the encoders were read.
         pub stamp: Stamp,
-        /// Joints that carry data, at most [`JOINTS`].
+        /// Number of joints with data, at most [`JOINTS`].
         pub joint_count: u32,
-        /// Joints whose `commanded_rad` means something: `joint_count`, or 0 for a robot that cannot tell.
+        /// Number of valid entries in `commanded_rad`: `joint_count`, or 0 if the robot cannot
+        /// report them.
         pub commanded_count: u32,
         /// Measured positions, rad.
         pub position_rad: [f64; JOINTS],
         /// Measured velocities, rad/s.
         pub velocity_rad_s: [f64; JOINTS],
-        /// Measured efforts, N·m; zero where the drive does not measure.
+        /// Measured efforts, N·m; zero if the drive does not measure them.
         pub effort_n_m: [f64; JOINTS],
-        /// Positions that the servos hold now, rad: of the last command obeyed, also when it has expired.
+        /// Positions held by the servos, rad: those of the last executed command, even if it has
+        /// expired.
         pub commanded_rad: [f64; JOINTS],
         /// [`JointCommand::grip_limit_n`] of that command, 0 before the first.
         pub grip_limit_n: [f64; HANDS],
-        /// Epoch of the writer of that command, 0 before the first.
+        /// Writer epoch of that command, 0 before the first.
         pub command_epoch: u64,
-        /// Sequence of that command.
+        /// Sequence number of that command.
         pub command_sequence: u64,
-        /// Until when that command is valid, ns; it has expired if this has passed.
+        /// End of validity of that command, ns.
         pub command_valid_until_ns: u64,
         /// Written as zero.
         pub pad: u32,
@@ -45,29 +48,32 @@ payload! {
 crate::crc::sealed!(JointState);
 
 payload! {
-    /// What the joints shall do now. Published every tick, also in HOLD: the command is the heartbeat.
+    /// Joint command of one tick. It is published every tick, also in HOLD, and serves as
+    /// heartbeat.
     ///
-    /// The consumer enforces [`JointCommand::valid_until_ns`]: on expiry it holds the last commanded positions with
-    /// zero velocity, which keeps the last safe grip force. Opening the hand is never the default stop.
+    /// The consumer enforces [`JointCommand::valid_until_ns`]: on expiry it holds the last
+    /// commanded positions with zero velocity, which keeps the last safe grip force. Opening the
+    /// hand is never the default stop.
     JointCommand as "atas.JointCommand.v2" {
-        /// `captured_ns` is the tick's time.
+        /// `captured_ns` is the time of the tick.
         pub stamp: Stamp,
-        /// The command must not be obeyed after this time, `CLOCK_MONOTONIC` nanoseconds.
+        /// End of validity, ns of `CLOCK_MONOTONIC`; the command must not be executed later.
         pub valid_until_ns: u64,
-        /// The tick that produced the command.
+        /// Tick that produced the command.
         pub tick: u64,
-        /// Sequence of the newest [`JointState`] that the command has seen; lock-step waits for it.
+        /// Sequence number of the newest [`JointState`] used by the command; lock-step waits for
+        /// it.
         pub answers_sequence: u64,
         /// Mode of the daemon.
         pub mode: Mode,
-        /// Joints that carry data, at most [`JOINTS`].
+        /// Number of joints with data, at most [`JOINTS`].
         pub joint_count: u32,
         /// Commanded positions, rad.
         pub position_rad: [f64; JOINTS],
         /// Velocity feed-forward, rad/s; zero in HOLD.
         pub velocity_rad_s: [f64; JOINTS],
-        /// F_2, the most that what each hand holds may be pressed with, N; 0 for an empty hand. The robot does nothing with it but
-        /// tell it in [`JointState`]: so a limit outlives the daemon that knows it.
+        /// Force limit F_2 per hand for the held object, N; 0 for an empty hand. The robot only
+        /// copies it to [`JointState`], so that the limit survives a restart of the daemon.
         pub grip_limit_n: [f64; HANDS],
         /// Written as zero.
         pub pad: u32,
@@ -83,15 +89,15 @@ code! {
     Mode as "atas.Mode.v1" {
         /// Waiting for the first valid frames and joint states.
         INIT = 0, "init";
-        /// Everything fresh, no goal.
+        /// All inputs are fresh; no goal.
         READY = 1, "ready";
-        /// A goal is being pursued.
+        /// A goal is in progress.
         RUN = 2, "run";
-        /// Something is in doubt: positions and grip are kept, the cause is watched.
+        /// A fault is present: positions and grip are kept until it clears.
         HOLD = 3, "hold";
-        /// Stopped and latched until an explicit recover.
+        /// Stopped and latched until a recover request.
         SAFE_STOP = 4, "safe-stop";
-        /// The daemon itself failed; latched until restart.
+        /// Internal failure of the daemon; latched until restart.
         FAULT = 5, "fault";
     }
 }

@@ -1,17 +1,19 @@
-//! The payloads on the bus.
+//! Payloads of the bus.
 //!
-//! Every payload that crosses a process boundary is declared here, with its units, its capacity and its place
-//! in the [service table](service). A sensor driver, a robot driver, the daemon and every client agree on this
-//! crate and on nothing else.
+//! This crate declares every payload that crosses a process boundary, with its units, capacity and
+//! entry in the [service table](service). Sensor drivers, robot drivers, the daemon and clients
+//! share only this crate.
 //!
-//! * **In, out:** nothing flows through this crate; it only names what flows.
-//! * **Invariants:** payloads are `#[repr(C)]`, fixed size, free of padding and pointers, and made of `f32`, `f64`,
-//!   `u32`, `u64` and `u8` arrays only, so that any language can declare them. Their type name carries a version;
-//!   a changed layout is a new version. The golden file `tests/schemas/layout.golden` pins every size and offset.
-//! * **Conventions:** SI units, stated last in each name. Times are nanoseconds of `CLOCK_MONOTONIC` (of virtual
-//!   time in lock-step). Hand 0 is left, hand 1 is right. Joints: left 11, then right 11, in the order of the URDF.
-//! * **Absent on purpose:** transport (that is `shm-bus`), allocation, clocks, and any behaviour beyond checking
-//!   and printing the payloads themselves; which commands a robot obeys ([`Obedience`]) is such a check.
+//! * **Input, output:** none; the crate contains definitions only.
+//! * **Invariants:** payloads are `#[repr(C)]`, of fixed size, without padding and pointers, and
+//!   consist of `f32`, `f64`, `u32`, `u64` and `u8` arrays only, so that any language can declare
+//!   them. Type names carry a version; a changed layout needs a new version. The golden file
+//!   `tests/schemas/layout.golden` pins every size and offset.
+//! * **Conventions:** SI units, given as the suffix of each name. Times are nanoseconds of
+//!   `CLOCK_MONOTONIC`, or of virtual time in lock-step. Hand 0 is left, hand 1 is right. Joints:
+//!   11 left, then 11 right, in URDF order.
+//! * **Not included:** transport (`shm-bus`), allocation, clocks, and behaviour other than
+//!   validation ([`Obedience`]) and formatting.
 #![no_std]
 #![forbid(unsafe_code)]
 

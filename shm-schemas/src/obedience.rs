@@ -1,33 +1,39 @@
-//! Which commands a robot obeys.
+//! Validation of joint commands on the robot side.
 //!
-//! It trusts nobody. A command is obeyed if it is whole (sealed, for exactly these joints, every number finite), valid for a
-//! moment and not for ever, newer than the last of its writer, from the writer that is obeyed or, when its last command has
-//! expired, from another; and if no joint would have to move faster than it can. When an obeyed command expires, the robot
-//! holds its positions with zero velocity: that keeps the grip.
+//! A robot executes a command only if:
+//!
+//! * it is well-formed: intact checksum, matching joint count, finite values;
+//! * it is valid now, and for a limited time;
+//! * it is newer than the previous command of the same writer, or that command has expired;
+//! * no joint would exceed its speed limit.
+//!
+//! When an executed command expires, the robot holds its positions with zero velocity, which keeps
+//! the grip.
 
 use crate::capacity::{HANDS, JOINTS};
 use crate::joints::{JointCommand, JointState};
 use crate::stamp::Stamp;
 
-/// Longest time for which a command may be valid, ns (ours: the most that `safety.valid_s` allows).
+/// Longest validity of a command, ns. Design choice: the upper bound of `safety.valid_s`.
 const VALIDITY_MAX_NS: u64 = 100_000_000;
-/// Share of a joint's top speed that a command may ask for (ours: the top speed and what rounding adds).
+/// Factor on a joint's speed limit up to which commands are accepted. Design choice: covers
+/// rounding.
 const SPEED_SHARE: f64 = 1.05;
-/// What a step may be wider than the top speed times the time for which the last command was followed, s of top speed: the one margin
-/// (ours: eight commands, as the daemon's gate allows).
+/// Step tolerance beyond speed limit times execution time of the previous command, as a time at the
+/// speed limit, s. Design choice: eight command periods, as in the gate of the daemon.
 const MARGIN_S: f64 = 0.008;
 
-/// What the joints follow. Beyond the robot's own joints both are zero.
+/// Joint set-points. Entries beyond the joints of the robot are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orders {
     /// Positions, rad.
     pub position_rad: [f64; JOINTS],
-    /// Velocities to feed forward, rad/s.
+    /// Velocity feed-forward, rad/s.
     pub velocity_rad_s: [f64; JOINTS],
 }
 
 impl Orders {
-    /// To stand still at these positions, rad, of at most [`JOINTS`] joints.
+    /// Creates set-points that hold these positions, rad, of at most [`JOINTS`] joints.
     #[must_use]
     pub fn holding(position_rad: &[f64]) -> Self {
         Self {
@@ -37,21 +43,22 @@ impl Orders {
     }
 }
 
-/// A command that is obeyed.
+/// An accepted command.
 #[derive(Clone, Copy, Debug)]
 pub struct Accepted {
-    /// What the joints follow.
+    /// Joint set-points.
     pub orders: Orders,
-    /// Who ordered it, and as which in the series.
+    /// Writer and sequence number of the command.
     pub stamp: Stamp,
-    /// Until when, ns.
+    /// End of validity, ns.
     pub valid_until_ns: u64,
-    /// What the command says of each hand's grip, N; see [`JointCommand::grip_limit_n`].
+    /// Grip force limit per hand, N; see [`JointCommand::grip_limit_n`].
     pub grip_limit_n: [f64; HANDS],
 }
 
 impl Accepted {
-    /// Tells the next daemon of this command, as the one in force.
+    /// Writes the command in force to the joint state, so that the next daemon can continue from
+    /// it.
     pub fn tell(&self, state: &mut JointState) {
         state.grip_limit_n = self.grip_limit_n;
         state.command_epoch = self.stamp.writer_epoch;
@@ -60,20 +67,20 @@ impl Accepted {
     }
 }
 
-/// The judge of arriving commands.
+/// Validator of received commands.
 #[derive(Clone, Copy, Debug)]
 pub struct Obedience {
     joints: usize,
     speed_max_rad_s: [f64; JOINTS],
     start_rad: [f64; JOINTS],
-    /// The last command that was accepted, and when.
+    /// Last accepted command and its time of arrival, ns.
     newest: Option<(Accepted, u64)>,
     refused: u32,
 }
 
 impl Obedience {
-    /// For a robot of at most [`JOINTS`] joints that stand at these positions, rad, and move as fast as this, rad/s. It has
-    /// as many joints as both lists have.
+    /// Creates a validator for joints at the positions `start_rad` with the speed limits
+    /// `speed_max_rad_s`, at most [`JOINTS`]. The joint count is the length of the shorter list.
     #[must_use]
     pub fn at(start_rad: &[f64], speed_max_rad_s: &[f64]) -> Self {
         Self {
@@ -85,7 +92,7 @@ impl Obedience {
         }
     }
 
-    /// The command, if it keeps the contract; counted if not.
+    /// Returns the command if it is valid; otherwise counts it as rejected.
     pub fn accept(&mut self, command: &JointCommand, now_ns: u64) -> Option<Accepted> {
         let accepted = Accepted {
             orders: Orders {
@@ -109,13 +116,14 @@ impl Obedience {
         Some(accepted)
     }
 
-    /// Commands refused so far.
+    /// Returns the number of rejected commands.
     #[must_use]
     pub fn refused(&self) -> u32 {
         self.refused
     }
 
-    /// Whether a command follows the last one. One that has expired is followed by any: the line is free again.
+    /// Returns true if the command follows the last accepted one in sequence. After that one has
+    /// expired, any writer is accepted.
     fn is_next(&self, stamp: &Stamp, now_ns: u64) -> bool {
         let Some((newest, _)) = self
             .newest
@@ -127,8 +135,8 @@ impl Obedience {
         stamp.writer_epoch == newest.stamp.writer_epoch && (1..=u64::MAX / 2).contains(&ahead)
     }
 
-    /// Whether the joints can be there in time, and need not move faster than they can. Whoever ordered the last command could be on
-    /// the way for as long as it was valid; then the joints stood still, and whoever goes on begins there.
+    /// Returns true if no joint has to exceed its speed limit. The joints can have moved towards
+    /// the last command while it was valid; after that they stood still.
     fn is_reachable(&self, orders: &Orders, now_ns: u64) -> bool {
         let start = (&self.start_rad, 0);
         let (from_rad, followed_ns) = self.newest.as_ref().map_or(start, |(newest, then_ns)| {
@@ -146,7 +154,7 @@ impl Obedience {
         })
     }
 
-    /// Sealed, for exactly these joints, every number finite.
+    /// Returns true if the checksum, the joint count and all values are valid.
     fn is_whole(&self, command: &JointCommand, orders: &Orders) -> bool {
         let mut numbers = orders.position_rad.iter().chain(&orders.velocity_rad_s);
         command.is_intact()
@@ -155,7 +163,7 @@ impl Obedience {
     }
 }
 
-/// These values, then zeros.
+/// Pads the values with zeros.
 fn padded(values: &[f64]) -> [f64; JOINTS] {
     core::array::from_fn(|joint| values.get(joint).copied().unwrap_or(0.0))
 }

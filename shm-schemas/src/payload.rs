@@ -1,21 +1,22 @@
-//! What a payload is, and how one is declared.
+//! The payload trait and the macro that declares payloads.
 
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 use crate::schema::PayloadType;
 
-/// What every payload is: plain bytes without padding that any process may read at any time.
+/// Plain data without padding that any process can read at any time.
 pub trait Payload:
     ZeroCopySend + FromBytes + IntoBytes + Immutable + KnownLayout + Copy + core::fmt::Debug + 'static
 {
-    /// The versioned type name that iceoryx2 compares when a peer opens a service.
+    /// Versioned type name, compared by iceoryx2 when a peer opens a service.
     const TYPE_NAME: &'static str;
-    /// Its fields, for those who are not written in Rust.
+    /// Field descriptions for programs in other languages.
     const SCHEMA: &'static PayloadType;
 }
 
-/// Declares a payload: `#[repr(C)]`, versioned, without padding (checked when it compiles), zero by default.
+/// Declares a payload: `#[repr(C)]`, versioned, without padding (checked at compile time), zero by
+/// default.
 macro_rules! payload {
     ($(#[doc = $doc:literal])* $name:ident as $wire:literal {
         $($(#[doc = $fdoc:literal])* pub $field:ident: $type:ty,)*
@@ -51,12 +52,13 @@ macro_rules! payload {
         }
 
         impl $name {
-            /// Every field's name, offset and size in bytes, in order: what the golden layout test pins.
+            /// Name, offset and size in bytes of every field, in order; pinned by the golden layout
+            /// test.
             pub const FIELDS: &'static [(&'static str, usize, usize)] = &[
                 $((stringify!($field), core::mem::offset_of!($name, $field), core::mem::size_of::<$type>()),)*
             ];
 
-            /// The payload as other languages are told of it.
+            /// Schema of the payload for other languages.
             pub const PAYLOAD: $crate::schema::PayloadType = $crate::schema::PayloadType {
                 name: stringify!($name),
                 wire: $wire,

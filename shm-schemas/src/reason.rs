@@ -1,4 +1,5 @@
-//! Reasons: why something was refused, held or stopped, in a form that prints as one clear sentence.
+//! Reasons for a rejection, a hold or a stop. [`Reason`] prints as one sentence with value and
+//! limit.
 
 use crate::code::code;
 use crate::module::ModuleId;
@@ -6,155 +7,156 @@ use crate::payload::payload;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
-    /// What went wrong.
+    /// Cause of a rejection, a hold or a stop.
     Cause as "atas.Cause.v1" {
-        /// Nothing.
+        /// No cause.
         NONE = 0, "none";
         /// A value of the goal is not finite.
         NOT_FINITE = 1, "not-finite";
         /// A value of the goal is out of its range.
         OUT_OF_RANGE = 2, "out-of-range";
-        /// The position cannot be reached.
+        /// The position is outside the workspace.
         UNREACHABLE = 3, "unreachable";
         /// The goal's kind, hand or policy is unknown.
         UNKNOWN_GOAL = 4, "unknown-goal";
         /// Another goal is active.
         BUSY = 5, "busy";
-        /// The daemon is not ready: see its mode.
+        /// The daemon is not in mode READY.
         NOT_READY = 6, "not-ready";
         /// The hand still holds an object.
         HAND_FULL = 7, "hand-full";
         /// The hand has no tactile sensor.
         NO_SENSOR = 8, "no-sensor";
-        /// The two arms would come too near to each other.
+        /// The clearance between the two arms would be too small.
         ARMS_COLLIDE = 9, "arms-collide";
-        /// No object was touched on the way in.
+        /// The hand closed without contact.
         NOTHING_TOUCHED = 10, "nothing-touched";
-        /// The object needs more force than the fingers may press with (`grasp.f2_max_n`).
+        /// The object needs more force than the configured maximum (`grasp.f2_max_n`).
         TOO_HEAVY = 11, "too-heavy";
         /// The object slipped out of the hand.
         LOST_OBJECT = 12, "lost-object";
-        /// Force is at its ceiling and the object still slips while held.
+        /// The object slips although the grip force has reached its limit.
         OUT_OF_FORCE = 13, "out-of-force";
-        /// A step took longer than allowed.
+        /// A step exceeded its time limit.
         TIMED_OUT = 14, "timed-out";
         /// The client cancelled.
         CANCELLED = 15, "cancelled";
-        /// The client of an attached goal went away.
+        /// The client of an attached goal disconnected.
         CLIENT_GONE = 16, "client-gone";
-        /// Nothing carried the object where it should have been set down; the hand has lifted it again.
+        /// No support was detected at the place position; the hand has lifted the object again.
         NO_SUPPORT = 17, "no-support";
-        /// A fingertip touched something while the hand moved freely; the hand has gone back.
+        /// A fingertip touched an obstacle during free motion; the hand has moved back.
         OBSTRUCTED = 18, "obstructed";
-        /// The goal names a task that the configuration does not have.
+        /// The goal names a task that is not configured.
         UNKNOWN_TASK = 19, "unknown-task";
-        /// No tactile frame for too long.
+        /// Tactile frames have stopped arriving.
         FRAMES_STOPPED = 20, "frames-stopped";
-        /// A frame's stamp is too old.
+        /// The time stamp of a frame is too old.
         FRAME_STALE = 21, "frame-stale";
-        /// A frame's stamp lies in the future.
+        /// The time stamp of a frame is in the future.
         FRAME_FUTURE = 22, "frame-future";
-        /// Too many frames were lost in a row.
+        /// Too many consecutive frames were lost.
         FRAMES_LOST = 23, "frames-lost";
         /// A frame failed its checksum.
         FRAME_CORRUPT = 24, "frame-corrupt";
-        /// A frame came from a writer that is not the pinned one, or follows another layout.
+        /// A frame comes from a writer other than the pinned one, or uses another layout.
         FRAME_FOREIGN = 25, "frame-foreign";
         /// Too many elements are invalid.
         ELEMENTS_INVALID = 26, "elements-invalid";
-        /// The readings do not change any more although the counter advances.
+        /// The readings are constant although the frame counter advances.
         FRAMES_FROZEN = 27, "frames-frozen";
-        /// The sensor process restarted in mid-task.
+        /// The sensor process restarted during a task.
         SENSOR_RESTARTED = 28, "sensor-restarted";
-        /// An object that is held slides through the fingers.
+        /// A held object slides between the fingertips.
         SLIDING = 29, "sliding";
-        /// No joint state for too long.
+        /// Joint states have stopped arriving.
         JOINTS_STOPPED = 30, "joints-stopped";
         /// A joint state is not finite, out of range or jumps.
         JOINTS_INVALID = 31, "joints-invalid";
         /// A joint does not follow its command.
         FOLLOWING_ERROR = 32, "following-error";
-        /// A command was not finite.
+        /// A command is not finite.
         COMMAND_NOT_FINITE = 33, "command-not-finite";
-        /// A command jumped.
+        /// The step between two commands is too large.
         COMMAND_STEP = 34, "command-step";
-        /// A grip force rose above its ceiling.
+        /// A grip force exceeds its limit.
         GRIP_CEILING = 35, "grip-ceiling";
         /// The robot process restarted.
         ROBOT_RESTARTED = 36, "robot-restarted";
-        /// A fingertip's force cannot be: it is more than a hand can press.
+        /// The force reported for a fingertip exceeds the largest force that a hand can exert.
         FORCE_IMPLAUSIBLE = 37, "force-implausible";
-        /// An order that is not allowed now: the robot moves, or the hand is not empty.
+        /// The request is not allowed now: the robot moves, or the hand is not empty.
         NOT_NOW = 38, "not-now";
-        /// There is no robot to move: the daemon was told to sense only.
+        /// The daemon runs in sense-only mode and commands no robot.
         SENSE_ONLY = 39, "sense-only";
         /// A module panicked.
         MODULE_PANICKED = 40, "module-panicked";
-        /// The loop stood still for a while.
+        /// The control loop stalled.
         LOOP_STALLED = 41, "loop-stalled";
-        /// Stopped by a person: `atas estop`.
+        /// An operator stopped the robot with `atas estop`.
         ESTOP = 42, "estop";
         /// The daemon is shutting down.
         SHUTDOWN = 43, "shutdown";
-        /// The daemon's supervisor, which takes orders and tells users, has been silent.
+        /// The supervisor, which serves requests and reports, does not respond.
         SUPERVISOR_SILENT = 44, "supervisor-silent";
-        /// Some elements of a fingertip keep their reading although frames keep coming: they are not believed.
+        /// Some elements of a fingertip report a constant value although frames arrive; they are
+        /// masked.
         ELEMENT_STUCK = 45, "element-stuck";
-        /// What a skin says that a hand presses, and what its joints bear, do not agree.
+        /// The tactile force of a hand disagrees with its joint-estimated force.
         FORCE_AGAINST_JOINTS = 46, "force-against-joints";
-        /// The object needs more force than its stiffness bears (`grasp.compression_m`).
+        /// The object needs more force than its stiffness allows (`grasp.compression_m`).
         TOO_SOFT = 50, "too-soft";
-        /// The hand was found gripping something; it keeps it and watches it.
+        /// The daemon found the hand gripping an object at start; it keeps and monitors the grip.
         GRIP_FOUND = 51, "grip-found";
-        /// The object turned about the closing axis while it was held.
+        /// The object rotated about the closing axis while held.
         TURNED_IN_HAND = 52, "turned-in-hand";
-        /// The object slipped through the fingers on the way, and was held again.
+        /// The object slipped between the fingertips and was held again.
         SLIPPED_IN_HAND = 53, "slipped-in-hand";
         /// The object needs more force than the goal allows ([`crate::GoalRequest`]).
         ABOVE_MAX_FORCE = 54, "above-max-force";
-        /// The ways of the task are too long, or those of both hands together too many, to be checked.
+        /// The paths of the task, or their combinations for both hands, are too long to be checked.
         TASK_TOO_LONG = 60, "task-too-long";
         /// The robot has no such hand.
         NO_HAND = 61, "no-hand";
-        /// The fingertips cannot pass each other, as turning a cap needs.
+        /// The hand cannot turn a cap because its fingertips cannot pass each other.
         CANNOT_TURN = 62, "cannot-turn";
-        /// A client can lead only a hand whose robot file states a workspace.
+        /// The robot file of the hand has no workspace, which teleoperation requires.
         NO_WORKSPACE = 63, "no-workspace";
-        /// The hand holds nothing that the task could go on with.
+        /// The hand holds no object, which the task requires.
         HAND_EMPTY = 64, "hand-empty";
-        /// Closed to this width, the jaws' domes would not face each other well enough to feel.
+        /// At this width the fingertips would be too misaligned for tactile sensing.
         DOMES_ASKEW = 65, "domes-askew";
-        /// The client's stream of targets has ended or pauses: the hand stands and keeps what it holds.
+        /// The target stream of the client has ended or pauses; the hand stops and keeps its grip.
         TARGETS_STOPPED = 70, "targets-stopped";
         /// A target failed its checksum.
         TARGET_CORRUPT = 71, "target-corrupt";
-        /// A target comes from another writer than the one whose goal opened the stream.
+        /// A target comes from a writer other than the one that opened the stream.
         TARGET_FOREIGN = 72, "target-foreign";
-        /// A target is older than the one before, was made before its goal began or ahead of time, or has expired.
+        /// A target is out of order, predates its goal, is stamped in the future, or has expired.
         TARGET_STALE = 73, "target-stale";
-        /// A target names a hand that its goal does not have, or an order that this version does not know.
+        /// A target names a hand outside its goal, or an unknown grip command.
         TARGET_UNKNOWN = 74, "target-unknown";
         /// A value of a target is not finite.
         TARGET_NOT_FINITE = 75, "target-not-finite";
         /// A value of a target is out of its range.
         TARGET_OUT_OF_RANGE = 76, "target-out-of-range";
-        /// An arm stands across the middle, which both keep clear of while a client leads them.
+        /// An arm crosses the middle plane, which both arms must avoid during teleoperation.
         ACROSS_THE_MIDDLE = 77, "across-the-middle";
     }
 }
 
 payload! {
-    /// A cause with the module that saw it and the value against its limit.
+    /// A cause with its module, value and limit.
     Reason as "atas.Reason.v1" {
-        /// What went wrong.
+        /// The cause.
         pub cause: Cause,
-        /// Which module saw it; [`ModuleId::NONE`] outside the modules.
+        /// The module that reports it; [`ModuleId::NONE`] outside the modules.
         pub module: ModuleId,
-        /// The value that broke the limit, in the unit that the sentence of [`Reason`]'s `Display` names.
+        /// Value that violates the limit, in the unit that [`Reason`]'s `Display` prints.
         pub value: f64,
-        /// The limit it broke.
+        /// The violated limit.
         pub limit: f64,
-        /// Which field, joint, finger or hand, by index; its meaning depends on the cause.
+        /// Index of the field, joint, fingertip or hand; the meaning depends on the cause.
         pub index: u32,
         /// Written as zero.
         pub pad: u32,
@@ -162,7 +164,7 @@ payload! {
 }
 
 impl Reason {
-    /// A cause without figures.
+    /// Creates a reason without value and limit.
     #[must_use]
     pub fn of(cause: Cause) -> Self {
         Self {
@@ -171,7 +173,7 @@ impl Reason {
         }
     }
 
-    /// A cause with the value that broke a limit.
+    /// Creates a reason with a value and the limit that it violates.
     #[must_use]
     pub fn limit(cause: Cause, value: f64, limit: f64) -> Self {
         Self {
@@ -182,13 +184,13 @@ impl Reason {
         }
     }
 
-    /// The same reason, attributed to a module.
+    /// Returns the reason, attributed to a module.
     #[must_use]
     pub fn by(self, module: ModuleId) -> Self {
         Self { module, ..self }
     }
 
-    /// The same reason, about the joint, finger, hand or field with this index.
+    /// Returns the reason with the index of a joint, fingertip, hand or field.
     #[must_use]
     pub fn about(self, index: usize) -> Self {
         Self {
@@ -197,7 +199,7 @@ impl Reason {
         }
     }
 
-    /// Whether there is anything to report.
+    /// Returns true if the cause is not [`Cause::NONE`].
     #[must_use]
     pub fn is_some(&self) -> bool {
         self.cause != Cause::NONE

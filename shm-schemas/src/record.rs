@@ -1,8 +1,9 @@
-//! What a recorder needs so that a run can be replayed bit for bit: how it began, and what every tick took in.
+//! Records for bit-exact replay: the initial state of a run, and the inputs of every tick.
 //!
-//! The header is always published: whoever shows the robot needs it, too. What the ticks took in is only published when the daemon was
-//! started with recording switched on, because a replay begins with the controller's first tick. A recorder that joins later
-//! misses the beginning, sees that by the sequence, and must say so.
+//! The header is always published, because viewers use it as well. Tick inputs are published only
+//! if the daemon was started with recording enabled, because a replay begins with the first tick. A
+//! recorder that joins later misses the beginning, detects this by the sequence number, and must
+//! report it.
 
 use crate::capacity::{ELEMENTS, HANDS, JOINTS, LEVELS, SENSOR_BITS, SETTINGS, STEPS, TABLE_WORDS};
 use crate::code::code;
@@ -18,146 +19,149 @@ use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 code! {
-    /// What a tick was told by the daemon's supervisor.
+    /// Request from the supervisor to a tick.
     OrderKind as "atas.OrderKind.v1" {
-        /// Nothing.
+        /// No request.
         NONE = 0, "none";
-        /// Start `goal`.
+        /// Starts `goal`.
         START = 1, "start";
-        /// End the goal `goal_id`.
+        /// Ends the goal `goal_id`.
         CANCEL = 2, "cancel";
-        /// The client of the goal `goal_id` went away.
+        /// The client of the goal `goal_id` disconnected.
         CLIENT_GONE = 3, "client-gone";
-        /// Stop and latch for `reason`.
+        /// Stops and latches because of `reason`.
         STOP = 4, "stop";
-        /// Leave SAFE_STOP.
+        /// Leaves SAFE_STOP.
         RECOVER = 5, "recover";
-        /// Set the parameter with this `index` to `value`.
+        /// Sets the parameter at `index` to `value`.
         SET_PARAMETER = 6, "set-parameter";
-        /// Replace all settings by `settings`.
+        /// Replaces all settings by `settings`.
         CONFIGURE = 7, "configure";
-        /// Take the reading of the hand with this `index` as zero force.
+        /// Takes the reading of the hand at `index` as zero force.
         BIAS = 8, "bias";
-        /// Hold in this tick for `reason`.
+        /// Holds in this tick because of `reason`.
         HOLD = 9, "hold";
     }
 }
 
 payload! {
-    /// Every tunable number, in the order of the daemon's table of parameters.
+    /// All tunable parameters, in the order of the daemon's parameter table.
     SettingsRecord as "atas.SettingsRecord.v1" {
-        /// FNV-1a 64 of the names: values of another table mean something else.
+        /// FNV-1a 64 of the parameter names; values of another table are incompatible.
         pub names_hash: u64,
-        /// Numbers that are used, at most [`SETTINGS`].
+        /// Number of used entries in `value`, at most [`SETTINGS`].
         pub count: u32,
         /// Written as zero.
         pub pad: u32,
-        /// The numbers.
+        /// Parameter values.
         pub value: [f64; SETTINGS],
     }
 }
 
 payload! {
-    /// One step of a task. The numbers are those of the daemon's words for tasks (crate `atas`, `tasks::words`).
+    /// One step of a task. The numeric codes are defined in `tasks::words` of the crate `atas`.
     StepRecord as "atas.StepRecord.v1" {
-        /// Name, as users see it.
+        /// Display name.
         pub name: Text<16>,
-        /// How the hand moves.
+        /// Motion of the hand.
         pub motion: u32,
-        /// Where to, for a motion that has a waypoint.
+        /// Waypoint of the motion, if it has one.
         pub waypoint: u32,
-        /// Which modules work: bit n stands for the module with the number n.
+        /// Active modules: bit n stands for module number n.
         pub modules: u32,
-        /// When the step is done.
+        /// Condition that ends the step.
         pub transition: u32,
         /// Meeting point, for a step that ends at one.
         pub point: u32,
         /// Written as zero.
         pub pad: u32,
-        /// When it has taken too long, s; infinite for never.
+        /// Time limit, s; infinite for none.
         pub timeout_s: f64,
     }
 }
 
 payload! {
-    /// The steps of one hand.
+    /// Step sequence of one hand.
     TrackRecord as "atas.TrackRecord.v1" {
-        /// Steps that are used, at most [`STEPS`]; 0 for a hand that does nothing.
+        /// Number of used entries in `steps`, at most [`STEPS`]; 0 for an idle hand.
         pub count: u32,
         /// Written as zero.
         pub pad: u32,
-        /// The steps.
+        /// Steps.
         pub steps: [StepRecord; STEPS],
     }
 }
 
 payload! {
-    /// The behaviour table of a task (paper Table 1): one row per combination of sensor bits, one level per actuator and row.
+    /// Behaviour table of a task (paper Table 1): one row per combination of sensor bits, one level
+    /// per actuator and row.
     TableRecord as "atas.TableRecord.v1" {
-        /// FNV-1a over all other fields; 0 with no bits: the task has no table.
+        /// FNV-1a over all other fields; 0 if the task has no table.
         pub hash: u64,
-        /// Sensor bits that are used, at most [`SENSOR_BITS`]; the first is the lowest of the row's number.
+        /// Number of used sensor bits, at most [`SENSOR_BITS`]; the first is the lowest bit of the
+        /// row number.
         pub count: u32,
-        /// Which bits.
+        /// Sensor bits.
         pub bits: [SensorBit; SENSOR_BITS],
         /// Written as zero.
         pub pad: u32,
-        /// Closing speed of the fingers per level, m/s, negative opens.
+        /// Closing speed of the fingers per level, m/s; negative opens.
         pub fingers_m_s: [f64; LEVELS],
-        /// Factor on the hand's speed along its path per level, −1 (back) to 1.
+        /// Factor on the path speed of the hand per level, −1 (backwards) to 1.
         pub hand: [f64; LEVELS],
-        /// Four bits per row, row 0 lowest: level of the fingers, then level of the hand times four.
+        /// Four bits per row, row 0 lowest: finger level plus four times hand level.
         pub rows: [u64; TABLE_WORDS],
     }
 }
 
 payload! {
-    /// What a goal made the hands do: a built-in task or a user's own.
+    /// Task of a goal: built-in or user-defined.
     TaskRecord as "atas.TaskRecord.v2" {
-        /// Name, as users see it.
+        /// Display name.
         pub name: Text<16>,
-        /// The hand that the goal names.
+        /// Steps of the hand that the goal names.
         pub acting: TrackRecord,
-        /// The other hand.
+        /// Steps of the other hand.
         pub helping: TrackRecord,
-        /// What the module "behaviour table" reads.
+        /// Table of the module "behaviour table".
         pub table: TableRecord,
     }
 }
 
 payload! {
-    /// One order; only what its kind names is used, the rest is zero.
+    /// One supervisor request. Only the fields that its kind uses are set; all others are zero.
     OrderRecord as "atas.OrderRecord.v5" {
-        /// What is ordered.
+        /// Kind of the request.
         pub kind: OrderKind,
         /// Index of a parameter or of a hand.
         pub index: u32,
-        /// Which goal.
+        /// Goal of the request.
         pub goal_id: u64,
-        /// Value of a parameter; of a goal to start, how far its hands may grasp beside where they were told, m.
+        /// Value of a parameter. For START: largest allowed offset of the grasp from the commanded
+        /// position, m.
         pub value: f64,
-        /// Why.
+        /// Reason of a stop or hold.
         pub reason: Reason,
-        /// A goal to start.
+        /// Goal to start.
         pub goal: GoalRequest,
-        /// Its task, as the configuration had it then.
+        /// Task of that goal, as configured at that time.
         pub task: TaskRecord,
-        /// All settings.
+        /// New settings.
         pub settings: SettingsRecord,
     }
 }
 
 payload! {
-    /// What one tick took in, and the command that came out. A tick that took more than one frame of a hand, or more
-    /// than one target, is told in several parts, one after the other.
+    /// Inputs of one tick and the resulting command. A tick with several frames of a hand, or
+    /// several targets, is split into consecutive parts.
     TickInputs as "atas.TickInputs.v7" {
-        /// `sequence` counts the parts of all ticks since the start, from 0; `captured_ns` is the tick's time.
+        /// `sequence` counts the parts of all ticks from 0; `captured_ns` is the time of the tick.
         pub stamp: Stamp,
         /// Index of the tick; a gap means missed ticks.
         pub tick: u64,
-        /// Which part this is, from 0. What is not per frame stands in every part.
+        /// Index of this part, from 0. Fields that are not per frame are repeated in every part.
         pub part: u32,
-        /// Parts of this tick.
+        /// Number of parts of this tick.
         pub parts: u32,
         /// Per hand, 1 if this part has a frame.
         pub has_frame: [u32; HANDS],
@@ -165,29 +169,29 @@ payload! {
         pub has_joints: u32,
         /// 1 if this part has a target.
         pub has_target: u32,
-        /// Frame number `part` of each hand, as it came, unchecked.
+        /// Frame number `part` of each hand, as received, not validated.
         pub frames: [HandFrame; HANDS],
-        /// The newest joint state, as it came, unchecked.
+        /// Newest joint state, as received, not validated.
         pub joints: JointState,
-        /// Target number `part`, as it came, unchecked.
+        /// Target number `part`, as received, not validated.
         pub target: GraspTarget,
-        /// The order that was taken.
+        /// Supervisor request processed in this tick.
         pub order: OrderRecord,
-        /// The command that was published.
+        /// Published command.
         pub command: JointCommand,
     }
 }
 
 payload! {
-    /// One hand's sensor, as the controller is wired to it.
+    /// Sensor set-up of one hand.
     HandWiringRecord as "atas.HandWiringRecord.v2" {
-        /// Fingers that carry sensors.
+        /// Number of fingertips with sensors.
         pub fingers: u32,
-        /// 1 if the robot must hold when this hand is silent.
+        /// 1 if the robot must hold when frames of this hand stop arriving.
         pub required: u32,
         /// Nominal frame rate, Hz.
         pub rate_hz: f64,
-        /// Elements of the layout, at most [`ELEMENTS`].
+        /// Number of elements of the layout, at most [`ELEMENTS`].
         pub element_count: u32,
         /// Written as zero.
         pub pad: u32,
@@ -205,17 +209,17 @@ payload! {
 }
 
 payload! {
-    /// How a run began: what the controller was made from.
+    /// Header of a run: everything that determines the controller's initial state.
     RunHeader as "atas.RunHeader.v2" {
-        /// `captured_ns` is when the daemon started; the epoch is that of its commands.
+        /// `captured_ns` is the start time of the daemon; the epoch is that of its commands.
         pub stamp: Stamp,
-        /// Version of the daemon. Another version may compute another command.
+        /// Version of the daemon. Other versions may compute other commands.
         pub version: Text<32>,
         /// FNV-1a 64 of `config`.
         pub config_hash: u64,
-        /// The robot: `built-in`, or the path of its URDF.
+        /// Robot: name of a shipped robot, or absolute path of its model file.
         pub robot: Text<256>,
-        /// FNV-1a 64 of the URDF's text, 0 for the built-in robot.
+        /// FNV-1a 64 of the URDF and robot file texts; 0 if the files are missing.
         pub robot_hash: u64,
         /// Tick rate, Hz.
         pub rate_hz: u32,
@@ -227,13 +231,13 @@ payload! {
         pub joints_required: u32,
         /// Written as zero.
         pub pad: u32,
-        /// Servo stiffness of each joint of one hand, N·m/rad; zero where there is no joint.
+        /// Servo stiffness of each joint of one hand, N·m/rad; zero in unused entries.
         pub stiffness_n_m_rad: [f64; JOINTS],
         /// Per hand.
         pub hands: [HandWiringRecord; HANDS],
-        /// The settings of the first tick. Later changes are orders.
+        /// Settings of the first tick. Later changes are supervisor requests.
         pub settings: SettingsRecord,
-        /// The whole configuration as TOML, for people: what a replay needs of it stands in the other fields.
+        /// Complete configuration as TOML, for readers only; a replay uses the other fields.
         pub config: Text<16384>,
     }
 }

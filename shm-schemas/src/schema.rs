@@ -1,89 +1,88 @@
-//! The schema as data: what a payload and a code are, with fields, their places, types and meanings.
-//!
-//! In: the declarations of this crate, through the macros that make them. Out: the words of [the catalogue](crate::catalogue).
+//! Schema as data: payloads, codes and fields with offsets, types and descriptions. The declaration
+//! macros of this crate create it for the [catalogue](crate::catalogue).
 
 use crate::text::Text;
 
-/// What a field is made of.
+/// Type of a field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Type {
-    /// A floating-point number of 4 bytes.
+    /// 4-byte floating-point number.
     F32,
-    /// A floating-point number of 8 bytes.
+    /// 8-byte floating-point number.
     F64,
-    /// An unsigned number of 4 bytes.
+    /// 4-byte unsigned number.
     U32,
-    /// An unsigned number of 8 bytes.
+    /// 8-byte unsigned number.
     U64,
-    /// UTF-8 text of so many bytes, filled up with zeros.
+    /// Zero-padded UTF-8 text of this many bytes.
     Text(usize),
-    /// A code: an unsigned number of 4 bytes with named values.
+    /// Code: 4-byte unsigned number with named values.
     Code(&'static CodeType),
     /// Another payload.
     Payload(&'static PayloadType),
-    /// So many of one type, one after the other.
+    /// Array of one type with this many elements.
     Array(&'static Self, usize),
 }
 
-/// A payload: `#[repr(C)]`, little-endian, without gaps.
+/// Payload: `#[repr(C)]`, little-endian, without gaps.
 #[derive(Debug, PartialEq)]
 pub struct PayloadType {
-    /// Its name in this crate.
+    /// Name in this crate.
     pub name: &'static str,
-    /// Its versioned name on the bus.
+    /// Versioned name on the bus.
     pub wire: &'static str,
-    /// What it is, line by line.
+    /// Description, line by line.
     pub about: &'static [&'static str],
-    /// Bytes.
+    /// Size, bytes.
     pub size: usize,
     /// Alignment, bytes.
     pub align: usize,
-    /// Its fields, in order.
+    /// Fields, in order.
     pub fields: &'static [Field],
 }
 
 /// A field of a payload.
 #[derive(Debug, PartialEq)]
 pub struct Field {
-    /// Its name; a unit stands last in it.
+    /// Name, with the unit as suffix.
     pub name: &'static str,
-    /// Bytes before it.
+    /// Offset, bytes.
     pub offset: usize,
-    /// Bytes of it.
+    /// Size, bytes.
     pub size: usize,
-    /// What it is made of.
+    /// Type.
     pub kind: Type,
-    /// What it means, line by line.
+    /// Description, line by line.
     pub about: &'static [&'static str],
 }
 
-/// A code.
+/// Code.
 #[derive(Debug, PartialEq)]
 pub struct CodeType {
-    /// Its name in this crate.
+    /// Name in this crate.
     pub name: &'static str,
-    /// What it is, line by line.
+    /// Description, line by line.
     pub about: &'static [&'static str],
-    /// Its known values, in order.
+    /// Known values, in order.
     pub values: &'static [CodeValue],
 }
 
-/// A value of a code.
+/// Value of a code.
 #[derive(Debug, PartialEq)]
 pub struct CodeValue {
-    /// The number on the wire.
+    /// Number on the wire.
     pub number: u32,
-    /// Its name in programs.
+    /// Name in programs.
     pub name: &'static str,
-    /// Its name in logs and JSON.
+    /// Name in logs and JSON.
     pub text: &'static str,
-    /// What it means, line by line.
+    /// Description, line by line.
     pub about: &'static [&'static str],
 }
 
-/// What can be part of a payload.
+/// Types that can be part of a payload.
 pub trait Described {
-    /// What it is made of.
+    /// Schema type.
     const TYPE: Type;
 }
 

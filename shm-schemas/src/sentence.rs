@@ -1,4 +1,4 @@
-//! A [`Reason`] as one sentence: could not X because Y was A, needs B; do C.
+//! Formats a [`Reason`] as one sentence: what failed, value and limit, what to do.
 
 use crate::body::BodyPair;
 use crate::goal::{GoalKind, GoalRequest};
@@ -27,9 +27,9 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The sentences, by tens of the cause's number.
+/// Formatting by groups of cause numbers.
 impl Reason {
-    /// Why a goal was not begun.
+    /// Formats the reason of a rejected goal.
     fn write_goal(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self {
             value,
@@ -74,7 +74,7 @@ impl Reason {
                 value.to_degrees(),
                 limit.to_degrees()
             ),
-            // No limit of one number is at fault: the arm has no posture for all of them together.
+            // No single limit is violated: the arm has no posture for all values together.
             Cause::UNREACHABLE if limit == 0.0 => write!(
                 f,
                 "the arm has no posture for the place {:?} with this yaw, width and lift: the fingertips stay {:.1} mm off; move \
@@ -169,7 +169,7 @@ impl Reason {
         }
     }
 
-    /// Why a task ended.
+    /// Formats the reason why a task ended.
     fn write_task(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { value, limit, .. } = *self;
         match self.cause {
@@ -251,7 +251,7 @@ impl Reason {
         }
     }
 
-    /// What is wrong with the tactile frames.
+    /// Formats a fault of the tactile frames.
     fn write_frames(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self {
             value,
@@ -328,7 +328,7 @@ impl Reason {
         }
     }
 
-    /// What is wrong with joints and commands.
+    /// Formats a fault of joints or commands.
     fn write_joints(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self {
             value,
@@ -396,7 +396,7 @@ impl Reason {
         }
     }
 
-    /// What became of the daemon.
+    /// Formats a fault of the daemon.
     fn write_daemon(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { value, limit, .. } = *self;
         match self.cause {
@@ -432,7 +432,7 @@ impl Reason {
     }
 }
 
-/// The place that a value of the goal belongs to; empty if it is no place's.
+/// Returns the place (`from` or `to`) that a goal value belongs to, or an empty string.
 fn goal_place(index: u32) -> &'static str {
     match goal_value(index).split_once(' ') {
         Some((place @ ("from" | "to"), _)) => place,

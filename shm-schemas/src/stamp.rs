@@ -1,28 +1,28 @@
-//! The stamp at the beginning of every payload (what ROS calls the stamp and the sequence of a header), and which hand
-//! a payload speaks of.
+//! Payload header (stamp and sequence number, as in a ROS header) and hand codes.
 
 use crate::code::code;
 use crate::payload::payload;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
-    /// Who wrote a payload, when, and as which in its series.
+    /// Writer, time and sequence number of a payload.
     Stamp as "atas.Stamp.v1" {
-        /// Counts the payloads of this writer, from 0, without gaps: a gap means that payloads were lost.
+        /// Sequence number of this writer, from 0; a gap means lost payloads.
         pub sequence: u64,
-        /// When the content was true (sensor time, not sending time), nanoseconds of `CLOCK_MONOTONIC`.
+        /// Capture time of the content, not its sending time, ns of `CLOCK_MONOTONIC`.
         pub captured_ns: u64,
-        /// Drawn anew at each start of the writer. A reader pins it; a change means that the writer restarted.
+        /// Random number, drawn at each start of the writer. A reader pins it; a change means that
+        /// the writer restarted.
         pub writer_epoch: u64,
     }
 }
 
 code! {
-    /// Which hand.
+    /// Left or right hand.
     Hand as "atas.Hand.v1" {
-        /// The left hand: joints 0 to 10 of the built-in robot.
+        /// Left hand: joints 0 to 10 of the built-in robot.
         LEFT = 0, "left";
-        /// The right hand: joints 11 to 21 of the built-in robot.
+        /// Right hand: joints 11 to 21 of the built-in robot.
         RIGHT = 1, "right";
     }
 }
@@ -31,10 +31,10 @@ impl Hand {
     /// Both hands, in the order of every per-hand array.
     pub const BOTH: [Self; 2] = [Self::LEFT, Self::RIGHT];
 
-    /// The hand's place in per-hand arrays.
+    /// Index of the hand in per-hand arrays.
     ///
     /// # Errors
-    /// `None` when the code names no hand.
+    /// `None` if the code is unknown.
     #[must_use]
     pub fn index(self) -> Option<usize> {
         self.is_known().then_some(self.0 as usize)

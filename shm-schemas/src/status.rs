@@ -1,4 +1,4 @@
-//! How everybody is.
+//! Status of the daemon and of the sensor processes.
 
 use crate::capacity::{FINGERS, HANDS};
 use crate::goal::{GoalKind, GoalState};
@@ -10,7 +10,7 @@ use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
-    /// A distribution of durations since the start, ns.
+    /// Percentiles of a duration since the start, ns.
     Percentiles as "atas.Percentiles.v1" {
         /// Median.
         pub p50_ns: u64,
@@ -18,47 +18,47 @@ payload! {
         pub p99_ns: u64,
         /// 99.9th percentile.
         pub p999_ns: u64,
-        /// Longest.
+        /// Maximum.
         pub max_ns: u64,
-        /// How many were measured.
+        /// Number of samples.
         pub count: u64,
     }
 }
 
 payload! {
-    /// What the daemon thinks of one hand's sensor. All counts since the daemon's start.
+    /// Status of one hand's sensor. Counts are since the start of the daemon.
     HandStatus as "atas.HandStatus.v1" {
-        /// Frames accepted.
+        /// Accepted frames.
         pub frames: u64,
-        /// Frames lost, by gaps in the sequence.
+        /// Lost frames, from gaps in the sequence.
         pub lost: u64,
-        /// Frames seen twice.
+        /// Duplicate frames.
         pub duplicates: u64,
-        /// Frames that came after a newer one.
+        /// Frames that arrived after a newer one.
         pub reordered: u64,
-        /// Frames that failed their checksum.
+        /// Frames with a wrong checksum.
         pub corrupt: u64,
-        /// Frames stamped too far in the past or in the future.
+        /// Frames with a stamp too far in the past or future.
         pub mistimed: u64,
         /// Frames of another writer, hand or layout.
         pub foreign: u64,
-        /// Readings masked because they were not finite or out of range.
+        /// Readings masked because they are not finite or out of range.
         pub masked_elements: u64,
         /// Restarts of the sensor process.
         pub restarts: u64,
-        /// Touches per finger, with hysteresis.
+        /// Contacts per fingertip, with hysteresis.
         pub touches: [u64; FINGERS],
-        /// Epoch of the pinned writer.
+        /// Writer epoch of the pinned writer.
         pub writer_epoch: u64,
         /// Age of the newest accepted frame, ns; `u64::MAX` before the first.
         pub age_ns: u64,
-        /// Configured layout.
+        /// Hash of the configured layout.
         pub layout_hash: u64,
-        /// Normal force per finger, N.
+        /// Normal force per fingertip, N.
         pub normal_n: [f32; FINGERS],
-        /// Tangential force per finger, N.
+        /// Tangential force per fingertip, N.
         pub tangential_n: [f32; FINGERS],
-        /// 1 if the configuration wants this hand.
+        /// 1 if the configuration requires this hand.
         pub required: u32,
         /// Bit n set: the module with [`crate::ModuleId`] n is active.
         pub modules_active: u32,
@@ -66,15 +66,15 @@ payload! {
 }
 
 payload! {
-    /// What the daemon thinks of the joint feedback.
+    /// Status of the joint feedback.
     JointStatus as "atas.JointStatus.v1" {
-        /// States accepted.
+        /// Accepted joint states.
         pub states: u64,
-        /// States not taken in, by gaps in the sequence: lost, or superseded by a newer one within one tick.
+        /// Unused joint states, from gaps in the sequence: lost, or superseded within one tick.
         pub lost: u64,
-        /// States refused.
+        /// Rejected joint states.
         pub rejected: u64,
-        /// Age of the newest, ns; `u64::MAX` before the first.
+        /// Age of the newest joint state, ns; `u64::MAX` before the first.
         pub age_ns: u64,
     }
 }
@@ -84,75 +84,75 @@ payload! {
 pub struct StatusFlags;
 
 impl StatusFlags {
-    /// Real-time scheduling or memory locking was refused: timing is best effort.
+    /// Real-time scheduling or memory locking is not available: timing is best effort.
     pub const DEGRADED: u32 = 1;
-    /// Lock-step: time is virtual.
+    /// Lock-step with virtual time.
     pub const LOCKSTEP: u32 = 1 << 1;
     /// The tick thread runs under `SCHED_FIFO`.
     pub const REALTIME: u32 = 1 << 2;
     /// Memory is locked.
     pub const MEMORY_LOCKED: u32 = 1 << 3;
-    /// The ticks are locked to the frames' stamps.
+    /// Ticks are phase-locked to the frame stamps.
     pub const PHASE_LOCKED: u32 = 1 << 4;
-    /// The cores are kept from idle states that they wake up from slowly.
+    /// Deep idle states of the cores are disabled.
     pub const KEPT_AWAKE: u32 = 1 << 5;
-    /// There is no robot to move: the daemon was told to sense only.
+    /// Sense-only mode: the daemon commands no robot.
     pub const SENSE_ONLY: u32 = 1 << 6;
 }
 
 payload! {
-    /// The daemon's state, 50 Hz.
+    /// Status of the daemon, 50 Hz.
     Status as "atas.Status.v3" {
-        /// `captured_ns` is when the snapshot was taken.
+        /// `captured_ns` is the time of the snapshot.
         pub stamp: Stamp,
         /// Version of the daemon.
         pub version: Text<32>,
-        /// FNV-1a 64 of the configuration text in force.
+        /// FNV-1a 64 of the active configuration text.
         pub config_hash: u64,
-        /// When the daemon started, ns of the clock of its stamps: `CLOCK_MONOTONIC`; in lock-step the virtual time of its first
-        /// tick, 0 before that.
+        /// Start time of the daemon, ns of `CLOCK_MONOTONIC`. In lock-step: virtual time of the
+        /// first tick, 0 before it.
         pub started_ns: u64,
         /// Process id.
         pub pid: u32,
         /// [`StatusFlags`].
         pub flags: u32,
-        /// Mode.
+        /// Mode of the daemon.
         pub mode: Mode,
         /// Tick rate, Hz.
         pub rate_hz: u32,
-        /// Why the mode is HOLD, SAFE_STOP or FAULT.
+        /// Reason of the mode HOLD, SAFE_STOP or FAULT.
         pub reason: Reason,
-        /// Ticks executed.
+        /// Executed ticks.
         pub ticks: u64,
-        /// Ticks missed: their time had passed when the loop came round.
+        /// Missed ticks: their time had passed before they could begin.
         pub missed_ticks: u64,
         /// Ticks that began more than a tenth of a period late.
         pub late_ticks: u64,
-        /// Ticks that began because the frames that they awaited came.
+        /// Ticks started by the arrival of the expected frames.
         pub ticks_on_arrival: u64,
-        /// Ticks that awaited a frame until the latest moment, in vain.
+        /// Ticks started by the timeout because an expected frame did not arrive.
         pub ticks_in_vain: u64,
-        /// Records dropped because the queue to the non-real-time side was full.
+        /// Records dropped because the queue to the supervisor was full.
         pub dropped_records: u64,
         /// Active or last goal, 0 if none.
         pub goal_id: u64,
-        /// Its kind.
+        /// Kind of that goal.
         pub goal_kind: GoalKind,
-        /// Its state.
+        /// State of that goal.
         pub goal_state: GoalState,
-        /// Its step.
+        /// Task step.
         pub step: Text<16>,
-        /// Name of its task if it is one of the user's own, else empty.
+        /// Name of a user-defined task, else empty.
         pub task: Text<32>,
-        /// Why it ended, if it ended without success.
+        /// Reason, if the goal ended without success.
         pub goal_reason: Reason,
-        /// How late ticks begin.
+        /// Wake-up delay of the ticks.
         pub wake: Percentiles,
         /// Age of the newest frame at the tick.
         pub frame_age: Percentiles,
-        /// Duration of the tick's body.
+        /// Duration of the tick computation.
         pub tick: Percentiles,
-        /// From the sensor's stamp to the command.
+        /// Time from the sensor stamp to the command.
         pub sensor_to_command: Percentiles,
         /// Per hand.
         pub hands: [HandStatus; HANDS],
@@ -162,29 +162,29 @@ payload! {
 }
 
 payload! {
-    /// What a sensor process says of its device, about 10 Hz and once more at its end.
+    /// Status of a sensor device from its sensor process, about 10 Hz and once at exit.
     SensorStatus as "atas.SensorStatus.v1" {
-        /// `captured_ns` is when the snapshot was taken.
+        /// `captured_ns` is the time of the snapshot.
         pub stamp: Stamp,
-        /// The driver, for example `optoforce`.
+        /// Driver name, for example `optoforce`.
         pub driver: Text<32>,
-        /// The device, for example a tty.
+        /// Device name, for example a tty.
         pub device: Text<64>,
-        /// Which hand it feels for.
+        /// Hand of the sensor.
         pub hand: Hand,
-        /// 1 while the device delivers.
+        /// 1 while the device delivers data.
         pub alive: u32,
         /// Valid frames read from the device.
         pub frames: u64,
-        /// Frames lost, by gaps in the device's own counter.
+        /// Lost frames, from gaps in the device's counter.
         pub lost: u64,
-        /// Bytes that belong to no valid frame.
+        /// Bytes outside valid frames.
         pub junk_bytes: u64,
-        /// Candidates that failed their checksum.
+        /// Frame candidates with a wrong checksum.
         pub checksum_failures: u64,
-        /// Frames whose status word reports an error or an overload.
+        /// Frames whose status word reports an error or overload.
         pub device_errors: u64,
-        /// The device's last status word.
+        /// Last status word of the device.
         pub device_status: u32,
         /// Written as zero.
         pub pad: u32,

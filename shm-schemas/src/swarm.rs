@@ -1,4 +1,4 @@
-//! The swarm: what the agents of methodology 2 sense and what they do (paper III).
+//! Sensor rows and wheel commands of the swarm agents (paper III).
 
 use crate::capacity::AGENTS;
 use crate::payload::payload;
@@ -6,37 +6,38 @@ use crate::stamp::Stamp;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
-    /// What every agent senses at the start of one field frame.
+    /// Sensor rows of all agents at the start of one field frame.
     AgentSensors as "atas.AgentSensors.v2" {
-        /// `captured_ns` is the frame's time.
+        /// `captured_ns` is the time of the frame.
         pub stamp: Stamp,
         /// Index of the field frame within the trial.
         pub frame: u64,
         /// Index of the trial (goal position).
         pub trial: u32,
-        /// Agents that carry data, at most [`AGENTS`].
+        /// Number of used entries in `row`, at most [`AGENTS`].
         pub agent_count: u32,
-        /// Names the field's numbers, so that agents can refuse a field that their tables were not evolved for.
+        /// Hash of the field parameters. Agents reject a field for which their tables were not
+        /// evolved.
         pub field_hash: u64,
-        /// Per agent the table row that its sensors select: bit 0 is S1, bit 4 is S5.
+        /// Per agent: table row selected by the sensors; bit 0 is S1, bit 4 is S5.
         pub row: [u32; AGENTS],
     }
 }
 
 payload! {
-    /// What every agent does in that field frame.
+    /// Wheel commands of all agents for one field frame.
     WheelCommands as "atas.WheelCommands.v1" {
-        /// `captured_ns` is copied from the sensors that it answers.
+        /// `captured_ns` is copied from the sensors that this command answers.
         pub stamp: Stamp,
-        /// The field frame that it answers.
+        /// Field frame that this command answers.
         pub frame: u64,
-        /// The trial that it answers.
+        /// Trial that this command answers.
         pub trial: u32,
-        /// Agents that carry data.
+        /// Number of used entries in `output`.
         pub agent_count: u32,
-        /// First 8 bytes of the hash of the table that was looked up, so that a swap is visible.
+        /// First 8 bytes of the hash of the behaviour table in use; a change shows a table swap.
         pub table_hash: u64,
-        /// Per agent the table's output bits: L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3.
+        /// Per agent: output bits of the table; L1 bit 0, L2 bit 1, R1 bit 2, R2 bit 3.
         pub output: [u32; AGENTS],
     }
 }

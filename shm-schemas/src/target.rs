@@ -1,4 +1,4 @@
-//! Targets: where a client that streams wants a hand to be, and what its fingers shall do.
+//! Teleoperation targets: hand pose and grip command, streamed by a client.
 
 use crate::code::code;
 use crate::payload::payload;
@@ -7,37 +7,39 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::IntoBytes;
 
 code! {
-    /// What the fingers shall do.
+    /// Grip command of a target.
     GripOrder as "atas.GripOrder.v1" {
-        /// Go to `opening_m`. Fingertips that meet something on their way take hold of it, and hold it as gently as touch
-        /// allows, until a wider opening is wanted.
+        /// Moves to `opening_m`. On contact the fingertips hold the object with the minimum force,
+        /// until a wider opening is commanded.
         WIDTH = 0, "width";
-        /// Close until the fingertips touch, and hold what is there.
+        /// Closes until contact and holds the object.
         HOLD = 1, "hold";
     }
 }
 
 payload! {
-    /// Where a hand shall be: one target of the stream that a goal `follow` has opened. Frame: base of the robot (x forward,
-    /// y left, z up, origin on the table top under the torso); the hand points straight down.
+    /// Target of one hand in the stream of a goal `teleop`. Frame: robot base (x forward, y left, z
+    /// up, origin on the table top under the torso); the hand points straight down.
     ///
-    /// The newest target counts. The hand follows it within limits of its own; how hard it holds is not the client's to say.
+    /// The newest target replaces older ones. The hand tracks it within the daemon's own limits;
+    /// the controller alone determines the grip force.
     GraspTarget as "atas.GraspTarget.v1" {
-        /// `writer_epoch` is that of the goal's request, `sequence` rises, `captured_ns` is when the target was made.
+        /// `writer_epoch` is that of the goal request, `sequence` increases, `captured_ns` is the
+        /// creation time of the target.
         pub stamp: Stamp,
-        /// The hand stops and keeps what it holds if nothing newer has come by then, nanoseconds of the clock of the daemon's
-        /// stamps. At most two seconds ahead count.
+        /// End of validity, ns of the daemon's clock, effective up to two seconds ahead. Without a
+        /// newer target the hand then stops and keeps its grip.
         pub valid_until_ns: u64,
-        /// Which hand.
+        /// Hand to move.
         pub hand: Hand,
-        /// What its fingers shall do.
+        /// Grip command.
         pub grip: GripOrder,
         /// Point between the fingertips, m.
         pub centre_m: [f64; 3],
-        /// Direction of the closing axis, rad from +x towards +y. A half turn more or less is the same grasp: the hand takes
-        /// the one that is nearer.
+        /// Direction of the closing axis, rad from +x towards +y. Directions half a turn apart are
+        /// the same grasp; the hand takes the nearer one.
         pub closing_yaw_rad: f64,
-        /// Distance between the fingertips' surfaces, m; not used by HOLD.
+        /// Distance between the fingertip surfaces, m; not used by HOLD.
         pub opening_m: f64,
         /// Written as zero.
         pub pad: u32,
@@ -49,10 +51,11 @@ payload! {
 crate::crc::sealed!(GraspTarget);
 
 impl GraspTarget {
-    /// Names of [`GraspTarget::values`], in order; a [`crate::Reason`] about a target refers to them by index.
+    /// Names of [`GraspTarget::values`], in order. A [`crate::Reason`] about a target refers to
+    /// them by index.
     pub const VALUE_NAMES: [&'static str; 5] = ["x", "y", "z", "yaw", "opening"];
 
-    /// Every number of the target, in the order of [`GraspTarget::VALUE_NAMES`], SI units.
+    /// Returns all numbers of the target, in the order of [`GraspTarget::VALUE_NAMES`], SI units.
     #[must_use]
     pub fn values(&self) -> [f64; 5] {
         let [x, y, z] = self.centre_m;

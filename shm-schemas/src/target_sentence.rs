@@ -1,4 +1,4 @@
-//! The sentences about streamed targets, beside the others in `sentence`.
+//! Formats reasons about streamed targets; see `sentence` for all others.
 
 use crate::reason::{Cause, Reason};
 use crate::stamp::Hand;
@@ -7,7 +7,7 @@ use crate::typed::of_target;
 use core::fmt::{self, Formatter};
 
 impl Reason {
-    /// What is wrong with a stream of targets.
+    /// Formats a fault of a target stream.
     pub(crate) fn write_target(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self {
             value,

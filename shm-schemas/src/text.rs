@@ -1,22 +1,22 @@
-//! Short text of fixed capacity.
+//! Text of fixed capacity.
 
 use iceoryx2_bb_derive_macros::ZeroCopySend;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-/// Up to `N` bytes of UTF-8, zero-filled. What does not fit is cut at a character boundary.
+/// UTF-8 text of up to `N` bytes, zero-filled. Longer text is cut at a character boundary.
 #[repr(C)]
 #[derive(
     Clone, Copy, PartialEq, Eq, ZeroCopySend, FromBytes, IntoBytes, Immutable, KnownLayout,
 )]
 #[type_name("atas.Text.v1")]
 pub struct Text<const N: usize>(
-    /// The bytes; text ends at the first zero.
+    /// Bytes; the text ends at the first zero.
     pub [u8; N],
 );
 
 impl<const N: usize> Text<N> {
-    /// Text from a string, cut to the capacity.
+    /// Creates text from a string, cut to the capacity.
     #[must_use]
     pub fn new(text: &str) -> Self {
         let mut end = text.len().min(N);
@@ -28,7 +28,8 @@ impl<const N: usize> Text<N> {
         Self(bytes)
     }
 
-    /// The text; what is not UTF-8 reads as empty, because bytes from the bus may be anything.
+    /// Returns the text. Invalid UTF-8 reads as empty, because bytes from the bus may have any
+    /// value.
     #[must_use]
     pub fn as_str(&self) -> &str {
         let end = self.0.iter().position(|&b| b == 0).unwrap_or(N);

@@ -1,4 +1,4 @@
-//! What the simulator knows and the robot does not: the judge's view. The daemon never opens this service.
+//! Ground truth of the simulator, for evaluation only. The daemon never opens this service.
 
 use crate::capacity::{FINGERS, HANDS};
 use crate::payload::payload;
@@ -7,88 +7,91 @@ use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
-    /// The true state of one simulated object.
+    /// Ground truth of one simulated object.
     ObjectTruth as "atas.ObjectTruth.v4" {
-        /// Name of the object, as in its data file.
+        /// Object name, as in its data file.
         pub name: Text<32>,
-        /// Middle of its shape, base frame, m.
+        /// Centre of its shape, base frame, m.
         pub position_m: [f64; 3],
         /// Orientation, base frame, quaternion w, x, y, z.
         pub orientation: [f64; 4],
-        /// How far its middle is above where it rested at the start, m.
+        /// Height of the centre above its initial rest height, m.
         pub lifted_m: f64,
-        /// Tilt of its upright axis, rad.
+        /// Tilt of the upright axis, rad.
         pub tilt_rad: f64,
-        /// Force each finger must press with to carry it, m·g / (2·μ), N.
+        /// Minimum force per grasp side to carry the object, m·g / (2·μ), N.
         pub needed_n: f64,
-        /// Force at which it crushes, N; infinite if it does not.
+        /// Force at which the object is crushed, N; infinite if never.
         pub crush_n: f64,
-        /// Largest force it has felt, N.
+        /// Largest force applied so far, N.
         pub max_force_n: f64,
-        /// Sum of the forces of the table, or of what else it stands on, N.
+        /// Sum of the support forces of the table or another base, N.
         pub table_n: f64,
-        /// When it first stood again after it had been lifted last, simulated time, ns; 0 if never.
+        /// Simulated time of the first landing after the last lift, ns; 0 if never.
         pub landed_ns: u64,
-        /// When what it stands on first truly carried it after that: with 0.2 N or a tenth of its weight, whichever is more, where a
-        /// first corner that grazes carries less; simulated time, ns; 0 if never.
+        /// Simulated time at which the support first carries the object after that landing, ns; 0
+        /// if never. The threshold is the larger of 0.2 N and a tenth of its weight, so a grazing
+        /// corner does not count.
         pub carried_ns: u64,
-        /// When the last fingertip let go of it after it had been lifted last: for the first time after it landed, else most
-        /// recently; simulated time, ns; 0 if never.
+        /// Simulated time at which the last fingertip released the object after the last lift, ns;
+        /// 0 if never. It is the first release after landing, else the most recent one.
         pub released_ns: u64,
-        /// Its height above what was under it at that moment, m.
+        /// Clearance under the object at that moment, m.
         pub released_above_m: f64,
-        /// Greatest slip along the fingertips in any hold of a hand so far, while its support did not carry all of it, m.
+        /// Largest slip along the fingertips in any hold so far, m. Measured while the support does
+        /// not carry the whole weight.
         pub slip_in_hand_m: f64,
-        /// Greatest turn in any of these holds, rad.
+        /// Largest rotation in any of these holds, rad.
         pub turn_in_hand_rad: f64,
-        /// How far it is from where it stood at the start, over the table, m.
+        /// Horizontal distance from the initial position, m.
         pub displaced_m: f64,
-        /// How far a cap has been turned since the threads met, rad, positive closing. This and the following are 0 for
-        /// other objects.
+        /// Rotation of a cap since thread engagement, rad, positive closing. This and the following
+        /// cap fields are 0 for other objects.
         pub cap_angle_rad: f64,
-        /// Angle at which a cap is closed, rad.
+        /// Angle at which the cap is closed, rad.
         pub cap_closing_rad: f64,
-        /// Friction torque of a cap's thread before it closes, N·m.
+        /// Thread friction torque before the cap closes, N·m.
         pub cap_friction_n_m: f64,
-        /// Torque on a cap's thread now, N·m.
+        /// Present torque on the thread, N·m.
         pub cap_torque_n_m: f64,
-        /// Torque that it takes to turn a cap any further, N·m: how tight it is.
+        /// Torque needed to turn the cap further (tightness), N·m.
         pub cap_holding_n_m: f64,
-        /// 1 while a cap is on the neck and its thread engaged.
+        /// 1 while the cap is on the neck and its thread is engaged.
         pub cap_engaged: u32,
-        /// 1 while it is engaged and turned to its closing angle or beyond.
+        /// 1 while the thread is engaged and turned to the closing angle or beyond.
         pub cap_closed: u32,
-        /// 1 while it stands by itself, upright within 5° and within 10 mm of where it stood at the start.
+        /// 1 while the object stands unsupported by a hand, within 5° of upright and 10 mm of its
+        /// initial position.
         pub stands: u32,
-        /// 1 while a fingertip presses it.
+        /// 1 while a fingertip presses the object.
         pub pressed: u32,
         /// 1 once crushed.
         pub crushed: u32,
-        /// 1 once dropped: it fell out of the hand after it had been lifted.
+        /// 1 once dropped: fallen out of the hand after a lift.
         pub dropped: u32,
-        /// 1 once it tipped over.
+        /// 1 once tipped over.
         pub tipped: u32,
-        /// 1 once spilt: a bottle that tilted while it was not closed.
+        /// 1 once spilt: a bottle tilted while it was not closed.
         pub spilt: u32,
     }
 }
 
 payload! {
-    /// The true state of the simulated world.
+    /// Ground truth of the simulated world.
     WorldTruth as "atas.WorldTruth.v4" {
         /// `captured_ns` is the simulated time.
         pub stamp: Stamp,
-        /// Milliseconds of the machine's clock that were skipped so far because the simulator came late; 0 in lock-step.
+        /// Milliseconds of real time skipped so far because the simulator was late; 0 in lock-step.
         pub missed_ticks: u64,
-        /// Objects that carry data.
+        /// Number of used entries in `objects`.
         pub object_count: u32,
-        /// Commands refused or expired so far.
+        /// Commands rejected or expired so far.
         pub expired_commands: u32,
-        /// The objects.
+        /// Objects.
         pub objects: [ObjectTruth; 4],
-        /// True sliding distance of each fingertip on what it touches since its first touch, m.
+        /// Sliding distance of each fingertip on the touched surface since its first contact, m.
         pub slip_m: [[f64; FINGERS]; HANDS],
-        /// True normal force of each fingertip, N.
+        /// Normal force of each fingertip, N.
         pub normal_n: [[f64; FINGERS]; HANDS],
     }
 }

@@ -1,15 +1,15 @@
-//! Numbers as users type them: in the unit that the command line, or a file of targets, asks for, and with it.
+//! Formats SI values in the unit that the command line or a target file uses.
 
 use crate::goal::GoalRequest;
 use crate::target::GraspTarget;
 use core::fmt::{self, Display, Formatter};
 
-/// A unit, and how a number of the SI is said in it.
+/// Display unit and its conversion from SI.
 #[derive(Clone, Copy, Debug)]
 struct Unit {
-    /// With the space before it, if it has one.
+    /// Unit name, with a leading space if required.
     name: &'static str,
-    /// How many of them make one of the SI.
+    /// Factor from the SI unit to this unit.
     per_si: f64,
     digits: usize,
 }
@@ -28,16 +28,16 @@ const DEG: Unit = unit("°", 180.0 / core::f64::consts::PI, 1);
 const RAD: Unit = unit(" rad", 1.0, 4);
 const S: Unit = unit(" s", 1.0, 1);
 const N: Unit = unit(" N", 1.0, 2);
-/// Of a value that has no name.
+/// Unit of an unnamed value.
 const NONE: Unit = unit("", 1.0, 4);
 
-/// In the order of [`GoalRequest::VALUE_NAMES`].
+/// Units in the order of [`GoalRequest::VALUE_NAMES`].
 const OF_GOAL: [Unit; GoalRequest::VALUE_NAMES.len()] =
     [M, M, M, DEG, M, M, M, DEG, MM, MM, S, MM, MM, N];
-/// In the order of [`GraspTarget::VALUE_NAMES`].
+/// Units in the order of [`GraspTarget::VALUE_NAMES`].
 const OF_TARGET: [Unit; GraspTarget::VALUE_NAMES.len()] = [M, M, M, RAD, M];
 
-/// A number that prints in its unit.
+/// SI value that prints in its display unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Typed {
     si: f64,
@@ -55,12 +55,12 @@ impl Display for Typed {
     }
 }
 
-/// A number of the goal's value with this index.
+/// Returns an SI value with the display unit of the goal value at this index.
 pub(crate) fn of_goal(index: u32, si: f64) -> Typed {
     typed(&OF_GOAL, index, si)
 }
 
-/// A number of the target's value with this index.
+/// Returns an SI value with the display unit of the target value at this index.
 pub(crate) fn of_target(index: u32, si: f64) -> Typed {
     typed(&OF_TARGET, index, si)
 }

@@ -1,4 +1,4 @@
-//! What the robot feels and where it is, for those who only look.
+//! Sensor and joint data for observers such as screens.
 
 use crate::capacity::HANDS;
 use crate::frame::HandFrame;
@@ -8,22 +8,22 @@ use crate::stamp::Stamp;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
-    /// The newest frames and joint state, some 60 times a second: the streams of the 1 kHz loop have a closed set of peers,
-    /// this one is for screens.
+    /// Newest frames and joint state, at about 60 Hz. The 1 kHz streams have a closed set of peers;
+    /// observers read this one instead.
     View as "atas.View.v2" {
         /// `captured_ns` is the tick's time; `sequence` counts the views.
         pub stamp: Stamp,
-        /// The tick that left it.
+        /// Tick that published the view.
         pub tick: u64,
-        /// Per hand, 1 once a frame has come.
+        /// Per hand: 1 after the first frame.
         pub has_frame: [u32; HANDS],
-        /// 1 once a joint state has come.
+        /// 1 after the first joint state.
         pub has_joints: u32,
         /// Written as zero.
         pub pad: u32,
-        /// The newest frame of each hand, as it came, unchecked.
+        /// Newest frame of each hand, as received, not validated.
         pub frames: [HandFrame; HANDS],
-        /// The newest joint state, as it came, unchecked.
+        /// Newest joint state, as received, not validated.
         pub joints: JointState,
     }
 }

@@ -1,8 +1,8 @@
-//! A rigid object and the table it stands on.
+//! Rigid object on its support.
 //!
-//! Semi-implicit Euler: forces change the velocity first, the new velocity moves the body. What it stands on (`support.rs`)
-//! acts on the object's corners through springs with dampers, and along its surface through springs that slip at the
-//! friction limit. Base frame; the table is the plane z = 0.
+//! Semi-implicit Euler: forces update the velocity, then the new velocity moves the body. Supports
+//! (`support.rs`) act on the corners: a spring with damper along the normal, and a spring with a
+//! friction limit along the surface. Base frame; the table is the plane z = 0.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,25 +11,25 @@ use crate::ride::Ride;
 use crate::shape::Shape;
 use crate::support::{Ground, RimLoad};
 
-/// Standard gravity, m/s² (the prototype's 9.81).
+/// Standard gravity, m/s² (prototype: 9.81).
 pub const GRAVITY_M_S2: f64 = 9.81;
-/// Stiffness of the table under one corner, N/m (prototype).
+/// Table stiffness under one corner, N/m (prototype).
 const TABLE_N_M: f64 = 2e4;
-/// Stiffness of one corner along the table, N/m (prototype).
+/// Tangential table stiffness per corner, N/m (prototype).
 const TABLE_SHEAR_N_M: f64 = 1e4;
-/// Friction of the table (prototype).
+/// Friction coefficient of the table (prototype).
 const TABLE_FRICTION: f64 = 0.3;
-/// Damping of a corner over √(stiffness·mass) (prototype).
+/// Damping per corner over √(stiffness·mass) (prototype).
 const TABLE_DAMPING_RATIO: f64 = 0.6;
-/// Upper bound of a corner's damping as a time over its stiffness, s (prototype).
+/// Upper bound of the damping per corner over its stiffness, s (prototype).
 const TABLE_DAMPING_S: f64 = 0.003;
-/// Upper bound of a corner's damping as a rate over the mass, 1/s. Ours: 0.05 per substep; without it the tilting of an object
-/// of 12 g is unstable at 250 µs.
+/// Upper bound of the damping per corner over the mass, 1/s. Derived: 0.05 per substep. Above it,
+/// the tilting of a 12 g object is unstable at 250 µs.
 const TABLE_DAMPING_PER_S: f64 = 200.0;
-/// Damping along the table over damping along its normal (prototype).
+/// Tangential damping over normal damping (prototype).
 const TABLE_SHEAR_DAMPING_RATIO: f64 = 0.5;
 
-/// A rigid body on or above the table.
+/// Rigid body on or above its support.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub(crate) shape: Shape,
@@ -37,50 +37,51 @@ pub(crate) struct Body {
     inertia_kg_m2: Vector3<f64>,
     corners: Vec<Corner>,
     table_damping_n_s_m: f64,
-    /// Centre of mass, from the middle of its shape, body frame, m.
+    /// Centre of mass from the middle of the shape, body frame, m.
     centre_of_mass_m: Vector3<f64>,
-    /// Middle of its shape: the origin of the body's frame, m.
+    /// Middle of the shape, origin of the body frame, m.
     pub(crate) position_m: Vector3<f64>,
-    /// Orientation, quaternion w, x, y, z of unit length.
+    /// Unit quaternion w, x, y, z.
     orientation: [f64; 4],
-    /// The same as a matrix: the body's axes in the base frame.
+    /// Body axes in the base frame; matrix form of the orientation.
     pub(crate) base_from_body: Matrix3<f64>,
     /// Velocity of the middle, m/s.
     pub(crate) velocity_m_s: Vector3<f64>,
     /// Angular velocity, base frame, rad/s.
     pub(crate) angular_rad_s: Vector3<f64>,
     load: Wrench,
-    /// A force at the centre of mass that lasts, base frame, N.
+    /// Constant force at the centre of mass, base frame, N.
     pub(crate) pull_n: Vector3<f64>,
-    /// Sum of the supports' normal forces in the last step, N.
+    /// Sum of the support normal forces in the last step, N.
     pub(crate) table_n: f64,
-    /// The rim's share of it, N.
+    /// Share of the rim in that sum, N.
     pub(crate) rim_n: f64,
     rim_load: RimLoad,
 }
 
-/// Where a body is and how it moves, base frame.
+/// Pose and velocity of a body, base frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
-    /// Middle of its shape, m.
+    /// Middle of the shape, m.
     pub(crate) position_m: Vector3<f64>,
-    /// Quaternion w, x, y, z of unit length.
+    /// Unit quaternion w, x, y, z.
     pub(crate) orientation: [f64; 4],
     pub(crate) velocity_m_s: Vector3<f64>,
     pub(crate) angular_rad_s: Vector3<f64>,
 }
 
-/// A point that the table may touch.
+/// Contact point with the support.
 #[derive(Clone, Copy, Debug)]
 struct Corner {
-    /// Place on the body, m.
+    /// Position, body frame, m.
     place_m: Vector3<f64>,
-    /// Shear against the table, m.
+    /// Tangential spring deflection, m.
     shear_m: [f64; 2],
 }
 
 impl Body {
-    /// A body standing upright on a level support, pressed in by its own weight so that it is at rest.
+    /// Creates a body at rest, upright on a level support, with its corners pressed in by its
+    /// weight.
     pub(crate) fn standing(shape: Shape, mass_kg: f64, at_m: [f64; 3], yaw_rad: f64) -> Self {
         let corners: Vec<Corner> = shape
             .corners_m()
@@ -113,32 +114,34 @@ impl Body {
         }
     }
 
-    /// The same with at least this moment of inertia about every axis.
+    /// Raises every moment of inertia to at least this value.
     pub(crate) fn with_inertia_of(mut self, least_kg_m2: f64) -> Self {
         self.inertia_kg_m2 = self.inertia_kg_m2.sup(&Vector3::repeat(least_kg_m2));
         self
     }
 
-    /// The same with its centre of mass there, body frame, m. Its moment of inertia about it stays that of the middle.
+    /// Sets the centre of mass, body frame, m. The moment of inertia about it stays that about the
+    /// middle.
     pub(crate) fn with_centre_of_mass(mut self, centre_of_mass_m: Vector3<f64>) -> Self {
         self.centre_of_mass_m = centre_of_mass_m;
         self
     }
 
-    /// Adds a wrench about the middle, given in the body's frame, to the coming step.
+    /// Adds a wrench about the middle, body frame, to the next step.
     pub(crate) fn apply(&mut self, wrench: &Wrench) {
         self.load.force_n += self.base_from_body * wrench.force_n;
         self.load.moment_n_m += self.base_from_body * wrench.moment_n_m;
     }
 
-    /// Adds a wrench about a point, all in the base frame, to the coming step.
+    /// Adds a wrench about a point, base frame, to the next step.
     pub(crate) fn apply_at(&mut self, point_m: &Vector3<f64>, wrench: &Wrench) {
         let arm_m = point_m - self.position_m;
         self.load.force_n += wrench.force_n;
         self.load.moment_n_m += wrench.moment_n_m + arm_m.cross(&wrench.force_n);
     }
 
-    /// The applied wrenches, the pull and the weight about the middle, base frame; forgets the wrenches.
+    /// Returns the applied wrenches, the constant force and the weight about the middle, base
+    /// frame; clears the wrenches.
     pub(crate) fn take_load(&mut self) -> Wrench {
         let mut load = core::mem::take(&mut self.load);
         let at_centre_n = self.pull_n - Vector3::z() * self.weight_n();
@@ -147,29 +150,28 @@ impl Body {
         load
     }
 
-    /// From the middle to the centre of mass, base frame, m.
+    /// Returns the vector from the middle to the centre of mass, base frame, m.
     fn lever_m(&self) -> Vector3<f64> {
         self.base_from_body * self.centre_of_mass_m
     }
 
-    /// Its weight, N.
     pub(crate) fn weight_n(&self) -> f64 {
         self.mass_kg * GRAVITY_M_S2
     }
 
-    /// What the body pressed on the rim with in the last step.
+    /// Returns the load of the body on the rim in the last step, and clears it.
     pub(crate) fn take_rim_load(&mut self) -> Wrench {
         core::mem::take(&mut self.rim_load).0
     }
 
-    /// One step under the applied wrenches, gravity and the supports; forgets the wrenches.
+    /// Advances one step under the applied wrenches, gravity and the supports; clears the wrenches.
     pub(crate) fn step(&mut self, ground: &Ground<'_>, dt_s: f64) {
         let mut load = self.take_load();
         if ground.ride.moves() {
             self.lag_behind(&ground.ride, &mut load, dt_s);
         }
         self.stand(ground, &mut load, dt_s);
-        // The centre of mass moves by the forces; the middle follows it as the body turns.
+        // Forces move the centre of mass; the middle follows from the rotation.
         let lever_m = self.lever_m();
         let velocity_m_s = self.velocity_m_s
             + self.angular_rad_s.cross(&lever_m)
@@ -180,8 +182,7 @@ impl Body {
         self.position_m += velocity_m_s * dt_s + (lever_m - lever_after_m);
     }
 
-    /// Adds what the base's motion does to a body that is described in the base's frame. What the floor carries does not
-    /// feel the base's heave.
+    /// Adds the inertial forces of the moving base. A supported body gets no heave force.
     fn lag_behind(&mut self, ride: &Ride, load: &mut Wrench, dt_s: f64) {
         let lever_m = self.lever_m();
         let centre_m = self.position_m + lever_m;
@@ -195,7 +196,7 @@ impl Body {
         self.angular_rad_s += ride.inertial_rad_s2(&self.angular_rad_s) * dt_s;
     }
 
-    /// Adds the supports' forces to the load.
+    /// Adds the support forces to the load.
     fn stand(&mut self, ground: &Ground<'_>, load: &mut Wrench, dt_s: f64) {
         (self.table_n, self.rim_n) = (0.0, 0.0);
         if self.position_m.z - self.shape.bounding_radius_m() > ground.highest_m() {
@@ -223,7 +224,7 @@ impl Body {
         }
     }
 
-    /// Moves as something else says; what it stands on feels nothing of it.
+    /// Sets the motion directly; supports get no load.
     pub(crate) fn follow(&mut self, motion: &Motion) {
         self.position_m = motion.position_m;
         self.orientation = motion.orientation;
@@ -233,7 +234,7 @@ impl Body {
         (self.table_n, self.rim_n) = (0.0, 0.0);
     }
 
-    /// Euler's equation in the body's axes, then the orientation by its quaternion's derivative.
+    /// Integrates Euler's equation in the body frame, then the quaternion.
     fn turn(&mut self, moment_n_m: &Vector3<f64>, dt_s: f64) {
         let spin = self.base_from_body.tr_mul(&self.angular_rad_s);
         let moment = self.base_from_body.tr_mul(moment_n_m);
@@ -244,7 +245,7 @@ impl Body {
         self.base_from_body = rotation(self.orientation);
     }
 
-    /// Height of the lowest corner above what is under it, m.
+    /// Returns the height of the lowest corner above its support, m.
     pub(crate) fn clearance_m(&self, ground: &Ground<'_>) -> f64 {
         let above_m = |corner: &Corner| {
             let point_m = self.position_m + self.base_from_body * corner.place_m;
@@ -256,17 +257,17 @@ impl Body {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Orientation, base frame, quaternion w, x, y, z.
+    /// Returns the orientation, base frame, quaternion w, x, y, z.
     pub(crate) fn orientation(&self) -> [f64; 4] {
         self.orientation
     }
 
-    /// Angle of its upright axis against the vertical, rad.
+    /// Returns the angle between the body's z axis and the vertical, rad.
     pub(crate) fn tilt_rad(&self) -> f64 {
         libm::acos(self.base_from_body[(2, 2)].clamp(-1.0, 1.0))
     }
 
-    /// Whether it is still somewhere: every number finite.
+    /// Returns true if every state is finite.
     pub(crate) fn is_finite(&self) -> bool {
         let linear = self.position_m.sum() + self.velocity_m_s.sum() + self.angular_rad_s.sum();
         (linear + self.orientation.iter().sum::<f64>()).is_finite()
@@ -280,7 +281,7 @@ fn table_damping_n_s_m(mass_kg: f64) -> f64 {
 }
 
 impl Corner {
-    /// Force of the support on the corner at this height above it, N.
+    /// Returns the support force on the corner at a height, N.
     fn press(
         &mut self,
         height_m: f64,
@@ -293,7 +294,7 @@ impl Corner {
         Vector3::new(x, y, normal_n)
     }
 
-    /// Friction force of the table on the corner after one step of sliding at `velocity_m_s`, N.
+    /// Returns the friction force on the corner after one step of sliding, N.
     fn rub(
         &mut self,
         velocity_m_s: [f64; 2],
@@ -318,8 +319,8 @@ impl Corner {
     }
 }
 
-/// A unit quaternion turned by a small rotation vector of the base frame, rad: first order, then brought back to unit
-/// length. The neglected angle is the cube of the step's angle over 12: 10⁻¹⁰ rad at 4 rad/s and 250 µs.
+/// Rotates a unit quaternion by a small rotation vector, base frame, rad: first order, then
+/// normalised. The error is the cube of the angle over 12: 10⁻¹⁰ rad at 4 rad/s and 250 µs.
 pub(crate) fn turned([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
     let half = by * 0.5;
     let turned = [
@@ -332,7 +333,7 @@ pub(crate) fn turned([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
     turned.map(|component| component / length)
 }
 
-/// A unit quaternion times another: first the right one, then the left one.
+/// Multiplies two unit quaternions: the right rotation first, then the left one.
 pub(crate) fn product([a, b, c, d]: [f64; 4], [w, x, y, z]: [f64; 4]) -> [f64; 4] {
     [
         a * w - b * x - c * y - d * z,
@@ -342,13 +343,13 @@ pub(crate) fn product([a, b, c, d]: [f64; 4], [w, x, y, z]: [f64; 4]) -> [f64; 4
     ]
 }
 
-/// The unit quaternion of a turn about z.
+/// Returns the unit quaternion of a rotation about z.
 pub(crate) fn about_z(angle_rad: f64) -> [f64; 4] {
     let (sin, cos) = libm::sincos(0.5 * angle_rad);
     [cos, 0.0, 0.0, sin]
 }
 
-/// The rotation matrix of a unit quaternion.
+/// Returns the rotation matrix of a unit quaternion.
 pub(crate) fn rotation([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::new(
         1.0 - 2.0 * (y * y + z * z),

@@ -1,17 +1,16 @@
-//! The world's own time: nothing here reads the machine's clock.
+//! Virtual time of the world; independent of the machine's clock.
 
 use shm_schemas::Stamp;
 
-/// Length of a tick, ns.
+/// Tick length, ns.
 pub const TICK_NS: u64 = 1_000_000;
-/// Virtual time of a new world, ns: one second, so that ages and windows that look back never pass below zero.
+/// Virtual time of a new world, ns. One second, so that look-back windows never underflow.
 pub const START_NS: u64 = 1_000_000_000;
 
-/// Where the world is in time, and under which epoch it writes.
+/// Virtual time, tick count and writer epoch.
 #[derive(Clone, Debug)]
 pub(crate) struct Clock {
     pub(crate) now_ns: u64,
-    /// Ticks simulated so far.
     pub(crate) tick: u64,
     pub(crate) writer_epoch: u64,
 }
@@ -25,13 +24,12 @@ impl Clock {
         }
     }
 
-    /// Goes one tick on.
     pub(crate) fn advance(&mut self) {
         self.now_ns += TICK_NS;
         self.tick += 1;
     }
 
-    /// The stamp of a payload written now.
+    /// Returns the stamp of a payload written now.
     pub(crate) fn stamp(&self, sequence: u64) -> Stamp {
         Stamp {
             sequence,

@@ -1,15 +1,15 @@
-//! A cap and the neck of the bottle that it belongs on.
+//! Threaded cap on the neck of its bottle.
 //!
 //! ```text
-//!              stands on the rim, within 2 mm and 5°
-//!   loose ───────────────────────────────────────────▶ engaged: turns about the neck, travels by its pitch
-//!   (a body of its own) ◀─────────────────────────────  (one degree of freedom)
-//!              pulled up before it was turned
+//!              rests on the rim, within 2 mm and 5°
+//!   loose ───────────────────────────────────▶ engaged: turns on the neck, travels by its pitch
+//!   (free body) ◀────────────────────────────  (one degree of freedom)
+//!              pulled up before the first turn
 //! ```
 //!
-//! An engaged cap has no motion of its own but its turn: whatever presses on it presses on the bottle, but for the torque
-//! about its axis, of which the bottle feels what the thread passes on. How far off the axis the cap was put stays at
-//! first and goes with the first quarter turn, as threads centre themselves.
+//! An engaged cap has one degree of freedom, its angle on the thread. The bottle receives every
+//! load on the cap, with the axial torque limited to the thread's torque. The initial offset from
+//! the axis shrinks to zero over the first quarter turn.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -23,46 +23,48 @@ use crate::support::Rim;
 use crate::thread::{CapTruth, Thread, Turning};
 use crate::world_object::WorldObject;
 
-/// How far off the axis a cap may be put and still engage, m (issue: 2 mm).
+/// Largest offset from the axis at which a cap engages, m (task specification).
 const CAPTURE_M: f64 = 0.002;
-/// How far a cap may lean against its neck and still engage, rad (5°, issue).
+/// Largest tilt at which a cap engages, rad (5°, task specification).
 const CAPTURE_RAD: f64 = 0.087;
-/// Share of the cap's weight that must rest on the rim to engage. Ours: any that shows that it was put down.
+/// Share of the cap's weight that must rest on the rim to engage. Design choice: shows that the cap
+/// was put down.
 const CAPTURE_WEIGHT: f64 = 0.5;
-/// How far the rim reaches beyond the cap's radius, m. Ours: a cap just out of capture stands on the rim, askew caps fall.
+/// Margin of the rim beyond the cap's radius, m. Design choice: a cap just outside the capture
+/// range still rests on the rim; a tilted one falls off.
 const RIM_MARGIN_M: f64 = 0.003;
-/// Turn over which the thread centres the cap, rad. Ours.
+/// Turn over which the thread centres the cap, rad. Design choice.
 const CENTRING_RAD: f64 = FRAC_PI_2;
-/// Turn below which a pull takes the cap off again, rad. Ours.
+/// Turn below which a pull removes the cap, rad. Design choice.
 const LOOSE_RAD: f64 = 0.02;
 
-/// The pair of a cap and a bottle, by their places among the objects.
+/// Cap and bottle, as indices into the scene's objects.
 #[derive(Clone, Debug)]
 pub(crate) struct Closure {
     cap: usize,
     bottle: usize,
     thread: Thread,
-    /// Height of the rim above the bottle's centre of mass, m.
+    /// Height of the rim above the bottle's middle, m.
     rim_m: f64,
     cap_half_m: f64,
     cap_radius_m: f64,
     engaged: Option<Engaged>,
 }
 
-/// An engaged cap against its bottle.
+/// State of an engaged cap relative to its bottle.
 #[derive(Clone, Copy, Debug)]
 struct Engaged {
     turning: Turning,
-    /// Orientation about the bottle's axis when the threads met, rad.
+    /// Yaw about the bottle's axis at engagement, rad.
     yaw_rad: f64,
-    /// How far off the axis and above the rim it was put, bottle frame, m.
+    /// Offset from the engaged position at engagement, bottle frame, m.
     off_m: Vector3<f64>,
-    /// How it leant, as a rotation vector in the bottle's frame, rad.
+    /// Tilt at engagement, rotation vector in the bottle frame, rad.
     lean_rad: Vector3<f64>,
 }
 
 impl Closure {
-    /// The scene's closure, if it has both a cap and a bottle.
+    /// Returns the cap and bottle of a scene, if it has both.
     pub(crate) fn of(scene: &[Placed]) -> Option<Self> {
         let find = |is: fn(&Object) -> bool| scene.iter().position(|placed| is(&placed.object));
         let (cap, bottle) = (
@@ -83,7 +85,6 @@ impl Closure {
         })
     }
 
-    /// Puts an engaged cap where it belongs when a world begins.
     pub(crate) fn begin(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         if self.engaged.is_some() {
             self.follow(objects, dt_s);
@@ -91,17 +92,18 @@ impl Closure {
         }
     }
 
-    /// The rim, for a loose cap to stand on; `None` for every other object and once the cap is engaged.
+    /// Returns the rim that supports a loose cap; `None` for other objects and an engaged cap.
     pub(crate) fn rim_for(&self, index: usize, objects: &[WorldObject]) -> Option<Rim> {
         (index == self.cap && self.engaged.is_none()).then(|| self.rim(&objects[self.bottle].body))
     }
 
-    /// Whether the object with this index moves as the thread says.
+    /// Returns true if the thread determines the motion of this object.
     pub(crate) fn drives(&self, index: usize) -> bool {
         index == self.cap && self.engaged.is_some()
     }
 
-    /// Turns an engaged cap by what presses on it and passes the rest on to the bottle. Before the bodies move.
+    /// Integrates the angle of an engaged cap and passes its load to the bottle. Call before the
+    /// bodies move.
     pub(crate) fn turn(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         let Some(engaged) = &mut self.engaged else {
             return;
@@ -130,7 +132,8 @@ impl Closure {
         objects[self.bottle].body.apply_at(&at_m, &load);
     }
 
-    /// Moves an engaged cap with its bottle, or lets a loose one engage. After the bodies have moved.
+    /// Moves an engaged cap with its bottle, or engages a loose one. Call after the bodies have
+    /// moved.
     pub(crate) fn follow(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         if let Some(engaged) = &self.engaged {
             let motion = self.motion(engaged, &objects[self.bottle].body, dt_s);
@@ -143,7 +146,6 @@ impl Closure {
         self.engaged = self.capture(&objects[self.cap].body, &objects[self.bottle].body);
     }
 
-    /// How an engaged cap stands and moves.
     fn motion(&self, engaged: &Engaged, bottle: &Body, dt_s: f64) -> Motion {
         let Turning {
             angle_rad,
@@ -168,7 +170,6 @@ impl Closure {
         }
     }
 
-    /// Centre of an engaged cap at an angle, bottle frame, m.
     fn place_m(&self, engaged: &Engaged, angle_rad: f64) -> Vector3<f64> {
         let height_m = self.rim_m + self.cap_half_m - self.thread.travel_m(angle_rad);
         Vector3::z() * height_m + engaged.off_m * off_centre(angle_rad)
@@ -183,7 +184,7 @@ impl Closure {
         }
     }
 
-    /// Whether a loose cap's thread meets the neck's, and how.
+    /// Returns the engaged state if a loose cap is within the capture range.
     fn capture(&self, cap: &Body, bottle: &Body) -> Option<Engaged> {
         if cap.rim_n < CAPTURE_WEIGHT * cap.weight_n() {
             return None;
@@ -206,7 +207,6 @@ impl Closure {
         })
     }
 
-    /// What a judge may know of the object with this index, if it is the cap.
     pub(crate) fn truth(&self, index: usize) -> Option<CapTruth> {
         let turning = self
             .engaged
@@ -221,7 +221,6 @@ impl Closure {
         })
     }
 
-    /// Whether the bottle is closed.
     pub(crate) fn is_closed(&self) -> bool {
         self.engaged
             .is_some_and(|engaged| engaged.turning.angle_rad >= self.thread.closing_rad)
@@ -229,7 +228,6 @@ impl Closure {
 }
 
 impl Engaged {
-    /// A cap put on straight.
     fn straight(yaw_rad: f64) -> Self {
         Self {
             turning: Turning::default(),
@@ -240,7 +238,7 @@ impl Engaged {
     }
 }
 
-/// Share of a cap's first offset that remains at an angle.
+/// Returns the share of the initial offset and tilt that remains at an angle.
 fn off_centre(angle_rad: f64) -> f64 {
     (1.0 - angle_rad / CENTRING_RAD).clamp(0.0, 1.0)
 }

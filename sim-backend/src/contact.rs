@@ -1,12 +1,12 @@
 //! Contact of one fingertip with one object: a bed of elasto-plastic bristles.
 //!
-//! The skin is a Winkler foundation: every bristle presses along the object's normal with its own indentation and its
-//! own damping. Along the surface each bristle is an elastic rod that drags until friction holds no more (return map),
-//! so single bristles slip before the whole fingertip does, and incipient slip is visible in the element forces.
-//! The object's own softness is one compression per contact, solved implicitly.
+//! The skin is a Winkler foundation: each bristle presses along the object's normal with its own
+//! indentation and damping. Tangentially it is an elastic rod that sticks up to the friction limit,
+//! then slides (return map). Single bristles slip before the whole fingertip: incipient slip is
+//! visible in the element forces. The object's compliance is one implicit compression per contact.
 //!
-//! A bristle's shear is kept in the object's frame and forgotten when the bristle lifts off. Everything here is in the
-//! object's frame: origin in the middle of its shape.
+//! Quantities are in the object's frame: origin in the middle of its shape. A bristle's shear is
+//! stored there and cleared at lift-off.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -21,60 +21,57 @@ use compression::Compression;
 mod bristle;
 mod compression;
 
-/// Damping time of the skin, across and along the surface: its damping is this times its stiffness, s (prototype).
+/// Damping over stiffness of the skin, normal and tangential, s (prototype).
 const SKIN_DAMPING_S: f64 = 0.002;
-/// Most of a light object's momentum that the damping of one fingertip may take in one step. Ours: the prototype has no
-/// bound, and an object of 12 g squeezed with 8 N explodes; it binds below 30 g at 1 N and below 80 g at 8 N.
+/// Largest share of a light object's momentum that one fingertip's damping may remove per step.
+/// Design choice: without a bound, an object of 12 g squeezed with 8 N becomes unstable. The bound
+/// acts below 30 g at 1 N and below 80 g at 8 N.
 const DAMPING_SHARE: f64 = 0.1;
-/// Shear stiffness over normal stiffness of a bristle (prototype; Mindlin gives 0.7 to 1 for rubber on a hard flat).
+/// Shear over normal stiffness of a bristle (prototype; Mindlin gives 0.7 to 1 for rubber on a
+/// flat).
 const SHEAR_STIFFNESS_RATIO: f64 = 0.7;
-/// A fingertip that was free this long begins a new grasp: its slip counts from zero again, s. Ours.
+/// Time without contact after which slip counts from zero, s. Design choice.
 const REGRASP_S: f64 = 0.05;
-/// What a fingertip meets on an object.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface {
     pub(crate) shape: Shape,
-    /// Static friction coefficient.
     pub(crate) friction: f64,
     pub(crate) mass_kg: f64,
     /// Stiffness under one fingertip, N/m; infinite for a rigid object.
     pub(crate) stiffness_n_m: f64,
 }
 
-/// Where a fingertip is and how it moves, seen from the object.
+/// Pose and velocity of a fingertip in the object's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach {
-    /// The tip's axes in the object's frame.
+    /// Axes of the tip in the object's frame.
     pub(crate) object_from_tip: Matrix3<f64>,
-    /// The tip frame's origin, m.
+    /// Origin of the tip frame, m.
     pub(crate) centre_m: Vector3<f64>,
-    /// Velocity against the object of the tip's point that is at the object's origin, m/s.
+    /// Relative velocity of the tip's point at the object's origin, m/s.
     pub(crate) velocity_m_s: Vector3<f64>,
-    /// Angular velocity against the object, rad/s.
+    /// Relative angular velocity, rad/s.
     pub(crate) angular_rad_s: Vector3<f64>,
 }
 
-/// Force and moment about the middle of the object, object frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wrench {
     pub(crate) force_n: Vector3<f64>,
     pub(crate) moment_n_m: Vector3<f64>,
 }
 
-/// Bristles side by side, of which some touch in this step.
+/// Block of bristles, some of which touch in this step.
 #[derive(Clone, Copy, Debug)]
 struct Patch {
-    /// Which of the skin's blocks they are.
     block: usize,
     touching: LaneSet,
     depth_m: Row,
     point_m: Rows,
     normal: Rows,
-    /// Forces on the object, object frame.
     force_n: Rows,
 }
 
-/// What the bristles of a block remember, which of them touched last, and in which step that was.
+/// Bristle state of a block, the bristles that touched last, and the step in which they did.
 #[derive(Clone, Copy, Debug, Default)]
 struct Memory {
     bristles: Bristles,
@@ -82,13 +79,12 @@ struct Memory {
     touched_in: u64,
 }
 
-/// The contact of one fingertip: its bristles' memory and what it last felt.
+/// Contact state of one fingertip and its latest forces.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
-    /// Per block of the skin.
     memories: Vec<Memory>,
     patches: Vec<Patch>,
-    /// How deep every bristle that touches is, in their order, m: where the object gives way.
+    /// Indentation of every touching bristle, m; used if the object is compressible.
     depths_m: Vec<f64>,
     step: u64,
     compression: Compression,
@@ -96,14 +92,13 @@ pub(crate) struct Contact {
     free_s: f64,
     /// Sum of the bristles' normal forces, N.
     pub(crate) normal_n: f64,
-    /// Distance slid since the present grasp's first touch, weighted by normal force, m.
+    /// Sliding distance since the first touch of this grasp, weighted by normal force, m.
     pub(crate) slip_m: f64,
-    /// Share of the normal force under bristles that slide now, 0 to 1: 1 when the fingertip slips as a whole.
+    /// Share of the normal force on sliding bristles, 0 to 1; 1 is gross slip.
     pub(crate) sliding_share: f64,
 }
 
 impl Contact {
-    /// Of a fingertip with this skin.
     pub(crate) fn new(pad: &Pad) -> Self {
         Self {
             memories: vec![Memory::default(); pad.blocks.len()],
@@ -119,12 +114,12 @@ impl Contact {
         }
     }
 
-    /// Makes every bristle forget its shear.
+    /// Clears the shear of all bristles.
     pub(crate) fn let_go(&mut self) {
         self.step += 1;
     }
 
-    /// One step of `dt_s` with nothing in reach.
+    /// Simulates one step of `dt_s` without an object in reach.
     pub(crate) fn free(&mut self, dt_s: f64) {
         self.let_go();
         self.patches.clear();
@@ -134,7 +129,7 @@ impl Contact {
         self.sliding_share = 0.0;
     }
 
-    /// One step of `dt_s` against a surface; returns the wrench on the object.
+    /// Simulates one step of `dt_s` against a surface; returns the wrench on the object.
     pub(crate) fn press(
         &mut self,
         pad: &Pad,
@@ -191,7 +186,8 @@ impl Contact {
         self.drag::<L>(cpu, pad, surface, approach, dt_s)
     }
 
-    /// Collects the bristles under the surface: all against the supporting plane first, then those few exactly.
+    /// Collects the bristles under the surface: all against the supporting plane first, then the
+    /// candidates exactly.
     #[inline(always)]
     fn find_touches<L: Lanes>(
         &mut self,
@@ -233,7 +229,7 @@ impl Contact {
         }
     }
 
-    /// Lets the object give way, and forgets the bristles that no longer press.
+    /// Computes the object's compression, and clears the bristles that no longer press.
     #[inline(always)]
     fn give_way<L: Lanes>(&mut self, cpu: L::Cpu, pad: &Pad, surface: &Surface, dt_s: f64) {
         if surface.stiffness_n_m.is_infinite() {
@@ -263,7 +259,7 @@ impl Contact {
         }
     }
 
-    /// Normal and friction force of every touching bristle, and their sum.
+    /// Computes normal and friction forces of touching bristles, and their sum.
     #[inline(always)]
     fn drag<L: Lanes>(
         &mut self,
@@ -324,7 +320,7 @@ impl Contact {
         sum
     }
 
-    /// Adds up the force of the object on the tip per element, tip frame, N.
+    /// Sums the forces of the object on the tip per element, tip frame, N.
     pub(crate) fn element_forces(&self, pad: &Pad, force_n: &mut [Vector3<f64>]) {
         force_n.fill(Vector3::zeros());
         for patch in &self.patches {
@@ -340,14 +336,13 @@ impl Contact {
         }
     }
 
-    /// Whether any bristle presses.
     pub(crate) fn is_touching(&self) -> bool {
         self.normal_n > 0.0
     }
 }
 
 impl Memory {
-    /// Rubs those that touch in this step; what did not touch in the step before has forgotten its shear.
+    /// Updates friction of touching bristles; newly touching ones start without shear.
     #[inline(always)]
     fn rub<L: Lanes>(
         &mut self,

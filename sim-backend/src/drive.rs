@@ -1,37 +1,35 @@
-//! The drives' side of the command line: what a command must be to be obeyed, when it takes effect, when it expires.
+//! Joint drives: validation, latency and expiry of joint commands.
 //!
-//! A command takes effect [`LATENCY_MS`] after it arrived. Its positions are approached linearly within one millisecond
-//! and then held; its velocities are fed forward for that millisecond only. So whatever stops the commands, whether loss or
-//! expiry, ends in the same safe state: zero velocity at the last commanded positions, which keeps the grip.
+//! A command takes effect [`LATENCY_MS`] after its arrival. Its positions are approached linearly
+//! within one millisecond, then held; its velocities are fed forward for that millisecond only.
+//! Loss and expiry of commands therefore end in the same safe state: zero velocity at the last
+//! commanded positions, which keeps the grip.
 //!
-//! Which commands are obeyed at all says [`Obedience`]. What is obeyed is told in every joint state, so that the next daemon
-//! goes on from there.
+//! [`Obedience`] decides which commands take effect. Every joint state reports the commanded
+//! positions, so that a restarted daemon can continue from them.
 
 use robot_model::RobotVector;
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::{Accepted, JointCommand, JointState, Obedience, Orders};
 
-/// Time from a command's arrival until the joints obey it, ms (tactile design: 2 ms command latency).
+/// Delay from a command's arrival to its execution, ms (tactile design: 2 ms command latency).
 pub const LATENCY_MS: usize = 2;
-/// The command line of all joints.
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
     obedience: Obedience,
-    /// How many joints there are.
     joints: usize,
-    /// Commands under way; `slot` is the one that arrives next.
+    /// Commands within the latency; `slot` is the next one to execute.
     under_way: [Option<Accepted>; LATENCY_MS],
     slot: usize,
     held: Orders,
-    /// The last command that was obeyed.
     obeyed: Option<Accepted>,
-    /// Whether it is still in force.
+    /// The last executed command has not expired.
     in_force: bool,
     expired: u32,
 }
 
 impl Drive {
-    /// A drive that holds these positions until told otherwise, with joints that move as fast as this.
+    /// Returns a drive that holds these positions, with these joint speed limits.
     pub(crate) fn holding(position_rad: RobotVector, speed_max_rad_s: RobotVector) -> Self {
         Self {
             obedience: Obedience::at(&position_rad, &speed_max_rad_s),
@@ -45,7 +43,8 @@ impl Drive {
         }
     }
 
-    /// Takes the command that arrived in this millisecond, if any, and returns what the joints follow in it.
+    /// Takes the command that arrived during this tick, if any; returns the set-points of this
+    /// tick.
     pub(crate) fn orders(&mut self, arrived: Option<&JointCommand>, now_ns: u64) -> Orders {
         let accepted = arrived.and_then(|command| self.obedience.accept(command, now_ns));
         let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
@@ -68,7 +67,7 @@ impl Drive {
         self.held
     }
 
-    /// Tells what the joints are commanded to.
+    /// Writes the commanded positions to the joint state.
     pub(crate) fn tell(&self, state: &mut JointState) {
         state.commanded_count = self.joints as u32;
         state.commanded_rad = self.held.position_rad;
@@ -77,7 +76,7 @@ impl Drive {
         }
     }
 
-    /// Commands refused, and times that commands expired without a successor.
+    /// Returns the number of rejected commands plus expiries without a successor.
     pub(crate) fn expired(&self) -> u32 {
         self.expired + self.obedience.refused()
     }
@@ -145,7 +144,7 @@ mod tests {
         assert_eq!(drive.expired(), 1);
     }
 
-    /// Regression: any sealed command was obeyed, at any speed and valid for ever.
+    /// Regression: any sealed command was executed, at any speed and validity.
     #[test]
     fn a_command_that_breaks_the_contract_changes_nothing() {
         type Change = fn(&mut JointCommand);
@@ -180,15 +179,18 @@ mod tests {
         check(false, |c| c.position_rad[0] = 3.0, 1);
         check(false, |c| c.velocity_rad_s[0] = 250.0, 1);
         check(false, |c| c.joint_count = 23, 1);
-        // Once the last command has expired, another writer may follow, and a counter that was far ahead is forgotten.
+        // After the last command has expired, another writer may take over, with any sequence
+        // number.
         check(true, |c| c.stamp.writer_epoch = 8, 6);
         check(true, |c| c.stamp.sequence = 3, 6);
     }
 
-    /// Regression: after a silence a command could step by a tenth of a second at top speed, 0.34 rad of the built-in robot.
+    /// Regression: after a pause a command could step by 0.1 s at top speed, 0.34 rad of the
+    /// built-in robot.
     #[test]
     fn no_silence_lets_a_command_step_further_than_its_validity_and_one_margin() {
-        // What eight commands' margin, and the 5 ms for which the last command was valid, are at top speed.
+        // Step limit: top speed over the last command's 5 ms of validity plus the margin of eight
+        // commands.
         let (top_rad_s, valid_ms, margin_ms) = (3.0, 5, 8);
         let widest_rad = 1.05 * top_rad_s * 1e-3 * (valid_ms + margin_ms) as f64;
         let obeyed = |step_rad: f64, after_ms: u64| {
@@ -208,7 +210,7 @@ mod tests {
             assert!(obeyed(0.99 * widest_rad, after_ms), "{after_ms} ms");
             assert!(!obeyed(1.01 * widest_rad, after_ms), "{after_ms} ms");
         }
-        // Before that, time counts: what a joint cannot have reached yet is refused.
+        // Earlier, elapsed time limits the step.
         assert!(!obeyed(0.99 * widest_rad, 1));
     }
 
@@ -240,7 +242,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is wrong with a command, the joints keep what they had.
+        /// Property: the joints keep their set-points after any damaged command.
         #[test]
         fn a_damaged_command_changes_nothing(
             joint in 0..JOINTS,

@@ -1,4 +1,4 @@
-//! What the drives report of the joints: positions, velocities and torques in steps, without noise.
+//! Joint feedback of the drives: quantised positions, velocities and torques, without noise.
 
 use robot_model::HandModel;
 use shm_schemas::JointState;
@@ -6,17 +6,17 @@ use shm_schemas::JointState;
 use crate::plant::Plant;
 use crate::sensor::quantised;
 
-/// Step of an arm joint's encoder, rad: 20 bits per turn. At the 0.5 m reach of the arm 3 µm at the tip.
+/// Encoder step of an arm joint, rad: 20 bits per turn, 3 µm at the tip (0.5 m reach).
 const ARM_STEP_RAD: f64 = core::f64::consts::TAU / (1 << 20) as f64;
-/// Step of a finger joint's encoder, rad: 18 bits per turn. At the 90 mm from knuckle to tip 2.2 µm: the position quantum
-/// of the tactile design.
+/// Encoder step of a finger joint, rad: 18 bits per turn, 2.2 µm at the tip (90 mm from the
+/// knuckle). Equals the position quantum of the tactile design.
 const FINGER_STEP_RAD: f64 = core::f64::consts::TAU / (1 << 18) as f64;
-/// Step of a measured velocity, rad/s. Ours: the resolution of a drive's own observer.
+/// Step of a measured velocity, rad/s. Design choice: resolution of a drive's observer.
 const VELOCITY_STEP_RAD_S: f64 = 1e-3;
-/// Step of a measured torque, N·m. Ours.
+/// Step of a measured torque, N·m. Design choice.
 const EFFORT_STEP_N_M: f64 = 1e-3;
 
-/// Fills in the joints of one hand behind those that are there.
+/// Appends the joints of one hand to `out`.
 pub(crate) fn read(plant: &Plant, model: &HandModel, out: &mut JointState) {
     let first = out.joint_count as usize;
     out.joint_count += model.joints().len() as u32;

@@ -1,12 +1,12 @@
-//! A fingertip off its hand, under loads that are known: what a person does who calibrates it.
+//! Single fingertip under known loads, as on a calibration bench.
 //!
 //! ```text
-//!  World::fingertip ─▶ Fingertip ── load(N) ─▶ the plate follows until it bears that ── sample ─▶ readings of its elements
+//!  World::fingertip ─▶ Fingertip ── load(N) ─▶ plate moves until loaded ── sample ─▶ readings
 //! ```
 //!
-//! It has the skin and the electronics that it has on the hand, but noise of another stream. A load rests on a rigid plate that
-//! it cannot slide on, flat against the pole. Here everything is in the plate's frame: the pole looks along −z, its tangents are
-//! x and ±y.
+//! Skin and electronics equal those on the hand; the noise comes from another stream. The load acts
+//! through a rigid, sticky plate, flat against the pole. All quantities are in the plate's frame:
+//! the pole points along −z, its tangents are x and ±y.
 
 use nalgebra::{Matrix3, Vector3};
 use shm_schemas::Layout;
@@ -18,22 +18,23 @@ use crate::pad::Pad;
 use crate::sensor::TipSensor;
 use crate::shape::Shape;
 
-/// Half edge of the plate, m, friction on it, and its mass, kg (ours: larger than any fingertip, sticky, and heavy).
+/// Half edge of the plate, m, its friction, and its mass, kg. Design choice: larger than any
+/// fingertip, no sliding, heavy.
 const PLATE_HALF_M: f64 = 0.05;
 const PLATE_FRICTION: f64 = 5.0;
 const PLATE_KG: f64 = 10.0;
-/// Step of a load, s: that of the world.
+/// Time step, s: that of the world.
 const STEP_S: f64 = 250e-6;
-/// How fast the plate follows what is missing of the load, m/s per newton, and at most, m/s. Ours: the damping of the stiffest skin
-/// here, 60 kN/m, bears five times as much, and the softest comes to rest in a tenth of a second.
+/// Plate speed per missing load, m/s per N, and its limit, m/s. Design choice: stable up to five
+/// times this gain with the stiffest skin (60 kN/m); the softest skin settles within 0.1 s.
 const FOLLOWS_M_S_N: f64 = 0.004;
 const SPEED_MAX_M_S: f64 = 0.01;
-/// How long a load settles, s (ours: the error is then below a thousandth).
+/// Settling time of a load, s. Design choice: the remaining error is below 0.1 %.
 const SETTLES_S: f64 = 1.0;
-/// How far the plate is taken away where nothing is loaded, m.
+/// Distance of the plate without load, m.
 const CLEAR_M: f64 = 0.001;
 
-/// One fingertip and what presses on it.
+/// Fingertip with the plate that loads it.
 #[derive(Clone, Debug)]
 pub struct Fingertip {
     pad: Pad,
@@ -41,18 +42,20 @@ pub struct Fingertip {
     sensor: TipSensor,
     named: NamedLayout,
     layout: Layout,
-    /// From the tip frame's origin to the skin at the pole, m.
+    /// Distance from the tip frame's origin to the skin at the pole, m.
     radius_m: f64,
-    /// The tip's axes in the plate's frame.
+    /// Axes of the tip in the plate's frame.
     plate_from_tip: Matrix3<f64>,
     /// Signs of the tangents along x and y.
     tangents: [f64; 2],
-    /// How far the skin at the pole is from where it touches the unloaded plate: shear along x and y, and indentation, m.
+    /// Displacement of the skin at the pole from first contact with the unloaded plate: shear along
+    /// x and y, indentation, m.
     pushed_m: Vector3<f64>,
 }
 
 impl Fingertip {
-    /// With this skin, whose face is this far from its frame's origin, m, and these electronics.
+    /// Returns a fingertip with this skin and electronics; `radius_m` is the distance from the
+    /// frame's origin to the skin.
     pub(crate) fn new(pad: &Pad, radius_m: f64, sensor: TipSensor, named: NamedLayout) -> Self {
         let layout = named.layout();
         let axis = |of: [f64; 3]| Vector3::from(of);
@@ -72,14 +75,15 @@ impl Fingertip {
         }
     }
 
-    /// What its elements are and where they sit.
+    /// Returns the layout of the elements.
     #[must_use]
     pub fn layout(&self) -> NamedLayout {
         self.named
     }
 
-    /// Loads it with `[f_n, f_t1, f_t2]`, N, along the axes of an element at the pole, beginning anew; without a normal load
-    /// nothing touches it. Returns how far the skin gives way, m: 0 where nothing touches.
+    /// Applies the load `[f_n, f_t1, f_t2]`, N, along the axes of an element at the pole, to an
+    /// unloaded skin. Returns the indentation, m; 0 without a normal load, where the plate does not
+    /// touch.
     pub fn load(&mut self, force_n: [f64; 3]) -> f64 {
         let [normal_n, t1_n, t2_n] = force_n;
         self.contact = Contact::new(&self.pad);
@@ -94,7 +98,7 @@ impl Fingertip {
         for _ in 0..(SETTLES_S / STEP_S) as usize {
             self.pushed_m += speed_m_s * STEP_S;
             let felt_n = self.press(&speed_m_s);
-            // Shear is felt against the way that the fingertip is pushed.
+            // Shear force opposes the displacement.
             let missing_n = wanted_n - felt_n;
             let towards = Vector3::new(-missing_n.x, -missing_n.y, missing_n.z);
             speed_m_s =
@@ -103,7 +107,8 @@ impl Fingertip {
         self.pushed_m.z
     }
 
-    /// Its elements' readings `[f_n, f_t1, f_t2]` of the present load, N, each time with fresh noise.
+    /// Returns the readings `[f_n, f_t1, f_t2]` of all elements under the current load, N, with new
+    /// noise.
     pub fn sample(&mut self) -> Vec<[f32; 3]> {
         let count = self.layout.count;
         let mut force_n = [Vector3::zeros(); ELEMENTS];
@@ -114,7 +119,7 @@ impl Fingertip {
         readings_n
     }
 
-    /// One step; returns the force of the plate on the fingertip, z along the load, N.
+    /// Simulates one step; returns the force of the plate on the fingertip, z along the load, N.
     fn press(&mut self, speed_m_s: &Vector3<f64>) -> Vector3<f64> {
         let [x, y, depth_m] = self.pushed_m.into();
         let surface = Surface {
@@ -193,7 +198,7 @@ mod tests {
         assert!(world.fingertip(2, 0).is_none() && world.fingertip(0, 9).is_none());
     }
 
-    /// Tactile design: force over indentation on a rigid flat.
+    /// Reference of the tactile design: force over indentation on a rigid flat.
     #[test]
     fn the_skin_gives_way_as_it_was_designed() {
         let arm = RobotModel::two_hand_arm().expect("a robot");

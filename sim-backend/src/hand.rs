@@ -1,7 +1,7 @@
-//! One simulated hand: its joints, its fingertips' contacts, its tremble.
+//! Simulated hand: joints, fingertip contacts, tremor.
 //!
-//! Kinematics run in every substep while a fingertip is near an object, because a contact stiffness of thousands of
-//! newtons per metre sees nanometres. A hand in free air only moves its joints.
+//! Kinematics run in every substep while a fingertip is near an object: at contact stiffnesses of
+//! several thousand N/m, nanometres matter. A hand in free air only moves its joints.
 
 use nalgebra::{Matrix3, Vector3};
 use robot_model::{Capsules, HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
@@ -15,42 +15,38 @@ use crate::scene::{Errors, stream};
 use crate::vibration::Vibration;
 use crate::world_object::WorldObject;
 
-/// A fingertip whose skin comes this close to an object's bounding sphere within a millisecond counts as near, m: nothing
-/// of the robot moves 5 mm in a millisecond.
+/// Distance of a skin from an object's bounding sphere that counts as near, m. No part of the robot
+/// moves 5 mm in a tick.
 const NEAR_M: f64 = 0.005;
-/// Arm speed above which a hand counts as moving, rad/s: 1 mm/s at 0.25 m.
+/// Arm speed above which a hand is moving, rad/s: 1 mm/s at 0.25 m.
 const MOVING_RAD_S: f64 = 0.004;
 
-/// One hand of the world.
 #[derive(Clone, Debug)]
 pub(crate) struct Hand {
     model: HandModel,
     pub(crate) plant: Plant,
-    /// Where the command interpolation stands, rad.
+    /// Current command interpolation, rad.
     reference_rad: HandVector,
-    /// Per fingertip, as everything that follows but the wrench on the joints.
+    /// Per fingertip, as all following vectors except the joint torques.
     pub(crate) contacts: Vec<Contact>,
-    /// The object that each fingertip was nearest to.
     facing: Vec<usize>,
     vibration: Vibration,
     contact_n_m: HandVector,
     near: bool,
-    /// Where it is while it touches.
+    /// Pose at the start of the tick, and of the substep while a fingertip is near an object.
     pose: HandPose,
-    /// Where it was at the start of the millisecond.
+    /// Palm and grasp sides at the start of the tick.
     began: Began,
-    /// Each fingertip's skin.
     pads: Vec<Pad>,
 }
 
-/// A hand's palm and the middles of its sides, base frame.
+/// Palm and middles of the grasp sides, base frame.
 #[derive(Clone, Debug)]
 struct Began {
     base_from_hand: Matrix3<f64>,
     sides_m: [Vector3<f64>; VIRTUAL_FINGERS],
 }
 
-/// A fingertip in the base frame.
 struct Tip {
     base_from_tip: robot_model::Transform,
     velocity_m_s: Vector3<f64>,
@@ -58,7 +54,7 @@ struct Tip {
 }
 
 impl Hand {
-    /// A hand at rest; how it lies off its model within `errors` is drawn by the seed.
+    /// Returns a hand at rest; the seed draws its deviations from the model within `errors`.
     pub(crate) fn new(
         model: &HandModel,
         start_rad: HandVector,
@@ -91,7 +87,7 @@ impl Hand {
             pose,
             model,
             reference_rad: start_rad,
-            // One by one: a clone would not keep the room that a contact has for its touches.
+            // Not cloned: a clone would lose the reserved capacity of `Contact`.
             contacts: pads.iter().map(Contact::new).collect(),
             pads,
             facing: vec![0; fingers],
@@ -101,7 +97,7 @@ impl Hand {
         })
     }
 
-    /// Looks round at the start of a millisecond of `dt_s`.
+    /// Finds the near fingertips at the start of a tick of `dt_s`.
     pub(crate) fn begin(&mut self, objects: &[WorldObject], dt_s: f64) {
         let arm = self.model.arm_joints();
         let arm_rad_s = arm
@@ -123,7 +119,7 @@ impl Hand {
         });
     }
 
-    /// The contacts of one substep: wrenches on the objects, torques on the own joints.
+    /// Computes contacts: wrenches on the objects, torques on the joints.
     pub(crate) fn touch(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         let (tremble_m, tremble_m_s) = self.vibration.step();
         self.contact_n_m.fill(0.0);
@@ -149,22 +145,19 @@ impl Hand {
         }
     }
 
-    /// What it is simulated as.
     pub(crate) fn model(&self) -> &HandModel {
         &self.model
     }
 
-    /// Its bodies where they are, base frame.
     pub(crate) fn bodies(&self) -> Capsules {
         self.model.capsules(&self.pose)
     }
 
-    /// The fingertips' skins.
     pub(crate) fn pads(&self) -> &[Pad] {
         &self.pads
     }
 
-    /// How the hand has a fingertip of each side on the object with this index, if it has.
+    /// Returns the grip if fingertips of both grasp sides press this object.
     pub(crate) fn grip_on(&self, object: usize) -> Option<Grip> {
         let presses =
             |finger: usize| self.facing[finger] == object && self.contacts[finger].is_touching();
@@ -178,7 +171,7 @@ impl Hand {
         })
     }
 
-    /// The object whose surface is nearest to a fingertip, which touches one object at a time.
+    /// Returns the nearest object; a fingertip touches one object at a time.
     fn face_nearest(&mut self, finger: usize, tip: &Tip, objects: &[WorldObject]) -> usize {
         let gap_m = |index: &usize| objects[*index].gap_m(&tip.base_from_tip.translation_m);
         let nearest = (0..objects.len())
@@ -190,7 +183,7 @@ impl Hand {
         nearest
     }
 
-    /// Moves the joints by one of `substeps` substeps; `left` of them remain, this one included.
+    /// Moves the joints by one of `left` remaining substeps, this one included.
     pub(crate) fn step(
         &mut self,
         target_rad: &HandVector,
@@ -230,7 +223,7 @@ impl Hand {
         }
     }
 
-    /// Joint torques of a wrench about the dome's centre, base frame: Jᵀ·w, joint by joint as virtual work.
+    /// Adds the joint torques Jᵀ·w of a wrench about the dome's centre, base frame.
     fn react(&mut self, finger: usize, wrench: &Wrench) {
         let pose = &self.pose;
         let tip_m = pose.tip_m(finger);
@@ -257,7 +250,7 @@ impl Began {
 }
 
 impl Tip {
-    /// The same seen from a object.
+    /// Returns the tip's pose and velocity in the object's frame.
     fn approach(&self, object: &WorldObject) -> Approach {
         let body = &object.body;
         let body_from_base = body.base_from_body.transpose();
@@ -271,7 +264,7 @@ impl Tip {
             angular_rad_s: angular - body_from_base * body.angular_rad_s,
         }
     }
-    /// The wrench of a object on the tip about the dome's centre, base frame, from the tip's wrench on the object.
+    /// Converts the wrench on the object to that on the tip, about the dome's centre, base frame.
     fn wrench_from(&self, object: &WorldObject, on_object: &Wrench) -> Wrench {
         let body = &object.body;
         let force_n = -(body.base_from_body * on_object.force_n);

@@ -1,52 +1,50 @@
-//! What becomes of an object in a hand: how far it slips and turns there.
+//! Slip and rotation of an object in a hand, for the ground truth.
 //!
-//! A hold begins when both fingertips of a hand press an object and its support no longer carries all of its weight, so that
-//! centring and turning while the fingers close do not count. From then on the object is compared with where it was
-//! in the hand, but not while its support carries it again: what was set down may be let go as the hand likes. The hold
-//! ends when a fingertip lets go. What was found stays: an object that has turned in one hold has turned, however well it is
-//! grasped again.
+//! A hold begins when both fingertips of a hand press an object and its support carries less than
+//! its weight. Motion while the fingers close therefore does not count. During the hold, the
+//! object's pose in the hand is compared with that at the beginning. Phases in which the support
+//! carries the object again do not count. The hold ends when a fingertip releases. The maxima over
+//! all holds remain.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::body::Body;
 
-/// Share of the weight below which a support no longer carries an object. Ours: grasping alone moves less.
+/// Share of the weight below which the support no longer carries an object. Design choice: closing
+/// alone changes the load less.
 const CARRIED_SHARE: f64 = 0.9;
 
-/// A hand with both fingertips on an object, base frame.
+/// Hand with both fingertips on an object, base frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Grip {
-    /// Which hand.
     pub(crate) hand: usize,
-    /// The hand's axes.
     pub(crate) base_from_hand: Matrix3<f64>,
     /// Middle between the fingertips, m.
     pub(crate) middle_m: Vector3<f64>,
-    /// Unit vector from one fingertip to the other.
+    /// Unit vector between the fingertips.
     pub(crate) closing: Vector3<f64>,
 }
 
-/// The greatest slip and turn of an object in any hold.
+/// Largest slip and rotation of an object over all holds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Hold {
     since: Option<Reference>,
-    /// Along the fingertips, m.
+    /// Slip tangential to the fingertips, m.
     pub(crate) slip_m: f64,
-    /// About any axis, rad.
     pub(crate) turn_rad: f64,
 }
 
-/// How the object was in the hand when the hold began.
+/// Pose of the object in the hand at the beginning of a hold.
 #[derive(Clone, Copy, Debug)]
 struct Reference {
     hand: usize,
     hand_from_object: Matrix3<f64>,
-    /// The middle between the fingertips, object frame, m.
+    /// Middle between the fingertips, object frame, m.
     middle_m: Vector3<f64>,
 }
 
 impl Hold {
-    /// Looks at an object; `grip` is the hand that has both fingertips on it, if one has.
+    /// Updates slip and rotation; `grip` is the hand with both fingertips on the object.
     pub(crate) fn follow(&mut self, grip: Option<&Grip>, body: &Body) {
         let Some(grip) = grip else {
             self.since = None;
@@ -79,7 +77,6 @@ impl Reference {
         }
     }
 
-    /// Angle of the turn from `before` to now, rad.
     fn turned_rad(&self, before: &Self) -> f64 {
         let turn = before.hand_from_object.tr_mul(&self.hand_from_object);
         libm::acos(((turn.trace() - 1.0) / 2.0).clamp(-1.0, 1.0))

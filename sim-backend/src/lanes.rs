@@ -1,12 +1,13 @@
-//! Four numbers side by side, and vectors of them: what the bristles of a fingertip are computed in.
+//! SIMD lanes: four numbers, and vectors of them, for the bristle computation in
+//! [`crate::contact`].
 //!
-//! * **Who calls:** [`crate::contact`], written once over [`Lanes`]; each instruction set implements that with its own registers.
-//! * **Invariants:** every lane computes what a scalar would, nothing is fused, and what is summed over lanes is summed in their
-//!   order: the instruction set changes no bit. Lanes exist only where their instructions do: whoever makes some shows a `Cpu`,
-//!   which only detection hands out.
-//! * **What to know:** what is not inlined knows nothing of its caller's instructions: in what is hot every function is, and closures
-//!   are too short not to be.
-//! * **Absent on purpose:** wider ones. Bristles that touch lie together in fours, seldom in eights.
+//! * **Use:** contact code is generic over [`Lanes`]; each instruction set implements the trait.
+//! * **Invariants:** every lane computes the scalar result without fused operations, and sums over
+//!   lanes run in lane order. The instruction set therefore changes no bit. Constructing lanes
+//!   requires a `Cpu`, which only feature detection returns.
+//! * **Inlining:** a function that is not inlined loses its caller's instruction set. Every hot
+//!   function is therefore `inline(always)`; closures are short enough to be inlined.
+//! * **Not provided:** wider lanes. Touching bristles lie together in fours, seldom in eights.
 
 use core::ops::{Add, BitAnd, Div, Mul, Sub};
 
@@ -16,22 +17,21 @@ use nalgebra::{Matrix3, Vector3};
 pub(crate) mod avx2;
 pub(crate) mod portable;
 
-/// How many.
 pub(crate) const LANES: usize = 4;
 
-/// A number per lane, in memory.
+/// One number per lane, in memory.
 pub(crate) type Row = [f64; LANES];
 
-/// x, y and z of a vector per lane, in memory.
+/// x, y and z of one vector per lane, in memory.
 pub(crate) type Rows = [Row; 3];
 
-/// A number per lane.
+/// One number per lane.
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     /// Proof that this machine has the instructions.
     type Cpu: Copy;
-    /// A truth value per lane.
+    /// One truth value per lane.
     type Mask: Copy + BitAnd<Output = Self::Mask>;
 
     fn splat(cpu: Self::Cpu, value: f64) -> Self;
@@ -39,17 +39,17 @@ pub(crate) trait Lanes:
     fn store(self) -> Row;
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
-    /// Where this is greater than the other; never where one is not a number.
+    /// Returns where `self` > `other`; false for NaN.
     fn above(self, other: Self) -> Self::Mask;
-    /// Where this is not greater than the other; never where one is not a number.
+    /// Returns where `self` ≤ `other`; false for NaN.
     fn at_most(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask is true.
+    /// Returns `yes` where the mask is true, otherwise `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// The lanes where the mask is true.
+    /// Returns the lanes where the mask is true.
     fn set(mask: Self::Mask) -> LaneSet;
 }
 
-/// A vector per lane.
+/// One vector per lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Vectors<L> {
     pub(crate) x: L,
@@ -58,7 +58,6 @@ pub(crate) struct Vectors<L> {
 }
 
 impl<L: Lanes> Vectors<L> {
-    /// The same in every lane.
     #[inline(always)]
     pub(crate) fn splat(cpu: L::Cpu, vector: &Vector3<f64>) -> Self {
         Self {
@@ -96,7 +95,6 @@ impl<L: Lanes> Vectors<L> {
         }
     }
 
-    /// Turned by a matrix.
     #[inline(always)]
     pub(crate) fn turned(self, cpu: L::Cpu, by: &Matrix3<f64>) -> Self {
         Self {
@@ -106,7 +104,6 @@ impl<L: Lanes> Vectors<L> {
         }
     }
 
-    /// `yes` where the mask is true.
     #[inline(always)]
     pub(crate) fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
         Self {
@@ -159,30 +156,27 @@ by_number! {
     Div div /;
 }
 
-/// The vector of one lane.
 #[inline(always)]
 pub(crate) fn vector(rows: &Rows, lane: usize) -> Vector3<f64> {
     Vector3::new(rows[0][lane], rows[1][lane], rows[2][lane])
 }
 
-/// Some of the lanes; goes through them in their order.
+/// Set of lanes; iterates in lane order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LaneSet(u8);
 
 impl LaneSet {
-    /// From a bit per lane, lane 0 lowest.
+    /// Creates a set from one bit per lane, lane 0 lowest.
     #[inline(always)]
     pub(crate) fn of_bits(bits: u8) -> Self {
         Self(bits)
     }
 
-    /// Those that are in both.
     #[inline(always)]
     pub(crate) fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 
-    /// Those that are not in the other.
     #[inline(always)]
     pub(crate) fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)

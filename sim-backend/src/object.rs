@@ -1,24 +1,26 @@
-//! Objects as data: what a TOML file says of one, checked.
+//! Objects, parsed from TOML and validated.
 //!
 //! ```toml
 //! name = "paper-box"
 //! mass_kg = 0.020
-//! friction = 0.4                     # against a fingertip, static
-//! stiffness_n_m = 1500.0             # under one fingertip; leave out for a rigid object
-//! crush_n = 1.5                      # leave out if nothing crushes it
+//! friction = 0.4                     # static, against a fingertip
+//! stiffness_n_m = 1500.0             # under one fingertip; omit for a rigid object
+//! crush_n = 1.5                      # omit if the object cannot be crushed
 //! shape = { kind = "box", size_m = [0.05, 0.05, 0.05] }
 //! # or: shape = { kind = "cylinder", radius_m = 0.03, height_m = 0.12 }
-//! centre_of_mass_m = [0.0, 0.0, -0.01]   # from the middle of its shape; leave out if it is there
+//! centre_of_mass_m = [0.0, 0.0, -0.01]   # from the middle of the shape; default 0
 //! ```
 //!
-//! A cap has a `thread`, the bottle that it belongs on has a `neck`; both are upright cylinders:
+//! A cap has a `thread`, its bottle has a `neck`; both are upright cylinders:
 //!
 //! ```toml
-//! thread = { friction_n_m = 0.015, closing_deg = 240, pitch_m = 0.003 }   # closes = "anticlockwise" for a left-hand thread
-//! neck = { rim_m = 0.11 }                     # where a cap's lower edge stands when it is put on, above the bottle's foot
+//! # closes = "anticlockwise" for a left-hand thread
+//! thread = { friction_n_m = 0.015, closing_deg = 240, pitch_m = 0.003 }
+//! neck = { rim_m = 0.11 }   # height of the lower edge of an open cap above the bottle's foot
 //! ```
 //!
-//! The file's x axis is the closing axis of a grasp; z is up. Unknown keys and values out of range are refused.
+//! The x axis is the closing axis of a grasp; z points up. Unknown keys and values out of range are
+//! rejected.
 
 use std::path::{Path, PathBuf};
 
@@ -31,10 +33,10 @@ use parts::{NeckFile, ThreadFile};
 
 mod parts;
 
-/// A checked object. Rigid objects have an infinite stiffness, robust ones an infinite crushing force.
+/// Validated object. A rigid object has infinite stiffness, an uncrushable one infinite `crush_n`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
-    /// Its name, at most 31 bytes.
+    /// Name, at most 31 bytes.
     pub name: String,
     /// Mass, kg.
     pub mass_kg: f64,
@@ -42,74 +44,74 @@ pub struct Object {
     pub friction: f64,
     /// Stiffness under one fingertip, N/m.
     pub stiffness_n_m: f64,
-    /// Normal force of one fingertip that crushes it, N.
+    /// Normal force of one fingertip that crushes the object, N.
     pub crush_n: f64,
-    /// Its outline; a bottle's is that of its body below the shoulder.
+    /// Outline; for a bottle, the body below the shoulder.
     pub shape: Shape,
-    /// Where its centre of mass is, from the middle of its shape, m.
+    /// Centre of mass, from the middle of the shape, m.
     pub centre_of_mass_m: Vector3<f64>,
-    /// What makes it a cap.
+    /// Thread, for a cap.
     pub thread: Option<Thread>,
-    /// What makes it a bottle that a cap belongs on.
+    /// Neck, for a bottle with a cap.
     pub neck: Option<Neck>,
 }
 
-/// A bottle's neck.
+/// Neck of a bottle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Neck {
-    /// Height above the bottle's foot of a cap's lower edge when the threads meet, m.
+    /// Height of the cap's lower edge above the bottle's foot when the threads meet, m.
     pub rim_m: f64,
 }
 
-/// Why an object could not be had.
+/// Reason why an object could not be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum ObjectError {
-    /// No built-in object has this name.
+    /// Unknown built-in name.
     #[error(
         "could not find an object because {name:?} is not built in, needs one of {known}{hint}, or the path of a file"
     )]
     Unknown {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The built-in names.
+        /// Built-in names.
         known: String,
-        /// The nearest name, as a sentence; empty if none is near.
+        /// Nearest name as text; empty if none is near.
         hint: String,
     },
-    /// The file could not be read.
+    /// Unreadable file.
     #[error(
         "could not read the object file {path:?} because {source}; check the path and its permissions"
     )]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The text is not an object.
+    /// Invalid TOML or unknown keys.
     #[error(
         "could not understand the object {origin} because {message}; see the examples in sim-backend/objects"
     )]
     Malformed {
-        /// The file, or the built-in name.
+        /// File, or built-in name.
         origin: String,
-        /// What the parser said, with the place in the text.
+        /// Message of the parser, with the position in the text.
         message: String,
     },
-    /// A value is out of range.
+    /// Value out of range.
     #[error(
         "could not use the object {origin} because {key} was {value}, needs {lower} to {upper}; correct the file"
     )]
     OutOfRange {
-        /// The file, or the built-in name.
+        /// File, or built-in name.
         origin: String,
-        /// The key.
+        /// Key of the value.
         key: &'static str,
-        /// Its value.
+        /// Rejected value.
         value: f64,
-        /// The lowest value allowed.
+        /// Lowest allowed value.
         lower: f64,
-        /// The highest value allowed.
+        /// Highest allowed value.
         upper: f64,
     },
 }
@@ -121,7 +123,7 @@ macro_rules! built_in {
     };
 }
 built_in!(
-    /// The built-in objects to grasp: name and file.
+    /// Built-in objects to grasp: name and file.
     BUILT_IN:
     "wood",
     "slippery-200",
@@ -133,20 +135,22 @@ built_in!(
     "filled-paper-box",
 );
 built_in!(
-    /// The built-in parts to assemble: name and file.
+    /// Built-in parts to assemble: name and file.
     PARTS: "cap", "open-bottle",
 );
 
-/// Allowed values: wide enough for anything two fingertips can hold, narrow enough for a stable simulation. Ours.
+/// Allowed ranges. Design choice: they cover what two fingertips can hold and keep the simulation
+/// stable.
 mod range {
     pub(super) const MASS_KG: [f64; 2] = [0.0125, 5.0];
-    /// A cap may be lighter, because it is given more inertia than it has.
+    /// Lighter than other objects: the simulation raises a cap's inertia.
     pub(super) const CAP_MASS_KG: [f64; 2] = [0.008, 0.1];
     pub(super) const FRICTION: [f64; 2] = [0.05, 2.0];
     pub(super) const STIFFNESS_N_M: [f64; 2] = [100.0, 1e6];
     pub(super) const CRUSH_N: [f64; 2] = [0.1, 1e3];
     pub(super) const LENGTH_M: [f64; 2] = [0.01, 0.3];
-    /// How far off the middle the centre of mass may be, over the way to the surface: beyond, nothing stands.
+    /// Largest offset of the centre of mass, as a share of the distance to the surface. Objects
+    /// beyond it tip over.
     pub(super) const CENTRE_SHARE: f64 = 0.9;
     pub(super) const NAME_BYTES: [f64; 2] = [1.0, 31.0];
 }
@@ -180,20 +184,20 @@ enum ShapeFile {
 }
 
 impl Object {
-    /// Names of the built-in objects to grasp: six that can be held, two that must be refused.
+    /// Returns the names of the built-in objects to grasp: six can be held, two must be refused.
     pub fn names() -> impl Iterator<Item = &'static str> {
         BUILT_IN.iter().map(|(name, _)| *name)
     }
 
-    /// Names of the built-in parts to assemble: a cap and its bottle.
+    /// Returns the names of the built-in parts to assemble: a cap and its bottle.
     pub fn part_names() -> impl Iterator<Item = &'static str> {
         PARTS.iter().map(|(name, _)| *name)
     }
 
-    /// A built-in object.
+    /// Returns a built-in object.
     ///
     /// # Errors
-    /// [`ObjectError::Unknown`] if no built-in object has this name.
+    /// [`ObjectError::Unknown`] if the name is not built in.
     pub fn built_in(name: &str) -> Result<Self, ObjectError> {
         match BUILT_IN
             .iter()
@@ -205,10 +209,10 @@ impl Object {
         }
     }
 
-    /// An object from a file.
+    /// Reads an object from a file.
     ///
     /// # Errors
-    /// If the file cannot be read, is not an object, or holds a value out of range.
+    /// If the file is unreadable or malformed, or a value is out of range.
     pub fn from_file(path: &Path) -> Result<Self, ObjectError> {
         let text = std::fs::read_to_string(path).map_err(|source| ObjectError::Unreadable {
             path: path.to_owned(),
@@ -217,7 +221,7 @@ impl Object {
         Self::parse(&text, &path.display().to_string())
     }
 
-    /// A built-in object by its name, or a file if the text looks like a path.
+    /// Returns a built-in object, or reads a file if the text looks like a path.
     ///
     /// # Errors
     /// As [`Object::built_in`] and [`Object::from_file`].
@@ -230,7 +234,7 @@ impl Object {
         }
     }
 
-    /// An object from the text of a file; `origin` is what errors call it.
+    /// Parses the text of an object file; errors name its `origin`.
     ///
     /// # Errors
     /// [`ObjectError::Malformed`], [`ObjectError::OutOfRange`].
@@ -275,7 +279,8 @@ impl Object {
         })
     }
 
-    /// Force that each of two fingers must press with to carry it, m·g / (2·μ), N.
+    /// Returns the normal force per fingertip that two fingertips need to carry the object, m·g /
+    /// (2·μ), N.
     #[must_use]
     pub fn needed_n(&self) -> f64 {
         self.mass_kg * crate::body::GRAVITY_M_S2 / (2.0 * self.friction)
@@ -304,7 +309,7 @@ impl ShapeFile {
     }
 }
 
-/// The centre of mass, if it lies well inside the shape.
+/// Returns the centre of mass; rejects one too close to the surface.
 fn checked_centre_m(
     shape: &Shape,
     centre_m: [f64; 3],
@@ -319,7 +324,7 @@ fn checked_centre_m(
     Ok(centre_m.into())
 }
 
-/// The value, if it lies in its range; NaN lies in none.
+/// Returns the value; rejects values outside the range, and NaN.
 fn checked(
     origin: &str,
     key: &'static str,

@@ -1,8 +1,8 @@
-//! The fingertip's soft skin: where its bristles are, how stiff they are, and which element feels which.
+//! Soft skin of a fingertip: positions, stiffness and element of its bristles.
 //!
-//! Every element of the paper's dome carries seven bristles, one at its centre and six around it; every element of a grid
-//! nine, three by three. A single bristle per element is wrong: new elements then enter the contact in jumps, and the force
-//! rises too slowly with the indentation (slope 524 instead of 844 N/m in the stiffness probe).
+//! Elements of the paper's dome have seven bristles, one at the centre and six around it; elements
+//! of a grid have nine, three by three. One per element is too coarse: elements enter the contact
+//! in jumps, and the force slope is too low (524 instead of 844 N/m in the stiffness probe).
 
 use nalgebra::Vector3;
 use robot_model::{Compression, Skin};
@@ -11,18 +11,23 @@ use shm_schemas::layout::{DOME_RADIUS_M, Grid, Millimetres, NamedLayout};
 
 use crate::lanes::{LANES, Rows};
 
-/// Bristles per element of a dome (tactile design; 1 is measurably wrong, 19 changes nothing more).
+/// Bristles per element of a dome (tactile design; 1 is measurably wrong, 19 gives the same results
+/// as 7).
 pub(crate) const BRISTLES_PER_ELEMENT: usize = 7;
-/// Bristles along each edge of an element of a grid (ours: the next odd square).
+/// Bristles along each edge of a grid element. Design choice: the smallest odd square above the
+/// dome's 7.
 const BRISTLES_PER_EDGE: usize = 3;
 
-/// Winkler foundation stiffness of the skin, N/m per m² (prototype: gives 1.84 N at 0.5 mm on a flat).
+/// Winkler foundation stiffness, N/m per m² (prototype: gives 1.84 N at 0.5 mm on a flat).
 pub(crate) const FOUNDATION_N_M3: f64 = 1.7e8;
-/// Distance of the six outer bristles from their element's centre, in radii of a disc of the element's area (prototype).
+/// Distance of outer bristles from their element's centre, in radii of a disc of the element's area
+/// (prototype).
 const RING_RADIUS: f64 = 0.66;
 
-/// The skin of a layout as it is simulated: how it gives way to a rigid flat face follows from its shape and its foundation,
-/// F = K·A·δ for a flat pad of area A, F = (4/3)·K·L·√(2R)·δ^1.5 for a cylinder of length L and radius R.
+/// Returns the simulated skin of a layout.
+///
+/// Its force F on a rigid flat face follows from shape and foundation stiffness K: F = K·A·δ for a
+/// flat pad of area A, F = (4/3)·K·L·√(2R)·δ^1.5 for a cylinder of length L and radius R.
 #[must_use]
 pub fn simulated_skin(layout: NamedLayout) -> Skin {
     let compression = match layout {
@@ -52,7 +57,7 @@ pub fn simulated_skin(layout: NamedLayout) -> Skin {
     }
 }
 
-/// A skin whose elements nobody has placed cannot touch.
+/// Error: a skin without element positions cannot be simulated.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "could not simulate fingertips of layout {0} because it does not say where its elements sit; choose flat-RxC-P, \
@@ -60,24 +65,24 @@ pub fn simulated_skin(layout: NamedLayout) -> Skin {
 )]
 pub struct NoPlaces(NamedLayout);
 
-/// The bristles of one fingertip, tip frame.
+/// Bristles of one fingertip, tip frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Pad {
-    /// Places of the bristles, over the reach, in blocks. Padding is not a number: it is never below a plane.
+    /// Bristle positions divided by `reach_m`, in blocks of [`LANES`]. Padding is NaN, which never
+    /// lies below a plane.
     pub(crate) blocks: Vec<Rows>,
-    /// No bristle is farther from the tip frame's origin, m.
+    /// Largest distance of a bristle from the tip frame's origin, m.
     pub(crate) reach_m: f64,
-    /// Normal stiffness of one bristle, N/m.
     pub(crate) stiffness_n_m: f64,
-    /// The element that each bristle belongs to.
+    /// Element index of each bristle.
     elements: Vec<u8>,
 }
 
 impl Pad {
-    /// The skin of a layout on a fingertip whose face is this far from its frame's origin, m.
+    /// Returns the skin of a layout with its face `tip_radius_m` from the frame's origin.
     ///
     /// # Errors
-    /// [`NoPlaces`] if the layout does not say where its elements sit.
+    /// [`NoPlaces`] if the layout has no element positions.
     pub(crate) fn of(layout: NamedLayout, tip_radius_m: f64) -> Result<Self, NoPlaces> {
         match layout {
             NamedLayout::Dome41 => Ok(Self::dome(tip_radius_m, BRISTLES_PER_ELEMENT)),
@@ -93,13 +98,12 @@ impl Pad {
         }
     }
 
-    /// The same skin, stiffer by this factor.
     pub(crate) fn stiffer(mut self, factor: f64) -> Self {
         self.stiffness_n_m *= factor;
         self
     }
 
-    /// The paper's dome of this radius with this many bristles per element, 1 to [`BRISTLES_PER_ELEMENT`].
+    /// Returns the paper's dome with 1 to [`BRISTLES_PER_ELEMENT`] bristles per element.
     pub(crate) fn dome(radius_m: f64, per_element: usize) -> Self {
         let (layout, scale) = (Layout::dome_41(), radius_m / DOME_RADIUS_M);
         let ring_rad = RING_RADIUS * libm::sqrt(layout.element_area_m2 / core::f64::consts::PI)
@@ -123,7 +127,7 @@ impl Pad {
         pad
     }
 
-    /// A flat or bent grid of elements.
+    /// Returns a flat or cylindrical grid.
     fn grid(layout: NamedLayout, coarse: Grid, tip_radius_m: f64) -> Self {
         let fine = Grid {
             rows: coarse.rows * BRISTLES_PER_EDGE,
@@ -170,13 +174,13 @@ impl Pad {
         self.elements.push(element as u8);
     }
 
-    /// The element that a bristle belongs to.
     pub(crate) fn element_of(&self, block: usize, lane: usize) -> usize {
         self.elements[block * LANES + lane].into()
     }
 }
 
-/// Where a bristle stands in its element, rad along both tangents: the first at the centre, the others on a ring.
+/// Returns a bristle's offset in its element, rad along both tangents: first the centre, then a
+/// ring.
 fn offset_in_element(sub: usize, per_element: usize, ring_rad: f64) -> [f64; 2] {
     if sub == 0 {
         return [0.0, 0.0];

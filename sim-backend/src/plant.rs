@@ -1,16 +1,18 @@
-//! The robot's joints as their servos drive them.
+//! Joint servo dynamics of one hand.
 //!
-//! Each joint is a second-order system of its own: torque = K·(commanded − actual) + D·(fed forward − actual velocity),
-//! cut to the drive's limit, against the joint's reflected inertia. Stiffness and inertia are the robot file's. Gravity is compensated; contact forces arrive as
-//! joint torques. Full rigid-body dynamics with the same servos give the same contact slopes (robot design), so the
-//! joints stay decoupled.
+//! Each joint is an independent second-order system: torque = K·(commanded − actual) + D·(commanded
+//! velocity − actual velocity), limited to the drive's maximum, acting on the joint's reflected
+//! inertia. Stiffness and inertia come from the robot file. Gravity is compensated; contact forces
+//! enter as joint torques.
+//!
+//! The joints stay decoupled: full rigid-body dynamics with the same servos give the same contact
+//! slopes (robot design).
 
 use robot_model::{HandModel, HandVector};
 
 /// Damping ratio of every servo (robot design).
 const DAMPING_RATIO: f64 = 1.0;
 
-/// The joints of one hand.
 #[derive(Clone, Debug)]
 pub(crate) struct Plant {
     lower_rad: HandVector,
@@ -21,12 +23,13 @@ pub(crate) struct Plant {
     inertia_kg_m2: HandVector,
     pub(crate) position_rad: HandVector,
     pub(crate) velocity_rad_s: HandVector,
-    /// Torque of the servos in the last step, N·m.
+    /// Servo torque in the last step, N·m.
     pub(crate) effort_n_m: HandVector,
 }
 
 impl Plant {
-    /// Joints at rest, whose servos are stiffer than the model says by these factors; their damping is the model's.
+    /// Returns joints at rest. Servo stiffness is the model's times `stiffness_factor`; damping is
+    /// the model's.
     pub(crate) fn at(
         model: &HandModel,
         position_rad: HandVector,
@@ -54,7 +57,7 @@ impl Plant {
         }
     }
 
-    /// One step of `dt_s` towards where the reference is at its beginning, under the torques of contact.
+    /// Integrates one step of `dt_s` towards the reference at its beginning, under contact torques.
     pub(crate) fn step(
         &mut self,
         reference_rad: &HandVector,
@@ -88,13 +91,13 @@ impl Plant {
             let speed_rad_s = velocity_rad_s[i] + pushed_n_m * (dt_s / inertia[i]);
             let wanted_rad = position_rad[i] + speed_rad_s * dt_s;
             position_rad[i] = wanted_rad.clamp(lower[i], upper[i]);
-            // A mechanical stop takes the velocity away.
+            // A mechanical stop sets the velocity to zero.
             let is_stopped = position_rad[i] != wanted_rad;
             velocity_rad_s[i] = if is_stopped { 0.0 } else { speed_rad_s };
         }
     }
 
-    /// Whether every number is finite.
+    /// Returns whether all positions and velocities are finite.
     pub(crate) fn is_finite(&self) -> bool {
         let mut numbers = self.position_rad.iter().chain(self.velocity_rad_s.iter());
         numbers.all(|value| value.is_finite())
@@ -124,7 +127,7 @@ mod tests {
         );
     }
 
-    /// Without the velocity feed-forward the lag would be 2/ω_n: 10 ms at the fingers.
+    /// Without velocity feed-forward the lag would be 2/ω_n: 10 ms at the finger joints.
     #[test]
     fn a_ramp_is_tracked_without_lag() {
         let mut plant = plant();

@@ -1,10 +1,12 @@
-//! Seeded randomness: one small generator, and Gaussian draws by the ziggurat.
+//! Seeded random numbers: one small generator, and Gaussian draws by the ziggurat method.
 //!
-//! * Uniform bits: xoshiro256++ (Blackman & Vigna 2019), seeded through SplitMix64, so that any seed will do.
-//! * Gaussian: ziggurat of 256 layers (Marsaglia & Tsang 2000, with Doornik's 2005 separation of layer index and
-//!   abscissa). Exact up to the 53 bits of the abscissa; 98.8 % of the draws cost one multiplication and one comparison.
+//! * Uniform bits: xoshiro256++ (Blackman & Vigna 2019), seeded through SplitMix64, so that any
+//!   seed is valid.
+//! * Gaussian: ziggurat of 256 layers (Marsaglia & Tsang 2000; layer index and abscissa separated
+//!   as in Doornik 2005). Exact up to the 53 bits of the abscissa; 98.8 % of the draws cost one
+//!   multiplication and one comparison.
 //!
-//! Tables and tails use `libm`, so the same seed gives the same bits on every machine.
+//! Tables and tails use `libm`: the same seed gives the same bits on every machine.
 
 use std::sync::LazyLock;
 
@@ -43,14 +45,14 @@ fn density(x: f64) -> f64 {
     libm::exp(-0.5 * x * x)
 }
 
-/// A stream of random numbers. Equal seed and stream give equal numbers.
+/// Stream of random numbers, determined by seed and stream number.
 #[derive(Clone, Debug)]
 pub struct Random {
     state: [u64; 4],
 }
 
 impl Random {
-    /// Stream number `stream` of a seed: streams of one seed are independent of each other for all practical purposes.
+    /// Returns stream number `stream` of a seed. Streams of one seed are practically independent.
     #[must_use]
     pub fn new(seed: u64, stream: u64) -> Self {
         let mut counter = split_mix(seed) ^ split_mix(!stream);
@@ -61,7 +63,7 @@ impl Random {
         Self { state }
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub fn bits(&mut self) -> u64 {
         let [a, b, c, d] = self.state;
         let result = a.wrapping_add(d).rotate_left(23).wrapping_add(a);
@@ -70,30 +72,30 @@ impl Random {
         result
     }
 
-    /// Uniform in [0, 1), a multiple of 2⁻⁵³.
+    /// Returns a uniform number in [0, 1), a multiple of 2⁻⁵³.
     pub fn uniform(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
-    /// Uniform in [`low`, `high`).
+    /// Returns a uniform number in [`low`, `high`).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 
-    /// True with probability `probability`.
+    /// Returns true with this probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.uniform() < probability
     }
 
-    /// Standard normal: mean 0, standard deviation 1.
+    /// Returns a standard normal number: mean 0, standard deviation 1.
     pub fn gaussian(&mut self) -> f64 {
         self.gaussian_from(&ZIGGURAT)
     }
 
-    /// Standard normal draws for a whole array.
+    /// Fills a slice with standard normal numbers.
     pub fn fill_gaussian(&mut self, values: &mut [f64]) {
         let table = &*ZIGGURAT;
-        // A copy that lives in registers: behind the reference the state would be written back with every draw.
+        // A local copy stays in registers; through the reference every draw would store the state.
         let mut random = self.clone();
         for value in values {
             *value = random.gaussian_from(table);
@@ -106,7 +108,8 @@ impl Random {
         loop {
             let bits = self.bits();
             let layer = (bits & 0xff) as usize;
-            // The upper 54 bits as a signed number in [−1, 1); the layer index uses the lower 8, so both are independent.
+            // The upper 54 bits are a signed number in [−1, 1); the layer index uses the lower 8.
+            // Both are independent.
             let abscissa =
                 (bits as i64 >> 10) as f64 * (1.0 / (1_u64 << 53) as f64) * table.x[layer];
             if abscissa.abs() < table.x[layer + 1] {
@@ -120,8 +123,8 @@ impl Random {
         }
     }
 
-    /// The wedge between rectangle and curve, or the tail below the lowest rectangle; and the stream behind it. By value, so
-    /// that the others' stream needs no place in memory.
+    /// Draws from the wedge between rectangle and curve, or from the tail; also returns the
+    /// advanced stream. By value, so that the common path keeps the stream in registers.
     #[cold]
     fn outside_the_core(
         mut self,
@@ -137,7 +140,7 @@ impl Random {
         (inside.then_some(abscissa), self)
     }
 
-    /// A draw beyond [`ZIGGURAT_R`] (Marsaglia 1964).
+    /// Draws beyond [`ZIGGURAT_R`] (Marsaglia 1964).
     fn tail(&mut self) -> f64 {
         loop {
             let x = -libm::log(1.0 - self.uniform()) / ZIGGURAT_R;
@@ -152,7 +155,8 @@ impl Random {
 /// Increment of SplitMix64: 2⁶⁴ divided by the golden ratio.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The finaliser of SplitMix64 (Steele, Lea & Flood 2014): a bijection that spreads neighbouring numbers apart.
+/// Finaliser of SplitMix64 (Steele, Lea & Flood 2014): a bijection that separates neighbouring
+/// numbers.
 #[must_use]
 pub fn split_mix(value: u64) -> u64 {
     let z = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -160,8 +164,8 @@ pub fn split_mix(value: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The seed of a trial: a function of a name, as of its object, and the trial's number, so that adding an object to a plan
-/// changes no other trial.
+/// Returns the seed of a trial from a name (such as its object's) and the trial's number. Adding an
+/// object to a plan therefore changes no other trial.
 #[must_use]
 pub fn trial_seed(name: &str, number: u64) -> u64 {
     split_mix(fnv1a(FNV_OFFSET, name.as_bytes()) ^ split_mix(number))
@@ -171,7 +175,7 @@ pub fn trial_seed(name: &str, number: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// Of 1 M draws, how many fall beyond `x` in magnitude: expectation from the normal distribution, ±5 σ of counting.
+    /// Counts the draws beyond `x` of 1 M; tolerance ±5 σ of counting.
     #[test]
     fn gaussian_draws_follow_the_normal_distribution() {
         let mut random = Random::new(7, 0);

@@ -1,20 +1,20 @@
-//! Numbers that a scene or a client gives, and the ranges that they must lie in.
+//! Range checks of values that a scene or a client gives.
 
-/// A number that no scene may have.
+/// Scene value outside its allowed range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("could not set the scene because {what} was {value}, needs {lower} to {upper}; correct it")]
 pub struct OutOfRange {
-    /// What the number is, with its unit.
+    /// Name of the value, with its unit.
     pub what: &'static str,
-    /// The number.
+    /// Rejected value.
     pub value: f64,
-    /// The lowest value allowed.
+    /// Lowest allowed value.
     pub lower: f64,
-    /// The highest value allowed.
+    /// Highest allowed value.
     pub upper: f64,
 }
 
-/// NaN lies in no range.
+/// Rejects a value outside `lower` to `upper`, and NaN.
 pub(crate) fn in_range(
     what: &'static str,
     value: f64,

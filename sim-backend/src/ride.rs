@@ -1,38 +1,38 @@
-//! How a robot's base moves, as its world sees it.
+//! Motion of a mobile base, as seen in the robot's world.
 //!
-//! The world is described in the base's frame, which a driving base makes an accelerated one: the floor moves by below it,
-//! and every body feels inertial forces (Euler, Coriolis and centrifugal ones, and those of the origin's acceleration).
-//! Approximations: the robot's own links feel nothing of it, because their servos hold them as they compensate gravity; the
-//! gyroscopic moment of a body's spin together with the base's turn is left out; a base heaves over bumps, and neither
-//! tilts nor rises.
+//! The world is described in the base frame. A driving base makes it an accelerated frame: the
+//! floor moves, and every body gets inertial forces (Euler, Coriolis, centrifugal, linear).
+//! Approximations: the robot's links get no inertial forces, because their servos compensate them
+//! like gravity. The gyroscopic moment between body spin and base turn is neglected. The base
+//! heaves over bumps but neither tilts nor rises.
 
 use nalgebra::Vector3;
 
 use crate::range::{OutOfRange, in_range};
 
-/// The fastest that any base may be said to move. Ours: ten times what a base of a course does.
+/// Highest speed of any base, m/s. Design choice: ten times that of a course base.
 const SPEED_MAX_M_S: f64 = 5.0;
 const ACCELERATION_MAX_M_S2: f64 = 50.0;
 const TURN_MAX_RAD_S: f64 = 10.0;
 const TURN_MAX_RAD_S2: f64 = 100.0;
 
-/// A motion of the base: forward along its x axis, turning about z, heaving along z.
+/// Motion of the base: forward along x, turn about z, heave along z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ride {
-    /// Speed forward, m/s.
+    /// Forward speed, m/s.
     pub speed_m_s: f64,
-    /// Its change, m/s².
+    /// Forward acceleration, m/s².
     pub acceleration_m_s2: f64,
-    /// Turning, rad/s, positive to the left.
+    /// Yaw rate, rad/s, positive to the left.
     pub turn_rad_s: f64,
-    /// Its change, rad/s².
+    /// Yaw acceleration, rad/s².
     pub turn_rad_s2: f64,
-    /// Acceleration upwards, m/s².
+    /// Upward acceleration, m/s².
     pub heave_m_s2: f64,
 }
 
 impl Ride {
-    /// A base that stands.
+    /// Base at rest.
     pub const STILL: Self = Self {
         speed_m_s: 0.0,
         acceleration_m_s2: 0.0,
@@ -41,7 +41,7 @@ impl Ride {
         heave_m_s2: 0.0,
     };
 
-    /// Refuses what no base does.
+    /// Rejects values beyond the limits of any base.
     pub(crate) fn check(&self) -> Result<(), OutOfRange> {
         for (what, value, most) in [
             (
@@ -75,18 +75,18 @@ impl Ride {
         Ok(())
     }
 
-    /// Whether anything moves.
+    /// Returns true if any component is not zero.
     pub(crate) fn moves(&self) -> bool {
         *self != Self::STILL
     }
 
-    /// Lets time pass: speeds go on as their changes say.
+    /// Integrates speed and yaw rate over `dt_s`.
     pub(crate) fn go_on(&mut self, dt_s: f64) {
         self.speed_m_s += self.acceleration_m_s2 * dt_s;
         self.turn_rad_s += self.turn_rad_s2 * dt_s;
     }
 
-    /// Velocity of the floor below a point, base frame, m/s.
+    /// Returns the velocity of the floor below a point, base frame, m/s.
     pub(crate) fn floor_m_s(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
             self.turn_rad_s * point_m.y - self.speed_m_s,
@@ -95,7 +95,7 @@ impl Ride {
         )
     }
 
-    /// Acceleration that a body at a place with a velocity, both of the base frame, is given by the frame, m/s².
+    /// Returns the inertial acceleration of a body at a position and velocity, base frame, m/s².
     pub(crate) fn inertial_m_s2(
         &self,
         place_m: &Vector3<f64>,
@@ -113,7 +113,7 @@ impl Ride {
         )
     }
 
-    /// The same of its turning, whose velocity is that of the base frame, rad/s².
+    /// Returns the inertial angular acceleration of a body, base frame, rad/s².
     pub(crate) fn inertial_rad_s2(&self, angular_rad_s: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
             self.turn_rad_s * angular_rad_s.y,
@@ -127,7 +127,7 @@ impl Ride {
 mod tests {
     use super::*;
 
-    /// A point at rest in the field, seen from a base that drives and turns, moves as the floor does.
+    /// In the base frame, a point at rest on the field moves like the floor.
     #[test]
     fn what_rests_in_the_field_moves_with_the_floor() {
         const DT_S: f64 = 1e-4;

@@ -1,9 +1,10 @@
-//! Scenes: which objects stand where, how good the sensors are, and how reality differs from what a client is told.
+//! Scenes: objects and their poses, sensor quality, and the differences between reality and the
+//! client's data.
 //!
-//! A scene has a nominal side, which a client may know ([`Scene::grasp_hint`]), and a true side, which only the world
-//! knows. `tasks.rs` sets the scenes of the paper's tasks. [`Scene::varied`] moves the true side within the seeded family of
-//! the evaluation and leaves the nominal alone; [`Scene::with_errors`] goes further, to robots, skins and objects that
-//! are not as the controller was made for.
+//! A scene has a nominal side, which a client may know ([`Scene::grasp_hint`]), and a true side,
+//! which only the world knows. `tasks.rs` defines the scenes of the paper's tasks.
+//! [`Scene::varied`] varies the true side within the seeded family of the evaluation.
+//! [`Scene::with_errors`] adds deviations of robot, skin and objects from the controller's model.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -23,62 +24,66 @@ mod tasks;
 pub use error_spec::ErrorSpecError;
 pub use errors::{ErrorKind, Errors};
 
-/// Objects in one scene, the capacity of [`shm_schemas::WorldTruth`].
+/// Largest number of objects, the capacity of [`shm_schemas::WorldTruth`].
 pub const OBJECTS_MAX: usize = 4;
-/// Where objects stand by default: x, and the distance from the middle towards the acting hand, m. Well inside the proved
-/// workspace, and on a bearing that leaves the wrist nearly straight.
+/// Default object position: x, and the distance from the midline towards the acting hand, m. Well
+/// within the verified workspace, in a direction that keeps the wrist nearly straight.
 const DEFAULT_PLACE_M: [f64; 2] = [0.32, 0.15];
-/// Default closing axis: along y, so that both hands may work side by side (robot design).
+/// Default closing axis: along y, so that both hands can work next to each other (robot design).
 const DEFAULT_YAW_RAD: f64 = FRAC_PI_2;
 /// Lowest grasp height, m (robot design: dome centre ≥ 16 mm, grasp height ≥ 25 mm).
 const GRASP_HEIGHT_MIN_M: f64 = 0.025;
-/// A grasp aims a little above the centre of mass, so that the object hangs: height over half height (prototype).
+/// Grasp height over half height (prototype). Above the centre of mass, so that the object is
+/// suspended stably.
 const GRASP_HEIGHT_RATIO: f64 = 1.15;
-/// Distance that a grasp keeps from the object's top, m (prototype): the dome's contact patch must fit.
+/// Smallest distance of a grasp from the object's top, m (prototype): the dome's contact patch must
+/// fit.
 const GRASP_BELOW_TOP_M: f64 = 0.010;
-/// Amplitude of the hands' tremble, m (tactile design).
+/// Amplitude of the hand tremor, m (tactile design).
 const VIBRATION_M: f64 = 1e-5;
-/// Deepest grasp below an object's top, m. Ours: the hand comes in 60 mm above its grasp, and its domes (15 mm) must clear
-/// the top of what it shall grasp.
+/// Deepest grasp below an object's top, m. Design choice: the approach starts 60 mm above the
+/// grasp, and domes (15 mm) must clear the top.
 const GRASP_DEPTH_MAX_M: f64 = 0.040;
-/// Distance that an object's top keeps from what carries a hand's fingers, m (ours: what the controller asks for, and 2 mm).
+/// Clearance between an object's top and the palm, m. Design choice: the controller's clearance
+/// margin plus 2 mm.
 const GRASP_BELOW_PALM_M: f64 = 0.012;
-/// Farthest that an object may stand from the robot along one axis, m. Ours: across the field of a course.
+/// Largest distance of an object from the robot along one axis, m. Design choice: the size of a
+/// course's field.
 const FARTHEST_M: f64 = 10.0;
-/// Rate of a sensor that keeps up with the tick, Hz.
+/// Rate of a sensor with one sample per tick, Hz.
 const FULL_RATE_HZ: u32 = 1000;
 
-/// An object with its place.
+/// Object with its pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
-    /// What it truly is.
+    /// True object.
     pub object: Object,
-    /// Where it truly stands on the table: x, y, base frame, m.
+    /// True position on the table: x, y, base frame, m.
     pub position_m: [f64; 2],
-    /// Direction of its x axis, rad from +x towards +y.
+    /// Direction of the object's x axis, rad from +x towards +y.
     pub yaw_rad: f64,
-    /// What holds it there.
+    /// Fixture of the object.
     pub mount: Mount,
-    /// What a client is told.
+    /// Data for clients.
     nominal: GraspHint,
 }
 
-/// What holds an object in its place at the start.
+/// Fixture of an object at the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mount {
-    /// Its weight: it stands on the table or on a plate.
+    /// Stands on the table or on a plate by its weight.
     #[default]
     Standing,
-    /// A clamp that never gives way.
+    /// Immovable clamp.
     Clamped,
-    /// The neck of the scene's bottle: a cap put on, not turned yet. Its position is the bottle's.
+    /// Cap on the neck of the scene's bottle, not turned yet, at the bottle's position.
     OnNeck,
 }
 
-/// Where a client would grasp an object, from nominal knowledge: the fields of a goal.
+/// Grasp goal from a client's nominal knowledge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraspHint {
-    /// Where the fingertips shall close, base frame, m.
+    /// Point where the fingertips close, base frame, m.
     pub from_m: [f64; 3],
     /// Direction of the closing axis, rad from +x towards +y.
     pub yaw_rad: f64,
@@ -88,64 +93,65 @@ pub struct GraspHint {
     pub height_m: f64,
 }
 
-/// Everything that a world starts from, but the seed.
+/// Start state of a world, without the seed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// The objects, at most [`OBJECTS_MAX`].
+    /// Objects, at most [`OBJECTS_MAX`].
     pub objects: Vec<Placed>,
-    /// What stands on the table for objects to stand on.
+    /// Plates on the table.
     pub plates: Vec<Plate>,
-    /// Where a client is told to put the first object: where the fingertips shall open. For a cap that is the bottle's neck.
+    /// Nominal place of the first object: where the fingertips open. For a cap, the bottle's neck.
     pub place: Option<GraspHint>,
-    /// Frames per second of each hand's sensor, 1 to 1000; left, right.
+    /// Sensor rate of each hand, 1 to 1000 frames per second; left, right.
     pub sensor_rate_hz: [u32; 2],
-    /// Scales the noise of the fingertip sensors; 1 is the design's, 0 is none.
+    /// Factor on the noise of the fingertip sensors; 1 is the design's noise, 0 is none.
     pub noise_factor: f64,
-    /// Amplitude of the hands' tremble, m.
+    /// Amplitude of the hand tremor, m.
     pub vibration_m: f64,
-    /// Joints at the start, rad; `None` is home.
+    /// Joint positions at the start, rad; `None` is home.
     pub start_rad: Option<RobotVector>,
-    /// How far robot and sensors may lie from what the controller was made for; the world draws them by its seed. Set it
-    /// with [`Scene::with_errors`], which draws those of the objects as well.
+    /// Deviations of robot and sensors from the controller's model; the world's seed draws them.
+    /// Set with [`Scene::with_errors`], which also draws the object deviations.
     pub errors: Errors,
 }
 
-/// Why a world could not be made from a scene.
+/// Reason why a scene is rejected.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// More objects than fit.
+    /// Too many objects.
     #[error(
         "could not set the scene because it has {0} objects, needs at most {OBJECTS_MAX}; take some away"
     )]
     TooManyObjects(usize),
-    /// A number is out of range.
+    /// Value out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// A skin whose elements nobody has placed cannot touch.
+    /// Skin without element positions.
     #[error(transparent)]
     NoPlaces(#[from] NoPlaces),
-    /// A cap has no neck to be on.
+    /// Cap on a neck without a bottle.
     #[error(
         "could not put a cap on because the scene has no bottle, needs one with a neck; add it"
     )]
     NoBottle,
-    /// What is on the neck is no cap.
+    /// Object on a neck without a thread.
     #[error(
         "could not put {0:?} on the bottle because it has no thread; give it one or let it stand"
     )]
     NoThread(String),
-    /// The home posture is out of this robot's reach.
+    /// Home posture out of reach.
     #[error("could not bring the {side:?} hand home: {source}")]
     HomeUnreachable {
-        /// Which hand.
+        /// Hand.
         side: Side,
-        /// How far off the best posture is.
+        /// Remaining error of the best posture.
         source: Unreachable,
     },
 }
 
 impl Default for Scene {
-    /// An empty table, full-rate sensors, the design's noise and tremble, hands at home.
+    /// Returns an empty table with full-rate sensors, the design's noise and tremor, and hands at
+    /// home.
     fn default() -> Self {
         Self {
             objects: Vec::new(),
@@ -161,7 +167,7 @@ impl Default for Scene {
 }
 
 impl Placed {
-    /// An object at a place, known to clients exactly.
+    /// Returns an object whose pose clients know exactly.
     #[must_use]
     pub fn new(object: Object, position_m: [f64; 2], yaw_rad: f64) -> Self {
         let from_m = [position_m[0], position_m[1], grasp_height_m(&object.shape)];
@@ -180,7 +186,8 @@ impl Placed {
         }
     }
 
-    /// An object at the default place of one hand, its x axis along the default closing axis.
+    /// Returns an object at the default position of one hand, its x axis along the default closing
+    /// axis.
     #[must_use]
     pub fn before(object: Object, side: Side) -> Self {
         let [x_m, off_middle_m] = DEFAULT_PLACE_M;
@@ -189,7 +196,7 @@ impl Placed {
 }
 
 impl Scene {
-    /// One object in front of one hand.
+    /// Returns a scene with one object in front of one hand.
     #[must_use]
     pub fn grasp(object: Object, side: Side) -> Self {
         Self {
@@ -198,9 +205,11 @@ impl Scene {
         }
     }
 
-    /// The same scene before another robot's hand: its first object where that hand has its objects, all else beside it as it
-    /// was, everything turned as that hand closes, and grasped so high that the hand's palm keeps clear of it. For the two-hand
-    /// arm nothing changes.
+    /// Returns the scene moved to another robot's hand.
+    ///
+    /// The first object moves to that hand's object position; everything else moves with it and
+    /// rotates with the hand's closing axis. Grasp heights keep the palm clear of the objects. For
+    /// the two-hand arm nothing changes.
     #[must_use]
     pub fn before(mut self, hand: &HandModel) -> Self {
         let [x_m, off_middle_m] = DEFAULT_PLACE_M;
@@ -235,13 +244,13 @@ impl Scene {
         self
     }
 
-    /// Where a client would grasp the object with this index; `None` if there is none.
+    /// Returns the nominal grasp of the object with this index; `None` if it does not exist.
     #[must_use]
     pub fn grasp_hint(&self, index: usize) -> Option<GraspHint> {
         self.objects.get(index).map(|placed| placed.nominal)
     }
 
-    /// Refuses what cannot be simulated.
+    /// Rejects scenes that cannot be simulated.
     pub(crate) fn check(&self) -> Result<(), SceneError> {
         if self.objects.len() > OBJECTS_MAX {
             return Err(SceneError::TooManyObjects(self.objects.len()));
@@ -288,16 +297,16 @@ impl Scene {
         }
     }
 
-    /// Joint angles at the start.
     pub(crate) fn start(&self, robot: &RobotModel) -> Result<RobotVector, SceneError> {
         self.start_rad.map_or_else(|| home_rad(robot), Ok)
     }
 }
 
-/// The home posture: every hand where its robot file has it rest, pointing down, open.
+/// Returns the home posture: every hand open, pointing down, at the rest position of its robot
+/// file.
 ///
 /// # Errors
-/// [`SceneError::HomeUnreachable`] for a robot of other dimensions that cannot get there.
+/// [`SceneError::HomeUnreachable`] if the robot's dimensions do not allow this posture.
 pub fn home_rad(robot: &RobotModel) -> Result<RobotVector, SceneError> {
     let mut home_rad = RobotVector::zeros(robot.joint_count());
     for side in robot.sides() {
@@ -316,7 +325,6 @@ pub fn home_rad(robot: &RobotModel) -> Result<RobotVector, SceneError> {
     Ok(home_rad)
 }
 
-/// Height of a grasp on an object of this shape above what it stands on, m.
 fn grasp_height_m(shape: &Shape) -> f64 {
     let half_m = shape.half_height_m();
     let top_m = 2.0 * half_m;
@@ -326,7 +334,7 @@ fn grasp_height_m(shape: &Shape) -> f64 {
         .max(GRASP_HEIGHT_MIN_M)
 }
 
-/// Streams of a seed, so that adding a draw in one place changes nothing in another.
+/// Random streams of a seed. Separate streams keep draws independent of each other.
 pub(crate) mod stream {
     pub(crate) const FAMILY: u64 = 1;
     pub(crate) const EPOCH: u64 = 2;
@@ -340,11 +348,11 @@ pub(crate) mod stream {
     pub(crate) const TIP_ERRORS: u64 = 30;
     /// Plus the hand's index.
     pub(crate) const HAND_ERRORS: u64 = 40;
-    /// A course's layout, and the floor under its robots, plus the robot's index.
+    /// A course's layout; `FLOOR` plus the robot's index: the floor under a robot.
     pub(crate) const COURSE: u64 = 90;
     pub(crate) const FLOOR: u64 = 91;
-    /// The noise of a fingertip off its hand.
+    /// Noise of a fingertip on the bench.
     pub(crate) const BENCH: u64 = 45;
-    /// Plus five for every object before it.
+    /// Plus five for every preceding object.
     pub(crate) const OBJECT_ERRORS: u64 = 50;
 }

@@ -1,7 +1,8 @@
-//! A hand's tactile sensor: from true element forces to the frames that the robot gets to see.
+//! Tactile sensor of one hand: converts true element forces to sealed frames.
 //!
-//! Every element has a gain of its own, additive and proportional Gaussian noise, and a step of 1 mN; a poor one also mixes
-//! its axes and adds an offset ([`Errors`]). A sensor may be slower than the tick; then most ticks have no frame.
+//! Every element has its own gain, additive and proportional Gaussian noise, and a resolution of 1
+//! mN. [`Errors`] add crosstalk and offsets. A sensor may sample more slowly than the tick; ticks
+//! without a sample have no frame.
 
 use nalgebra::{Matrix3, Vector3};
 use robot_model::Side;
@@ -16,16 +17,14 @@ use crate::scene::{Errors, stream};
 
 /// Additive noise per element and axis, N, standard deviation (tactile design).
 const NOISE_N: f64 = 0.003;
-/// Proportional noise, standard deviation over reading (tactile design).
+/// Proportional noise, standard deviation over the reading (tactile design).
 const NOISE_RATIO: f64 = 0.01;
-/// Spread of the elements' gains, standard deviation (tactile design).
+/// Standard deviation of the element gains (tactile design).
 const GAIN_SPREAD: f64 = 0.03;
-/// Step of a reading, N (tactile design).
+/// Resolution of a reading, N (tactile design).
 const STEP_N: f64 = 0.001;
-/// Axes of an element.
 const AXES: usize = 3;
 
-/// The sensor of one hand.
 #[derive(Clone, Debug)]
 pub(crate) struct HandSensor {
     hand: Hand,
@@ -36,12 +35,11 @@ pub(crate) struct HandSensor {
     sequence: u64,
 }
 
-/// One fingertip's electronics.
 #[derive(Clone, Debug)]
 pub(crate) struct TipSensor {
-    /// Per element, as the next two.
+    /// One per element, as in the next two fields.
     gain: Vec<f64>,
-    /// Readings over forces along the element's axes, but for the gain.
+    /// Crosstalk: readings over forces along the element's axes, without the gain.
     mixing: Vec<Matrix3<f64>>,
     bias_n: Vec<Vector3<f64>>,
     noise_factor: f64,
@@ -49,8 +47,8 @@ pub(crate) struct TipSensor {
 }
 
 impl HandSensor {
-    /// A sensor whose fingertips draw their gains and their noise from their own streams, and further errors from others;
-    /// `noise_factor` scales the noise, not the spread of the gains.
+    /// Each fingertip draws gains and noise from its stream in `random`, [`Errors`] from the
+    /// streams of `errors`. `noise_factor` scales the noise only.
     pub(crate) fn new(
         side: Side,
         layout: Layout,
@@ -77,7 +75,7 @@ impl HandSensor {
         }
     }
 
-    /// The frame of this tick; `None` if no sample falls into it, or there are no fingertips.
+    /// Samples this tick's frame; `None` if no sample is due or no fingertip exists.
     pub(crate) fn sample(
         &mut self,
         clock: &Clock,
@@ -106,14 +104,14 @@ impl HandSensor {
         frame.seal();
     }
 
-    /// The electronics of a fingertip, with noise of another stream; `None` if there is no such fingertip.
+    /// Returns a fingertip's electronics with another noise stream.
     pub(crate) fn tip(&self, finger: usize) -> Option<TipSensor> {
         let mut tip = self.tips.get(finger)?.clone();
         tip.random = Random::new(tip.random.bits(), stream::BENCH);
         Some(tip)
     }
 
-    /// Whether a sample falls into this tick: the sample count rises.
+    /// Returns whether the sample count rises in this tick.
     fn is_due(&self, tick: u64) -> bool {
         let samples = |ticks: u64| ticks * self.rate_hz / 1000;
         tick == 0 || samples(tick) != samples(tick - 1)
@@ -134,7 +132,7 @@ impl TipSensor {
         }
     }
 
-    /// Draws what is wrong with it besides: crosstalk and offset of every element, one gain of all.
+    /// Draws crosstalk and offset of every element and a common gain.
     fn err(&mut self, errors: &Errors, random: &mut Random) {
         let gain = 1.0 + errors.gain * random.between(-1.0, 1.0);
         for element in 0..self.gain.len() {
@@ -146,7 +144,7 @@ impl TipSensor {
         }
     }
 
-    /// Forces of the object on the elements, tip frame, become readings along the elements' axes.
+    /// Converts forces on the elements, tip frame, to readings along their axes.
     pub(crate) fn sample(
         &mut self,
         layout: &Layout,
@@ -156,7 +154,7 @@ impl TipSensor {
         let mut draws = [0.0; AXES * ELEMENTS];
         let draws = &mut draws[..AXES * force_n.len()];
         self.random.fill_gaussian(draws);
-        // First element by element, then all axes alike: the second loop, with its roots and divisions, is made of vectors.
+        // Two loops: the second one, with roots and divisions, vectorises over all axes.
         let (mut truth_n, mut felt_n) = ([[0.0; AXES]; ELEMENTS], [[0.0; AXES]; ELEMENTS]);
         for (element, force) in force_n.iter().enumerate() {
             let along = |axis: &[f64; 3]| force.x * axis[0] + force.y * axis[1] + force.z * axis[2];
@@ -176,15 +174,14 @@ impl TipSensor {
         }
     }
 
-    /// Standard deviation of a reading, N.
     fn noise_n(&self, truth_n: f64) -> f64 {
         let proportional_n = NOISE_RATIO * truth_n;
         self.noise_factor * (NOISE_N * NOISE_N + proportional_n * proportional_n).sqrt()
     }
 }
 
-/// The nearest multiple of a step, ties to even. Adding and subtracting 1.5·2⁵² rounds without a library call; exact for
-/// magnitudes below 2⁵¹ steps.
+/// Rounds to the nearest multiple of a step, ties to even. Adding and subtracting 1.5·2⁵² rounds
+/// without a library call; exact for magnitudes below 2⁵¹ steps.
 #[inline]
 pub(crate) fn quantised(value: f64, step: f64) -> f64 {
     const ROUNDER: f64 = 6_755_399_441_055_744.0;
@@ -211,7 +208,7 @@ mod tests {
         check(-1e9, 0.5, -1e9);
     }
 
-    /// What an element reads of a normal force on its tangential axes is crosstalk; what it reads of nothing is bias.
+    /// A normal force read on a tangential axis is crosstalk; a reading without force is bias.
     #[test]
     fn a_poor_sensor_mixes_its_axes_and_adds_an_offset() {
         let errors = Errors {
@@ -241,7 +238,8 @@ mod tests {
         assert!(mean.abs() < 0.015, "{mean}");
     }
 
-    /// A constant force on one element, many samples: the mean shows the gain, the spread the noise.
+    /// Constant force on one element: the mean of many samples shows the gain, the spread the
+    /// noise.
     #[test]
     fn noise_grows_with_the_force() {
         let layout = Layout::dome_41();

@@ -1,31 +1,32 @@
-//! Shapes of objects, and where a fingertip meets them.
+//! Shapes of objects and their contact faces.
 //!
-//! A convex shape meets a dome on the [`Face`] that separates it farthest from the dome's centre. The face's supporting
-//! plane bounds the shape, so one dot product per bristle tells which bristles cannot touch; only the others ask
-//! [`Face::under`]. Coordinates are the object's: origin in the middle, z upright.
+//! A convex shape meets a dome on the [`Face`] with the largest separation from the dome's centre.
+//! The face's supporting plane bounds the shape: one dot product per bristle excludes bristles that
+//! cannot touch; only the others need [`Face::under`]. Coordinates are the object's: origin in the
+//! middle, z upright.
 
 use nalgebra::Vector3;
 
 use crate::lanes::{Lanes, Vectors};
 
-/// The outline of a rigid object.
+/// Outline of a rigid object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// A box with these half edges, m.
+    /// Box.
     Box {
         /// Half edges along x, y, z, m.
         half_m: Vector3<f64>,
     },
-    /// A cylinder about z.
+    /// Cylinder about z.
     Cylinder {
         /// Radius, m.
         radius_m: f64,
-        /// Half of its height, m.
+        /// Half height, m.
         half_height_m: f64,
     },
 }
 
-/// One face of a shape, as a dome sees it.
+/// Face of a shape, for one fingertip.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Face {
     extent: Extent,
@@ -35,19 +36,18 @@ pub(crate) struct Face {
     pub(crate) offset_m: f64,
 }
 
-/// How far a face reaches.
 #[derive(Clone, Copy, Debug)]
 enum Extent {
-    /// A flat face within these half edges, m; infinite along its own normal.
+    /// Flat face within these half edges, m; infinite along its own normal.
     Rectangle(Vector3<f64>),
-    /// An end of a cylinder with this radius, m.
+    /// End of a cylinder with this radius, m.
     Disc(f64),
-    /// The side of a cylinder with this radius and half height, m.
+    /// Side of a cylinder with this radius and half height, m.
     Side(f64, f64),
 }
 
 impl Shape {
-    /// The face that separates the shape farthest from a point.
+    /// Returns the face with the largest separation from a point.
     pub(crate) fn face_towards(&self, point_m: &Vector3<f64>) -> Face {
         match *self {
             Self::Box { half_m } => {
@@ -69,7 +69,7 @@ impl Shape {
                 if point_m.z.abs() - half_height_m > radial_m - radius_m {
                     return Face::flat(2, point_m.z, half_height_m, Extent::Disc(radius_m));
                 }
-                // On the axis every direction is as good as another.
+                // On the axis any direction is valid.
                 let normal = if radial_m > 0.0 {
                     Vector3::new(point_m.x, point_m.y, 0.0) / radial_m
                 } else {
@@ -84,7 +84,6 @@ impl Shape {
         }
     }
 
-    /// Radius of the sphere about the origin that holds the shape, m.
     pub(crate) fn bounding_radius_m(&self) -> f64 {
         match *self {
             Self::Box { half_m } => half_m.norm(),
@@ -95,7 +94,7 @@ impl Shape {
         }
     }
 
-    /// Half of its extent along z when it stands upright, m.
+    /// Returns half of the height of the upright shape, m.
     #[must_use]
     pub fn half_height_m(&self) -> f64 {
         match *self {
@@ -104,7 +103,7 @@ impl Shape {
         }
     }
 
-    /// Its extent along x, m: what a grasp with closing axis x spans.
+    /// Returns the extent along x, m: the width for closing axis x.
     #[must_use]
     pub fn width_m(&self) -> f64 {
         match *self {
@@ -113,7 +112,7 @@ impl Shape {
         }
     }
 
-    /// Principal moments of inertia of a homogeneous body of this shape and mass, kg·m².
+    /// Returns the principal moments of inertia of a homogeneous body of this mass, kg·m².
     pub(crate) fn inertia_kg_m2(&self, mass_kg: f64) -> Vector3<f64> {
         match *self {
             Self::Box { half_m } => {
@@ -135,7 +134,7 @@ impl Shape {
         }
     }
 
-    /// Points of the surface that the table may touch: the corners of a box, an octagon on each end of a cylinder.
+    /// Returns possible table contacts: corners of a box, an octagon on each end of a cylinder.
     pub(crate) fn corners_m(&self) -> Vec<Vector3<f64>> {
         match *self {
             Self::Box { half_m } => {
@@ -163,7 +162,7 @@ impl Shape {
 }
 
 impl Face {
-    /// The face normal to an axis, on the side of a coordinate's sign.
+    /// Returns the face normal to an axis, on the side of the coordinate's sign.
     fn flat(axis: usize, side: f64, offset_m: f64, extent: Extent) -> Self {
         let mut normal = Vector3::zeros();
         normal[axis] = 1.0_f64.copysign(side);
@@ -174,8 +173,8 @@ impl Face {
         }
     }
 
-    /// How deep points lie under the face, m, and the face's outward normals there; beside the face's edges the depth is −∞.
-    /// The depth is negative above the face.
+    /// Returns depths below the face, m, and outward normals. Depth is negative above the face and
+    /// −∞ outside its edges.
     #[inline(always)]
     pub(crate) fn under<L: Lanes>(&self, cpu: L::Cpu, point_m: Vectors<L>) -> (L, Vectors<L>) {
         let number = |value| L::splat(cpu, value);
@@ -228,7 +227,6 @@ mod tests {
         half_height_m: 0.06,
     };
 
-    /// Depth and normal of one point, if it is inside of the edges.
     fn depth_at(face: &Face, point_m: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
         let (depth_m, normal) = face.under((), Vectors::<Numbers>::splat((), point_m));
         let depth_m = depth_m.store()[0];
@@ -305,7 +303,7 @@ mod tests {
         check(CYLINDER, [0.0, 0.01, -0.08], [0.0, 0.031, -0.059], None);
     }
 
-    /// The supporting plane never understates a depth: no bristle that touches is missed.
+    /// The supporting plane never underestimates a depth: no touching bristle is missed.
     #[test]
     fn planes_bound_their_shapes() {
         let mut random = crate::random::Random::new(1, 0);

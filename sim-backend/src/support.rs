@@ -1,29 +1,31 @@
-//! What bodies stand on: the table, plates on it, and the rim of a bottle's neck.
+//! Supports of bodies: the table, plates on it, and the rim of a bottle's neck.
 //!
-//! All are level. A corner of a body stands on the highest support that it has not sunk below, so that a body beside a
-//! plate does not stand on it. Fingertips feel none of them. Under a robot whose base drives, the table is the floor: it
-//! moves by below the base; plates stand on the base and go with it.
+//! All supports are level. A corner of a body stands on the highest support that it has not sunk
+//! below; a body next to a plate therefore does not stand on it. Fingertips have no contact with
+//! supports. For a mobile base the table is the floor and moves relative to the base; plates move
+//! with the base.
 
 use nalgebra::Vector3;
 
 use crate::contact::Wrench;
 use crate::ride::Ride;
 
-/// Depth below a plate or a rim at which a corner counts as beside it, m. Ours: no corner that stands sinks by a tenth of it.
+/// Depth below a plate or rim from which a corner is next to it, m. Design choice: standing corners
+/// sink by less than a tenth.
 const BESIDE_M: f64 = 0.005;
 
-/// A level plate on the table, axis-parallel: a stand, a step, a place of a height that nobody was told.
+/// Level, axis-parallel plate on the table, such as a stand or a place of unexpected height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plate {
-    /// Its middle: x, y, base frame, m.
+    /// Middle: x, y, base frame, m.
     pub centre_m: [f64; 2],
-    /// Half of its edges along x and y, m.
+    /// Half edges along x and y, m.
     pub half_m: [f64; 2],
-    /// Its top above the table, m.
+    /// Height of the top above the table, m.
     pub height_m: f64,
 }
 
-/// The top of a bottle's neck: a level disc that may move.
+/// Top of a bottle's neck: a level disc that may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rim {
     pub(crate) centre_m: Vector3<f64>,
@@ -31,7 +33,6 @@ pub(crate) struct Rim {
     pub(crate) velocity_m_s: Vector3<f64>,
 }
 
-/// Everything that one body may stand on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Ground<'a> {
     pub(crate) plates: &'a [Plate],
@@ -39,7 +40,6 @@ pub(crate) struct Ground<'a> {
     pub(crate) ride: Ride,
 }
 
-/// What is under a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Support {
     pub(crate) height_m: f64,
@@ -47,7 +47,7 @@ pub(crate) struct Support {
     pub(crate) is_rim: bool,
 }
 
-/// What a body does to the rim that it stands on: force, and moment about the rim's centre, base frame.
+/// Load of a body on the rim: force, and moment about the rim's centre, base frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RimLoad(pub(crate) Wrench);
 
@@ -68,7 +68,6 @@ impl Rim {
 }
 
 impl Ground<'_> {
-    /// The highest support under a point.
     pub(crate) fn under(&self, point_m: &Vector3<f64>) -> Support {
         let plates = self.plates.iter().filter(|plate| plate.holds(point_m));
         let height_m = plates.fold(0.0_f64, |high, plate| high.max(plate.height_m));
@@ -86,7 +85,6 @@ impl Ground<'_> {
         }
     }
 
-    /// The highest that anything could stand, m.
     pub(crate) fn highest_m(&self) -> f64 {
         let plates_m = self
             .plates
@@ -98,7 +96,7 @@ impl Ground<'_> {
 }
 
 impl RimLoad {
-    /// Adds a support force on the body at a point to what the rim feels.
+    /// Adds the reaction to a support force that acts on the body at a point.
     pub(crate) fn react(&mut self, rim: &Rim, point_m: &Vector3<f64>, on_body_n: &Vector3<f64>) {
         self.0.force_n -= on_body_n;
         self.0.moment_n_m -= (point_m - rim.centre_m).cross(on_body_n);

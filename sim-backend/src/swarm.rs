@@ -1,11 +1,11 @@
-//! The swarm's fields as their host runs them: sensors out, wheel commands in, frame by frame and trial by trial.
+//! Swarm fields of methodology 2 for their host: sensor frames out, wheel commands in.
 //!
-//! A host publishes what [`Swarm::sense`] writes, waits as it likes, and calls [`Swarm::advance`] with the answer, or with
-//! nothing: robots that are not told what to do in a frame stand still in it. [`Swarm::show`] tells onlookers, and changes
-//! nothing. Several fields may lie side by side; they share frames and trials and nothing else, and their robots come one
-//! field after the other.
+//! A host publishes the frame of [`Swarm::sense`], waits, and calls [`Swarm::advance`] with the
+//! commands, or without. Robots without commands stand still for that frame. [`Swarm::show`] writes
+//! the state for observers and changes nothing. Several fields share frames and trials only; their
+//! robots are numbered field by field.
 //!
-//! Deliberately absent: the bus, the clock, and whatever decides what the robots do.
+//! Not included: bus, clock, robot control.
 
 mod show;
 
@@ -16,58 +16,58 @@ use shm_schemas::{AgentSensors, TrialTruth, WheelCommands};
 
 /// Goals of one evaluation (paper III.b.3).
 pub const GOALS: u8 = capacity::GOALS as u8;
-// Every obstacle of a field is told.
+// Payloads hold every obstacle of a field.
 const _: () = assert!(field::MAX_OBSTACLES == capacity::OBSTACLES);
-/// Steps of a heading between two goals: the field has 64 directions.
+/// Direction steps between two goals: the field has 64 directions.
 const GOAL_STEPS: u8 = 8;
 
-/// What shall be hosted.
+/// Settings of a swarm session.
 #[derive(Clone, Debug)]
 pub struct SwarmSettings {
-    /// The field.
+    /// Field model.
     pub model: Model,
-    /// Robots on each field.
+    /// Robots per field.
     pub team: TeamSize,
-    /// Fields side by side. Field 0 has the training goals; field f has its goals f directions (of 64) further on, so that
-    /// seven of eight fields have goals that no table was evolved with.
+    /// Number of fields. Field 0 has the training goals; field f rotates its goals by f of 64
+    /// directions. Goals of seven of eight fields were therefore not used in evolution.
     pub fields: usize,
-    /// The goal of every trial, 1 to 8.
+    /// Goal of every trial, 1 to 8.
     pub goals: Vec<u8>,
 }
 
-/// Settings that cannot be hosted.
+/// Reason why settings are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SwarmError {
-    /// Too many robots for one payload, or none.
+    /// More robots than one payload holds, or none.
     #[error(
         "could not host {fields} fields of {team} robots because that is {}, needs 1 to {AGENTS} robots in all; choose another --fields",
         fields.saturating_mul(*team)
     )]
     Robots {
-        /// Fields asked for.
+        /// Requested fields.
         fields: usize,
-        /// Robots on each.
+        /// Robots per field.
         team: usize,
     },
-    /// A goal that does not exist.
+    /// Unknown goal.
     #[error(
         "could not host goal {0} because it does not exist, needs 1 to {GOALS}; choose another --goal"
     )]
     Goal(u8),
 }
 
-/// What one trial came to.
+/// Result of one trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrialReport {
-    /// Counts trials, from 0.
+    /// Trial index, from 0.
     pub trial: usize,
-    /// The goal, 1 to 8, as field 0 had it.
+    /// Goal of field 0, 1 to 8.
     pub goal: u8,
-    /// Frames in which the robots stood still because no answer came in time.
+    /// Frames without commands in time; the robots stood still.
     pub missed_frames: u32,
-    /// Frames in which they stood still because the answer was malformed.
+    /// Frames with malformed commands; the robots stood still.
     pub refused_frames: u32,
-    /// Tables that were looked up, in this order: the first eight bytes of their hashes, hexadecimal.
+    /// Behaviour tables used, in order: first eight bytes of their hashes, hexadecimal.
     pub tables: Vec<String>,
     /// Points per field.
     pub points: Vec<f32>,
@@ -76,51 +76,51 @@ pub struct TrialReport {
 }
 
 impl TrialReport {
-    /// Fields whose object was carried to its goal.
+    /// Returns the number of fields whose object reached its goal.
     #[must_use]
     pub fn solved(&self) -> usize {
         self.points.iter().filter(|points| solved(**points)).count()
     }
 }
 
-/// What a host tells the robots in one frame.
+/// Commands to the robots for one frame.
 #[derive(Clone, Copy, Debug)]
 pub enum Answer<'a> {
-    /// An answer to this frame.
+    /// Commands for this frame.
     Commands(&'a WheelCommands),
-    /// None came in time.
+    /// No commands in time.
     Missing,
 }
 
-/// The fields of one session.
+/// Fields of one session.
 #[derive(Debug)]
 pub struct Swarm {
     settings: SwarmSettings,
     rule: FitnessRule,
     field_hash: u64,
-    /// The trial that the fields show: under way, or over until the next one's first frame is sensed.
+    /// Current trial; after its end it stays current until the next trial's first frame is sensed.
     trial: usize,
-    /// Trials that are over.
     ended: usize,
     runs: Vec<TrialRun>,
-    /// Per field what its robots sense in this frame.
+    /// Sensor bits of the robots in this frame, per field.
     rows: Vec<[u8; MAX_AGENTS]>,
-    /// The newest trials that are over, that of index t in place t modulo 8.
+    /// Latest completed trials; trial t is at index t modulo 8.
     past: [TrialTruth; capacity::GOALS],
     missed_frames: u32,
     refused_frames: u32,
-    /// Hashes seen in this trial; bounded, so that no writer can make it grow.
+    /// Hashes of this trial; bounded, so that a writer cannot exhaust memory.
     hashes: Vec<u64>,
 }
 
-/// Hashes that one trial remembers. Ours: a person swaps tables now and then, not hundreds of times in 270 frames.
+/// Largest number of hashes per trial. Design choice: a user exchanges tables a few times in 270
+/// frames.
 const HASHES: usize = 32;
 
 impl Swarm {
-    /// Fields before the first frame of the first trial.
+    /// Returns the fields before the first frame of the first trial.
     ///
     /// # Errors
-    /// What of the settings cannot be hosted.
+    /// [`SwarmError`] for invalid settings.
     pub fn new(settings: SwarmSettings) -> Result<Self, SwarmError> {
         let (fields, team) = (settings.fields, settings.team.get());
         if !(1..=AGENTS / team).contains(&fields) {
@@ -150,13 +150,14 @@ impl Swarm {
         Ok(swarm)
     }
 
-    /// Whether all trials are over.
+    /// Returns whether all trials are complete.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.ended >= self.settings.goals.len()
     }
 
-    /// Writes what every robot senses now, without the stamp; after the last frame of a trial, in the first of the next one.
+    /// Writes the sensor bits of all robots, without the stamp. After a trial's last frame this
+    /// starts the next trial.
     pub fn sense(&mut self, sensors: &mut AgentSensors) {
         if self.trial < self.ended && !self.is_over() {
             self.begin_trial(self.ended);
@@ -175,7 +176,7 @@ impl Swarm {
         }
     }
 
-    /// One frame. Returns what the trial came to if this was its last one; only then it allocates.
+    /// Simulates one frame. Returns the report after a trial's last frame; allocates only then.
     pub fn advance(&mut self, answer: Answer<'_>) -> Option<TrialReport> {
         let commands = match answer {
             Answer::Commands(commands) if self.understands(commands) => {
@@ -201,7 +202,6 @@ impl Swarm {
         self.rule.points(model.preset(), *team, outcome)
     }
 
-    /// Drives every robot by its motor bits, or none.
     fn drive(&mut self, commands: Option<&WheelCommands>) {
         let team = self.settings.team.get();
         for (field, run) in self.runs.iter_mut().enumerate() {
@@ -216,7 +216,7 @@ impl Swarm {
         }
     }
 
-    /// Whether commands are about these robots, and all of them motor bits.
+    /// Returns whether commands fit these robots and contain motor bits only.
     fn understands(&self, commands: &WheelCommands) -> bool {
         let robots = self.settings.team.get() * self.runs.len();
         commands.agent_count as usize == robots
@@ -278,7 +278,6 @@ impl Swarm {
     }
 }
 
-/// What an onlooker is told of a trial that is over.
 fn trial_truth(report: &TrialReport) -> TrialTruth {
     TrialTruth {
         trial: report.trial as u32,

@@ -1,32 +1,32 @@
-//! The thread of a cap: how far it is turned, and the torque that turning takes.
+//! Cap thread: angle and friction torque.
 //!
-//! Friction is one elastic bristle that drags at a limit; the limit is the thread's friction until the cap meets the
-//! neck, and rises from there. It holds in both directions, so that a closed cap stays closed. The law is the
-//! prototype's.
+//! Friction is one elastic bristle with a torque limit. The limit is the thread's friction up to
+//! the closing angle and rises beyond it. It acts in both directions, therefore a closed cap stays
+//! closed. Friction law of the prototype.
 
 /// Rise of the holding torque beyond the closing angle, N·m/rad (tactile design).
 const RISE_N_M_RAD: f64 = 0.5;
-/// Torsional stiffness of the thread while it holds, N·m/rad (prototype).
+/// Torsional stiffness of the sticking thread, N·m/rad (prototype).
 const STIFFNESS_N_M_RAD: f64 = 5.0;
-/// Viscous damping of the thread, N·m·s/rad (prototype).
+/// Viscous damping, N·m·s/rad (prototype).
 const DAMPING_N_M_S_RAD: f64 = 0.004;
-/// Inertia of a cap, kg·m² (prototype). A cap of 10 g has a fifth of it; with that the step of 250 µs is unstable. At the
-/// angular accelerations of screwing, below 10 rad/s², it stands for less than 0.1 mN·m.
+/// Inertia of a cap, kg·m² (prototype). A 10 g cap has a fifth of it, which is unstable at 250 µs.
+/// The difference is below 0.1 mN·m at screwing accelerations (below 10 rad/s²).
 pub(crate) const INERTIA_KG_M2: f64 = 8e-6;
 
-/// Which way a cap closes, seen from above.
+/// Direction in which a cap closes, seen from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Turn {
-    /// As a standard right-hand thread does.
+    /// Right-hand thread.
     #[default]
     Clockwise,
-    /// A left-hand thread.
+    /// Left-hand thread.
     Anticlockwise,
 }
 
 impl Turn {
-    /// Sign of a closing turn about the upward axis.
+    /// Returns the sign of a closing rotation about the upward axis.
     #[must_use]
     pub fn sign(self) -> f64 {
         match self {
@@ -36,20 +36,20 @@ impl Turn {
     }
 }
 
-/// What the thread of a cap is like.
+/// Parameters of a cap's thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thread {
     /// Friction torque, N·m.
     pub friction_n_m: f64,
-    /// Angle from where the threads meet to where the cap is closed, rad.
+    /// Angle from engagement to closed, rad.
     pub closing_rad: f64,
-    /// Axial travel of one turn, m.
+    /// Axial travel per revolution, m.
     pub pitch_m: f64,
-    /// Which way it closes.
+    /// Closing direction.
     pub closes: Turn,
 }
 
-/// What a judge may know of a cap.
+/// Ground truth of a cap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CapTruth {
     pub(crate) engaged: bool,
@@ -60,32 +60,32 @@ pub(crate) struct CapTruth {
 }
 
 impl Thread {
-    /// Torque that it takes to turn a cap at this angle any further, N·m.
+    /// Returns the torque limit of the thread at an angle, N·m.
     #[must_use]
     pub fn holding_n_m(&self, angle_rad: f64) -> f64 {
         self.friction_n_m + RISE_N_M_RAD * (angle_rad - self.closing_rad).max(0.0)
     }
 
-    /// How far a cap at this angle has come down, m. Turning back beyond the beginning lifts nothing.
+    /// Returns the downward travel of a cap at an angle, m; zero below zero.
     #[must_use]
     pub fn travel_m(&self, angle_rad: f64) -> f64 {
         self.pitch_m * angle_rad.max(0.0) / core::f64::consts::TAU
     }
 }
 
-/// A cap's way along its thread; positive is closing.
+/// State of a cap on its thread; positive is closing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Turning {
     pub(crate) angle_rad: f64,
     pub(crate) rate_rad_s: f64,
-    /// Elastic twist of the thread, rad.
+    /// Elastic twist, rad.
     twist_rad: f64,
-    /// Torque that the thread passed to the neck in the last step, N·m.
+    /// Torque on the neck in the last step, N·m.
     pub(crate) torque_n_m: f64,
 }
 
 impl Turning {
-    /// One step under a torque on the cap.
+    /// Advances one step under a torque on the cap.
     pub(crate) fn step(&mut self, thread: &Thread, drive_n_m: f64, dt_s: f64) {
         let limit_n_m = thread.holding_n_m(self.angle_rad);
         let twist_rad = self.twist_rad + self.rate_rad_s * dt_s;
@@ -117,7 +117,7 @@ mod tests {
         closes: Turn::Clockwise,
     };
 
-    /// Angle after so many steps of 250 µs under a torque that rises to its value in half a second.
+    /// Returns the angle after 250 µs steps under a torque that rises over 0.5 s.
     fn turned_rad(start_rad: f64, drive_n_m: f64, steps: usize) -> f64 {
         let mut turning = Turning {
             angle_rad: start_rad,
@@ -151,7 +151,7 @@ mod tests {
                 angle_rad: 2.9,
                 ..Turning::default()
             };
-            // A drive that slows the cap as fingers do.
+            // The drive torque falls with speed, like that of fingers.
             for _ in 0..40_000 {
                 turning.step(&THREAD, drive_n_m - 0.05 * turning.rate_rad_s, 250e-6);
             }

@@ -1,10 +1,13 @@
-//! How hard two fingertips must press so that an object neither slides nor turns between them.
+//! Normal force that two fingertips need so that an object neither slides nor rotates between them.
 //!
-//! Gravity pulls at the centre of mass. If it lies beside the grip, a fingertip carries a moment m about its normal besides
-//! its share t of the weight. What friction bears of both together is bounded by the limit surface (Howe and Cutkosky 1996,
-//! an ellipsoid): (t / (μ·f))² + (m / (μ·f·r))² ≤ 1, where r is the lever of friction. The skin is a Winkler foundation of
-//! stiffness k on a sphere of radius R: at the force f = π·k·R·d² it is indented by d, the patch has the radius
-//! a = √(2·R·d), the pressure falls with the square of the distance from its middle, and so r = 8/15·a.
+//! Gravity acts at the centre of mass. With an offset from the closing axis, each fingertip carries
+//! a moment m about its normal and a share t of the weight. The limit surface (Howe and Cutkosky
+//! 1996, an ellipsoid) bounds both: (t / (μ·f))² + (m / (μ·f·r))² ≤ 1, where r is the lever of
+//! friction.
+//!
+//! The skin is a Winkler foundation of stiffness k on a sphere of radius R. The force f = π·k·R·d²
+//! indents it by d; the patch has the radius a = √(2·R·d). The pressure falls with the square of
+//! the distance from the middle, which gives r = 8/15·a.
 
 use core::f64::consts::PI;
 
@@ -12,14 +15,14 @@ use crate::object::Object;
 use crate::pad::FOUNDATION_N_M3;
 use shm_schemas::layout::DOME_RADIUS_M;
 
-/// Lever of friction over the patch's radius, for a pressure that falls with the square of the distance.
+/// Lever of friction over the patch radius, for the quadratic pressure profile.
 const LEVER: f64 = 8.0 / 15.0;
-/// Steps of the search: each halves the interval.
+/// Number of bisection steps.
 const STEPS: usize = 60;
 
 impl Object {
-    /// Force that each of two fingers must press with to carry it without letting it turn, N: more than
-    /// [`Object::needed_n`] if its centre of mass lies beside the closing axis.
+    /// Returns the normal force per fingertip that carries the object without rotation, N. Exceeds
+    /// [`Object::needed_n`] if the centre of mass is off the closing axis.
     #[must_use]
     pub fn steady_n(&self) -> f64 {
         let needed_n = self.needed_n();
@@ -48,7 +51,7 @@ impl Object {
     }
 }
 
-/// Lever of friction under a normal force, m.
+/// Returns the lever of friction at a normal force, m.
 pub(crate) fn lever_m(force_n: f64) -> f64 {
     let depth_m = libm::sqrt(force_n / (PI * FOUNDATION_N_M3 * DOME_RADIUS_M));
     LEVER * libm::sqrt(2.0 * DOME_RADIUS_M * depth_m)
@@ -68,7 +71,8 @@ mod tests {
         check(&object, 1.0);
         object.centre_of_mass_m.x = 0.005;
         check(&object, 1.0);
-        // Worked out by hand: at 6.13 N the patch's radius is 5.1 mm, so friction's lever is 2.7 mm.
+        // Calculated by hand: at 6.13 N the patch radius is 5.1 mm and the lever of friction 2.7
+        // mm.
         object.centre_of_mass_m.y = -0.005;
         check(&object, 2.085);
     }

@@ -1,18 +1,17 @@
-//! The tremble of a hand: a vertical displacement of both fingertips that the encoders do not see.
+//! Hand tremor: vertical displacement of both fingertips, invisible to the encoders.
 //!
-//! Two tones, 12 Hz and a quarter of its amplitude at 45 Hz (prototype), each with a seeded phase, five times weaker while
-//! the hand is not being moved. Each tone is a phasor turned once per substep.
+//! Two tones (prototype): 12 Hz, and 45 Hz at a quarter of the amplitude, each with a seeded phase.
+//! A resting hand has a fifth of the amplitude. Each tone is a phasor rotated once per substep.
 
 use crate::random::Random;
 
-/// Frequencies, Hz, and amplitudes relative to the setting (tactile design).
+/// Frequencies, Hz, and relative amplitudes (tactile design).
 const TONES: [(f64, f64); 2] = [(12.0, 1.0), (45.0, 0.25)];
-/// Share of the amplitude that remains at rest (prototype).
+/// Share of the amplitude at rest (prototype).
 const AT_REST: f64 = 0.2;
-/// Time constant of the change between rest and motion, s. Ours: no jump of the displacement.
+/// Time constant between rest and motion, s. Design choice: avoids a jump of the displacement.
 const BLEND_S: f64 = 0.05;
 
-/// One hand's tremble.
 #[derive(Clone, Debug)]
 pub(crate) struct Vibration {
     amplitude_m: f64,
@@ -24,7 +23,7 @@ pub(crate) struct Vibration {
 struct Tone {
     omega_rad_s: f64,
     weight: f64,
-    /// Cosine and sine of the present phase, and of the phase's advance in one substep.
+    /// Cosine and sine of the current phase, and of the phase step per substep.
     phase: [f64; 2],
     advance: [f64; 2],
 }
@@ -49,13 +48,13 @@ impl Vibration {
         }
     }
 
-    /// Blends towards rest or motion, once per `dt_s`.
+    /// Filters the amplitude towards rest or motion; call once per `dt_s`.
     pub(crate) fn blend(&mut self, moving: bool, dt_s: f64) {
         let wanted = if moving { 1.0 } else { AT_REST };
         self.share += (wanted - self.share) * (dt_s / BLEND_S);
     }
 
-    /// Goes one substep on; returns displacement, m, and velocity, m/s.
+    /// Advances one substep; returns displacement, m, and velocity, m/s.
     pub(crate) fn step(&mut self) -> (f64, f64) {
         let scale_m = self.amplitude_m * self.share;
         let mut sum = (0.0, 0.0);
@@ -82,7 +81,7 @@ mod tests {
 
     const DT_S: f64 = 250e-6;
 
-    /// Largest displacement in a second, and the velocity against the displacement's differences.
+    /// Returns the largest displacement in a second; checks the velocity against differences.
     fn largest_m(moving: bool) -> f64 {
         let mut vibration = Vibration::new(1e-5, DT_S, &mut Random::new(1, 1));
         let (mut largest_m, mut before_m) = (0.0_f64, f64::NAN);

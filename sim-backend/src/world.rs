@@ -1,4 +1,4 @@
-//! The world: two hands, their sensors, the objects on the table, one millisecond at a time.
+//! Simulated world: two hands, their sensors and the objects on the table, tick by tick.
 
 use robot_model::{Capsules, HandVector, RobotModel, RobotVector, Side};
 use shm_schemas::capacity::JOINTS;
@@ -21,37 +21,40 @@ use crate::world_object::WorldObject;
 
 /// Length of a tick, s: [`crate::TICK_NS`].
 const TICK_S: f64 = 1e-3;
-/// Substeps per tick. 500 µs is unstable for light objects, 125 µs gives the same results (tactile design).
+/// Substeps per tick. 500 µs is unstable for light objects, 125 µs gives the same results (tactile
+/// design).
 const SUBSTEPS: usize = 4;
 const SUBSTEP_S: f64 = TICK_S / SUBSTEPS as f64;
-/// Strongest pull on an object along one axis, N. Ours: ten times what two fingers hold.
+/// Largest external force on an object per axis, N. Design choice: ten times the holding force of
+/// two fingertips.
 const PULL_MAX_N: f64 = 100.0;
 
-/// What the robot senses at one instant.
+/// Sensor data of one tick.
 #[derive(Clone, Debug, Default)]
 pub struct Sensed {
-    /// Sealed frames, left and right; `None` when a slow sensor has no new sample.
+    /// Sealed frames, left and right; `None` in ticks without a new sample.
     pub frames: [Option<HandFrame>; 2],
     /// Joint feedback.
     pub joints: JointState,
 }
 
-/// What can no longer be simulated: a number left the finite ones. The world stands still from then on.
+/// Non-finite state that ends the simulation: the world freezes from then on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WorldFault {
-    /// A hand's joints.
+    /// Joint of this hand.
     #[error(
         "could not go on because a joint of the {0:?} hand is no longer finite; report the scene and the seed"
     )]
     Joints(Side),
-    /// An object, by its index.
+    /// Index of the object.
     #[error(
         "could not go on because object {0} is no longer finite; is it far lighter than its size suggests?"
     )]
     Object(usize),
 }
 
-/// A simulated robot before a table. Deterministic: the same scene, seed and commands give the same bits.
+/// Simulated robot in front of a table. Deterministic: the same scene, seed and commands give the
+/// same bits.
 #[derive(Clone, Debug)]
 pub struct World {
     hands: [Hand; 2],
@@ -66,14 +69,14 @@ pub struct World {
     fault: Option<WorldFault>,
 }
 
-/// Top speed of every joint, rad/s.
 fn joint_speeds_rad_s(robot: &RobotModel) -> RobotVector {
     let speed = |joint| robot.joint(joint).map_or(0.0, |it| it.velocity_max_rad_s);
     RobotVector::from_fn(robot.joint_count(), speed)
 }
 
 impl World {
-    /// A world at rest: objects standing, hands where the scene starts them, virtual time [`crate::START_NS`].
+    /// Returns a world at rest: objects standing, hands at the scene's start posture, virtual time
+    /// [`crate::START_NS`].
     ///
     /// # Errors
     /// [`SceneError`] if the scene cannot be simulated.
@@ -122,7 +125,7 @@ impl World {
         })
     }
 
-    /// Samples everything that is due now. Call once per tick, before [`World::advance`].
+    /// Samples all sensors due in this tick. Call once per tick, before [`World::advance`].
     pub fn sense(&mut self, out: &mut Sensed) {
         let Self {
             hands,
@@ -143,8 +146,9 @@ impl World {
         out.joints.seal();
     }
 
-    /// Simulates one millisecond. `command` is what arrived in it, if anything; it is obeyed from
-    /// [`LATENCY_MS`](crate::LATENCY_MS) later until it expires. After a [`World::fault`] only time goes on.
+    /// Simulates one tick. `command` is the command that arrived during the tick, if any. It takes
+    /// effect [`LATENCY_MS`](crate::LATENCY_MS) later, until it expires. After a [`World::fault`]
+    /// only time advances.
     pub fn advance(&mut self, command: Option<&JointCommand>) {
         let orders = self.drive.orders(command, self.clock.now_ns);
         if self.fault.is_none() {
@@ -154,11 +158,12 @@ impl World {
         self.clock.advance();
     }
 
-    /// Pulls an object at its centre of mass with this force, base frame, N, until told otherwise: water that is poured into
-    /// it, a person who takes hold of it.
+    /// Applies an external force at an object's centre of mass until the next call, base frame, N.
+    /// Examples: water poured into a bottle, a person pulling.
     ///
     /// # Errors
-    /// [`OutOfRange`] when there is no such object or the force is not a number within ±100 N; nothing changes then.
+    /// [`OutOfRange`] if the object does not exist or the force is not within ±100 N; the world is
+    /// unchanged then.
     pub fn pull(&mut self, object: usize, force_n: [f64; 3]) -> Result<(), OutOfRange> {
         for force_n in force_n {
             in_range("a pull in newtons", force_n, -PULL_MAX_N, PULL_MAX_N)?;
@@ -172,18 +177,19 @@ impl World {
         Ok(())
     }
 
-    /// Says how the robot's base moves from now on, until told otherwise: what the robot does not hold moves by, what it
-    /// holds feels the base's accelerations.
+    /// Sets the motion of the robot's base until the next call. Objects that the robot does not
+    /// hold move relative to the base; held objects receive its inertial forces.
     ///
     /// # Errors
-    /// [`OutOfRange`] when a number is not finite or beyond any base; nothing changes then.
+    /// [`OutOfRange`] if a value is not finite or beyond the limits of a base; the world is
+    /// unchanged then.
     pub fn ride(&mut self, ride: &Ride) -> Result<(), OutOfRange> {
         ride.check()?;
         self.ride = *ride;
         Ok(())
     }
 
-    /// The judge's view.
+    /// Returns the ground truth for evaluation.
     #[must_use]
     pub fn truth(&self) -> WorldTruth {
         let mut truth = WorldTruth {
@@ -208,15 +214,16 @@ impl World {
         truth
     }
 
-    /// The bodies of a hand and its arm where they truly are, base frame; none of a hand that the robot has not got. Hand 0 is
-    /// left.
+    /// Returns the true collision capsules of a hand and its arm, base frame; none for a missing
+    /// hand. Hand 0 is left.
     #[must_use]
     pub fn bodies(&self, hand: usize) -> Capsules {
         let hand = self.hands.get(hand);
         hand.map_or(Capsules::new(), Hand::bodies)
     }
 
-    /// Share of a fingertip's normal force under skin that slides now, 0 to 1: 1 when it slips as a whole. Hand 0 is left.
+    /// Returns the share of a fingertip's normal force on sliding bristles, 0 to 1; 1 is gross
+    /// slip. Hand 0 is left.
     #[must_use]
     pub fn sliding_share(&self, hand: usize, finger: usize) -> f64 {
         let hand = self.hands.get(hand);
@@ -224,8 +231,8 @@ impl World {
         contact.map_or(0.0, |contact| contact.sliding_share)
     }
 
-    /// One of its fingertips on a bench, with the skin and the electronics that it has here. Hand 0 is left; `None` if there is no
-    /// such fingertip.
+    /// Returns a copy of a fingertip for bench tests, with its skin and electronics; `None` if it
+    /// does not exist. Hand 0 is left.
     #[must_use]
     pub fn fingertip(&self, hand: usize, finger: usize) -> Option<Fingertip> {
         let (sensor, hand) = (self.sensors.get(hand)?, self.hands.get(hand)?);
@@ -234,31 +241,32 @@ impl World {
         Some(Fingertip::new(&hand.pads()[finger], radius_m, tip, layout))
     }
 
-    /// Time of the present instant, ns.
+    /// Returns the current time, ns.
     #[must_use]
     pub fn now_ns(&self) -> u64 {
         self.clock.now_ns
     }
 
-    /// Ticks simulated so far.
+    /// Returns the number of simulated ticks.
     #[must_use]
     pub fn tick(&self) -> u64 {
         self.clock.tick
     }
 
-    /// Why the world stands still, if it does.
+    /// Returns the fault that stopped the simulation, if any.
     #[must_use]
     pub fn fault(&self) -> Option<WorldFault> {
         self.fault
     }
 
-    /// Sets the clock forward to a time of the host's clock without simulating: a process that was late skips the ticks it
-    /// missed. A time that has passed changes nothing, because time never goes back.
+    /// Sets the clock forward without simulating, so that a late process skips the missed ticks.
+    /// Ignores times in the past.
     pub fn skip_to(&mut self, now_ns: u64) {
         self.clock.now_ns = self.clock.now_ns.max(now_ns);
     }
 
-    /// Replaces the writer epoch that follows from the seed, for a process that must be told from its predecessor.
+    /// Replaces the seed's writer epoch, so that readers can distinguish a process from its
+    /// predecessor.
     pub fn set_writer_epoch(&mut self, writer_epoch: u64) {
         self.clock.writer_epoch = writer_epoch;
     }
@@ -295,7 +303,7 @@ impl World {
         self.judge();
     }
 
-    /// One substep of everything that is not robot.
+    /// Simulates one substep of threaded cap, objects and base motion.
     fn move_objects(&mut self) {
         if let Some(closure) = &mut self.closure {
             closure.turn(&mut self.objects, SUBSTEP_S);

@@ -1,4 +1,4 @@
-//! A simulated object: a body with a surface, and what has happened to it so far.
+//! Simulated object: body, surface and history (slip, damage, drop, spill, landing).
 
 use nalgebra::Vector3;
 use shm_schemas::{ObjectTruth, Text};
@@ -11,45 +11,45 @@ use crate::scene::{Mount, Placed, Scene};
 use crate::support::Ground;
 use crate::thread::{CapTruth, INERTIA_KG_M2};
 
-/// Stiffness that remains of a crushed object (tactile design: 5 %).
+/// Remaining stiffness share of a crushed object (tactile design: 5 %).
 const CRUSHED_STIFFNESS: f64 = 0.05;
-/// Height above the table from which a fall counts as a drop, m (issue: none dropped from more than 2 mm).
+/// Drop height above the support that counts as a drop, m (limit of the grasp tests).
 const DROP_M: f64 = 0.002;
-/// Speed after a free fall from [`DROP_M`], m/s: √(2·g·h). Landing faster is being dropped.
+/// Speed after a free fall from [`DROP_M`], m/s: √(2·g·h). Faster landings count as drops.
 const DROP_M_S: f64 = 0.198;
-/// Force with which a support truly carries an object, N, or the share of its weight, whichever is more (issue: Module 4
-/// shall answer it).
+/// Smallest force, N, and smallest share of the weight of a support that carries an object; the
+/// larger one applies. Module 4 must detect it.
 const CARRIES_N: f64 = 0.2;
 const CARRIES_SHARE: f64 = 0.1;
-/// Share of the weight that is enough for what weighs less than [`CARRIES_N`]. Ours.
+/// Largest required share of the weight; applies to objects lighter than [`CARRIES_N`]. Design
+/// choice.
 const CARRIES_MOST: f64 = 0.9;
-/// How long it must do so without a break, ns. Ours: the spike of a corner that grazes is over after a tick.
+/// Shortest uninterrupted time of support, ns. Design choice: force spikes of a grazing corner last
+/// one tick.
 const CARRIES_NS: u64 = 2_000_000;
-/// Tilt beyond which an object has tipped over, rad (45°). Ours.
+/// Tilt from which an object has tipped over, rad (45°). Design choice.
 const TIPPED_RAD: f64 = core::f64::consts::FRAC_PI_4;
 
-/// Tilt up to which an object counts as upright, rad (5°). Ours.
+/// Largest tilt of an upright object, rad (5°). Design choice.
 const UPRIGHT_RAD: f64 = 0.087;
-/// Distance up to which an object stands where it was, m. Ours: twice what closing fingers push an object of the widest
-/// family.
+/// Largest displacement of an unmoved object, m. Design choice: twice that by closing fingers in
+/// the widest family.
 const PLACE_M: f64 = 0.010;
-/// Tilt at which an open bottle spills, rad (30°). Ours.
+/// Tilt at which an open bottle spills, rad (30°). Design choice.
 const SPILT_RAD: f64 = core::f64::consts::FRAC_PI_6;
 
-/// One object of the world with its history.
 #[derive(Clone, Debug)]
 pub(crate) struct WorldObject {
     spec: Object,
     pub(crate) body: Body,
-    /// It is clamped to what it stands on.
     clamped: bool,
-    /// Where its middle was at the start, m.
+    /// Middle of the object at the start, m.
     rest_m: Vector3<f64>,
     hold: Hold,
-    /// A fingertip pressed in the last millisecond.
+    /// A fingertip pressed during the last tick.
     pressed: bool,
     max_force_n: f64,
-    /// Fingertips that pressed since the last [`WorldObject::judge`].
+    /// A fingertip pressed since the last [`WorldObject::evaluate`].
     touched: bool,
     crushed: bool,
     lifted: bool,
@@ -59,24 +59,23 @@ pub(crate) struct WorldObject {
     landing: Landing,
 }
 
-/// How an object was set down.
+/// Course of setting an object down.
 #[derive(Clone, Copy, Debug, Default)]
 struct Landing {
-    /// When it first stood again after it had been lifted last, ns; 0 if never.
+    /// First support contact after the last lift, ns; 0 if never.
     landed_ns: u64,
-    /// Since when its support has carried it without a break, ns; 0 while it does not.
+    /// Start of the current uninterrupted support, ns; 0 without support.
     carrying_ns: u64,
-    /// When its support first truly carried it again, ns; 0 if never.
+    /// Time from which the support carries the object, ns; 0 if never.
     carried_ns: u64,
-    /// When the last fingertip let go of it: for the first time after it landed, else most recently, ns; 0 if never.
+    /// First release after landing, otherwise the latest release, ns; 0 if never.
     released_ns: u64,
-    /// Its height above what is under it at that moment, m.
+    /// Height above the support at the release, m.
     released_above_m: f64,
     held: bool,
 }
 
 impl WorldObject {
-    /// The objects of a scene in their places.
     pub(crate) fn all(scene: &Scene) -> Vec<Self> {
         let plates = &scene.plates;
         let ground = Ground {
@@ -87,7 +86,6 @@ impl WorldObject {
         objects.map(|placed| Self::new(placed, &ground)).collect()
     }
 
-    /// An object as a scene places it.
     pub(crate) fn new(placed: &Placed, ground: &Ground<'_>) -> Self {
         let spec = placed.object.clone();
         let [x, y] = placed.position_m;
@@ -116,7 +114,7 @@ impl WorldObject {
         }
     }
 
-    /// One step on its own; a clamped object stays.
+    /// Integrates one step; a clamped object does not move.
     pub(crate) fn step(&mut self, ground: &Ground<'_>, dt_s: f64) {
         if self.clamped {
             self.body.take_load();
@@ -125,12 +123,12 @@ impl WorldObject {
         }
     }
 
-    /// Takes the present place for where it started.
+    /// Takes the current position as the start position.
     pub(crate) fn rest(&mut self) {
         self.rest_m = self.body.position_m;
     }
 
-    /// What a fingertip meets; a crushed object is soft for good.
+    /// Returns the surface for the contact model; a crushed object stays soft.
     pub(crate) fn surface(&self) -> Surface {
         let remaining = if self.crushed { CRUSHED_STIFFNESS } else { 1.0 };
         Surface {
@@ -141,7 +139,7 @@ impl WorldObject {
         }
     }
 
-    /// Takes a fingertip's wrench, body frame, and its normal force.
+    /// Adds the wrench of a fingertip, body frame, and its normal force.
     pub(crate) fn apply_contact(&mut self, wrench: &Wrench, normal_n: f64) {
         self.body.apply(wrench);
         self.touched = true;
@@ -149,7 +147,7 @@ impl WorldObject {
         self.crushed |= normal_n > self.spec.crush_n;
     }
 
-    /// Distance from its surface to a point, m, by its faces' planes; negative inside.
+    /// Returns the distance of a point from the faces' planes, m; negative inside.
     pub(crate) fn gap_m(&self, point_m: &Vector3<f64>) -> f64 {
         let local_m = self
             .body
@@ -159,8 +157,8 @@ impl WorldObject {
         face.normal.dot(&local_m) - face.offset_m
     }
 
-    /// Looks at what became of it in the millisecond up to `now_ns`. An object that is `carried` by another one cannot
-    /// fall by itself; one that is `open` can spill.
+    /// Updates the history with the tick that ends at `now_ns`. An object `carried` by another one
+    /// cannot drop; an `open` one can spill.
     pub(crate) fn judge(&mut self, ground: &Ground<'_>, carried: bool, open: bool, now_ns: u64) {
         let held = core::mem::take(&mut self.touched);
         self.pressed = held;
@@ -189,27 +187,26 @@ impl WorldObject {
         }
     }
 
-    /// Looks at how it is held by the hand that has both fingertips on it, if one has. An object that is `carried` by another
-    /// one, as a cap on its thread, is turned on purpose.
+    /// Updates slip and rotation in the hand. Skips a `carried` object, such as a cap on its
+    /// thread: its rotation is intended.
     pub(crate) fn watch_hold(&mut self, grip: Option<&Grip>, carried: bool) {
         if !carried {
             self.hold.follow(grip, &self.body);
         }
     }
 
-    /// How far it is from where it stood at the start, over the table, m.
     fn displaced_m(&self) -> f64 {
         (self.body.position_m - self.rest_m).xy().norm()
     }
 
-    /// Whether it stands by itself, upright and where it was.
+    /// Returns whether the object stands unsupported by hands, upright, at its start position.
     fn stands(&self) -> bool {
         let carried = self.body.table_n >= CARRIES_MOST * self.body.weight_n();
         let upright = self.body.tilt_rad() < UPRIGHT_RAD;
         carried && upright && !self.pressed && self.displaced_m() < PLACE_M
     }
 
-    /// The judge's view of it; `cap` is what its thread says if it is a cap.
+    /// Returns the ground truth; `cap` is the state of the thread if the object is a cap.
     pub(crate) fn truth(&self, cap: Option<CapTruth>) -> ObjectTruth {
         let body = &self.body;
         let mut truth = ObjectTruth {
@@ -249,14 +246,13 @@ impl WorldObject {
         truth
     }
 
-    /// Whether it is a bottle.
     pub(crate) fn has_neck(&self) -> bool {
         self.spec.neck.is_some()
     }
 }
 
 impl Landing {
-    /// It hangs in a hand: however it was set down before, it is not now.
+    /// Resets the landing of an object that a hand has lifted again.
     fn lift(&mut self, held: bool) {
         if held && self.landed_ns > 0 {
             *self = Self {
@@ -266,7 +262,7 @@ impl Landing {
         }
     }
 
-    /// Looks at whether its support carries it.
+    /// Updates whether the support carries the object.
     fn bear(&mut self, carries: bool, now_ns: u64) {
         self.carrying_ns = match self.carrying_ns {
             _ if !carries => 0,
@@ -278,7 +274,6 @@ impl Landing {
         }
     }
 
-    /// Looks at a lifted object.
     fn look(&mut self, in_the_air: bool, held: bool, clearance_m: f64, now_ns: u64) {
         if !in_the_air && self.landed_ns == 0 {
             self.landed_ns = now_ns;

@@ -1,4 +1,4 @@
-//! A simulated tick allocates nothing: neither in free air nor in a grasp, with or without faults.
+//! Simulated ticks do not allocate: in free air or in a grasp, with or without faults.
 
 mod common;
 
@@ -21,7 +21,7 @@ fn allocates_nothing(scene: Scene) {
     let faults = ["drop=0.1@0", "delay=5@0:left", "corrupt=0.1@0"]
         .map(|text| text.parse().expect("a fault"));
     let (mut injector, mut delivered) = (Injector::new(&faults, 1), 0);
-    // The tables of the noise are made at the first draw.
+    // The first draw initialises the noise tables.
     script.tick();
     let cost = measure(|| {
         script.close_to(6.0);

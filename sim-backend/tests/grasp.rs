@@ -1,4 +1,4 @@
-//! The world under a scripted squeeze and lift: physics decides what is held, and the same inputs give the same bits.
+//! Scripted squeeze and lift: contact physics decides what is held; equal inputs give equal bits.
 
 mod common;
 
@@ -7,7 +7,7 @@ use robot_model::Side;
 use shm_schemas::ObjectTruth;
 use sim_backend::{Object, Scene, World};
 
-/// Presses with a multiple of the needed force, lifts by 10 mm, waits a moment.
+/// Presses with a multiple of the required force, lifts by 10 mm, waits.
 fn squeeze_and_lift(scene: Scene, side: Side, over_grip: f64) -> (ObjectTruth, [f64; 2]) {
     let needed_n = scene.objects[0].object.needed_n();
     let mut script = Script::around(scene, side, 1);
@@ -22,7 +22,7 @@ fn squeeze_and_lift(scene: Scene, side: Side, over_grip: f64) -> (ObjectTruth, [
 
 #[test]
 fn an_object_is_carried_exactly_when_pressed_harder_than_it_needs() {
-    // The heavy block is left out: a script that holds positions loses a fifth of its 24 N while it lifts.
+    // Without the heavy block: a position-holding script loses a fifth of its 24 N during the lift.
     for (index, name) in Object::names()
         .filter(|name| *name != "heavy-block")
         .enumerate()
@@ -103,7 +103,7 @@ fn an_object_set_down_slowly_is_not_dropped() {
     );
 }
 
-/// Commands stop in the air: the drives hold, the grip stays.
+/// Commands stop in the air: the drives hold their positions and the grip stays.
 #[test]
 fn a_silent_controller_keeps_the_grip() {
     let object = Object::built_in("wood").expect("built in");
@@ -122,7 +122,7 @@ fn a_silent_controller_keeps_the_grip() {
     assert!((after.normal_n[1][0] / before.normal_n[1][0] - 1.0).abs() < 0.05);
 }
 
-/// FNV-1a over everything that is sensed in a grasp.
+/// Returns the FNV-1a hash of all sensor data of a grasp.
 fn hash_of_a_grasp(seed: u64) -> u64 {
     use zerocopy::IntoBytes;
     let scene =
@@ -184,7 +184,8 @@ fn an_untouched_world_stands_still() {
     }
 }
 
-/// A grip beside the centre of mass: the weight turns the object about the closing axis, and the truth tells how far.
+/// Grip off the centre of mass: the weight rotates the object about the closing axis, and the
+/// ground truth reports the angle.
 #[test]
 fn an_object_gripped_beside_its_centre_of_mass_turns_in_the_hand() {
     let turned = |aside_m: f64, over_grip: f64| {

@@ -1,4 +1,4 @@
-//! Objects as data: the built-in ones, a user's own, and everything that is refused.
+//! Object files: built-in objects, user files and rejections.
 
 use std::io::Write;
 
@@ -13,7 +13,7 @@ const BOX: &str = r#"
 
 #[test]
 fn the_built_in_objects_are_those_of_the_tactile_design() {
-    // Name, needed force, and whether it can be crushed.
+    // Name, required normal force, crushable.
     let expected = [
         ("wood", 2.94, false),
         ("slippery-200", 3.92, false),

@@ -1,4 +1,4 @@
-//! `atas-sim` as a process, with a stand-in for the daemon that holds the joints where they are.
+//! `atas-sim` as a process, with a stand-in daemon that holds the joints.
 
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth, service};
 use zerocopy::IntoBytes;
 
-/// Longest wait for anything that must happen.
+/// Time limit of every wait.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 fn atas_sim(arguments: &str) -> Command {
@@ -21,7 +21,7 @@ fn atas_sim(arguments: &str) -> Command {
     command
 }
 
-/// A running simulator; killed if a test fails.
+/// Running simulator; killed if a test fails.
 struct Simulator(Option<Child>);
 
 impl Simulator {
@@ -56,7 +56,7 @@ impl Drop for Simulator {
     }
 }
 
-/// What a daemon would have: frames, joints and truth in, commands out.
+/// Stand-in daemon: receives frames, joint states and ground truth, sends commands.
 struct Daemon {
     frames: [Subscriber<HandFrame>; 2],
     joints: Subscriber<JointState>,
@@ -79,7 +79,6 @@ impl Daemon {
         }
     }
 
-    /// Waits for the next joint state.
     fn next_state(&mut self) -> &JointState {
         let begin = Instant::now();
         while !self.joints.newest(&mut self.state).expect("the bus works") {
@@ -93,7 +92,7 @@ impl Daemon {
         &self.state
     }
 
-    /// Frames that arrived since the last call, left then right.
+    /// Returns the frames since the last call, left then right.
     fn frames(&mut self) -> Vec<HandFrame> {
         let mut frames = Vec::new();
         for subscriber in &mut self.frames {
@@ -104,7 +103,7 @@ impl Daemon {
         frames
     }
 
-    /// Answers the last joint state: all joints stay.
+    /// Answers the last joint state with a command that holds all joints.
     fn hold(&mut self) {
         let mut command = JointCommand {
             answers_sequence: self.state.stamp.sequence,
@@ -128,7 +127,7 @@ impl Daemon {
     }
 }
 
-/// Hash of everything sensed in 200 ticks of lock-step.
+/// Returns the hash of all sensor data of 200 lock-step ticks.
 fn lockstep_hash(arguments: &str) -> u64 {
     let name = FreshBus::new("simlock");
     let bus = Bus::open(&name, "daemon", Realtime::No).expect("a bus");
@@ -163,7 +162,7 @@ fn lockstep_repeats_bit_for_bit() {
     assert_ne!(first, lockstep_hash("--object bottle --seed 8"));
 }
 
-/// The daemon that a waiting simulator needs may start later, and finds the tick that waits for it.
+/// A lock-step simulator waits for a daemon that starts later, and delivers the waiting tick.
 #[test]
 fn lockstep_waits_for_a_late_daemon_and_ends_on_sigterm() {
     let name = FreshBus::new("simlate");
@@ -357,7 +356,7 @@ fn every_command_has_a_manual_page_and_an_example() {
     }
 }
 
-/// Regression: a list that did not fit on the disk ended with code 0.
+/// Regression: a list that did not fit on the disk exited with code 0.
 #[test]
 fn a_full_disk_is_told_with_the_documented_code() {
     let printing = [
@@ -383,7 +382,7 @@ fn a_full_disk_is_told_with_the_documented_code() {
     }
 }
 
-/// As in `atas-sim faults | head -1`.
+/// As with `atas-sim faults | head -1`.
 #[test]
 fn a_closed_pipe_is_no_failure() {
     for what in ["objects", "faults", "completions zsh", "--help"] {

@@ -1,4 +1,5 @@
-//! The base's motion in the world of the robot on it: what stands stays where it is in the field, what is held is loaded.
+//! Base motion in the world of the robot: standing objects stay in the field, held objects receive
+//! inertial forces.
 
 mod common;
 
@@ -8,14 +9,14 @@ use shm_schemas::ObjectTruth;
 use sim_backend::course::{Base, Floor, Pace, Place, Wheels};
 use sim_backend::{Object, Ride, Scene, Sensed, World};
 
-/// Ticks of a step of the base.
+/// Ticks per step of the base.
 const STEP_TICKS: usize = 5;
 
 fn wood() -> Object {
     Object::built_in("wood").expect("built in")
 }
 
-/// Direction of an upright object, rad.
+/// Returns the yaw of an upright object, rad.
 fn yaw_rad(object: &ObjectTruth) -> f64 {
     let [w, .., z] = object.orientation;
     2.0 * z.atan2(w)
@@ -52,7 +53,8 @@ fn what_stands_in_the_field_stays_there_while_the_base_drives_about() {
     assert!(object.tilt_rad < 1e-3 && object.table_n > 0.0, "{object:?}");
 }
 
-/// Lifts wood with this multiple of the needed force, then rides for a quarter of a second: slip that the ride added, m.
+/// Lifts wood with this multiple of the required force, then accelerates for 0.25 s. Returns the
+/// slip due to the acceleration, m.
 fn slip_m(over_grip: f64, ride: Ride) -> f64 {
     let mut script = Script::around(Scene::grasp(wood(), Side::Right), Side::Right, 1);
     script.close_to(wood().needed_n() * over_grip);
@@ -76,11 +78,12 @@ fn accelerations_load_the_grip_as_much_as_they_should() {
         assert_eq!(slip_m > 1e-3, slips, "{over_grip}, {ride:?}: {slip_m} m");
     };
     check(1.3, Ride::STILL, false);
-    // Upwards half a g makes it half as heavy again, for a moment twice, because it comes at once; downwards it takes the weight.
+    // 0.5 g upwards adds half of the weight, momentarily all of it, because the step is abrupt;
+    // downwards it removes weight.
     check(1.3, ride(0.0, 5.0), true);
     check(2.8, ride(0.0, 5.0), false);
     check(1.3, ride(0.0, -9.81), false);
-    // The fingers close along y: acceleration forward adds to the weight at a right angle.
+    // The fingers close along y: forward acceleration acts perpendicular to the weight.
     check(1.3, ride(10.0, 0.0), true);
     check(2.8, ride(10.0, 0.0), false);
 }

@@ -1,4 +1,4 @@
-//! Scenes: what a client is told, what is true, and what is refused.
+//! Scenes: nominal data, variations and rejections.
 
 use robot_model::{GraspFrame, RobotModel, Side};
 use sim_backend::{Mount, Object, Placed, Plate, Scene, World, home_rad};

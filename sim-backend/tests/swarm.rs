@@ -1,4 +1,4 @@
-//! The swarm's host without a bus: what it refuses, and what robots do that are told nothing or nonsense.
+//! Swarm fields without a bus: rejected settings, and robots with missing or malformed commands.
 
 use field::{
     DrawnPosts, Model, Noise, Outcome, Preset, Responses, TRIAL_FRAMES, TeamSize, Trial, Wall,
@@ -20,7 +20,7 @@ fn swarm(agents: usize, fields: usize, goals: &[u8]) -> Swarm {
     Swarm::new(settings(agents, fields, goals)).expect("valid settings")
 }
 
-/// Motor bits of a table that drives ahead and turns where it senses something.
+/// Motor bits of a table that drives ahead and turns on a sensor contact.
 fn output(row: u32) -> u32 {
     [0b1111, 0b0101, 0b1101, 0b0111][(row % 4) as usize]
 }
@@ -37,7 +37,7 @@ fn answer(sensors: &AgentSensors) -> WheelCommands {
     commands
 }
 
-/// Runs one trial; `spoil` may change every answer.
+/// Runs one trial; `spoil` may change every command.
 fn trial(swarm: &mut Swarm, spoil: impl Fn(&mut WheelCommands)) -> TrialReport {
     let mut sensors = AgentSensors::default();
     loop {
@@ -50,7 +50,8 @@ fn trial(swarm: &mut Swarm, spoil: impl Fn(&mut WheelCommands)) -> TrialReport {
     }
 }
 
-/// Walls and posts are told to onlookers, and robots on the bus meet them as in the field alone.
+/// Observers receive walls and posts, and robots on the bus collide with them as in the field
+/// alone.
 #[test]
 fn onlookers_are_told_of_walls_and_posts() {
     let walled = Preset {
@@ -157,7 +158,7 @@ fn onlookers_see_every_frame_and_change_nothing() {
                 (sensors.row[agent], commands.output[agent])
             );
         }
-        // A wheel level is at most two steps of a turn: what is shown is one motion, not a jump.
+        // A wheel level turns a robot by at most two steps: motion is shown without jumps.
         let headings = [0, 1, 2, 3, 4, 5].map(|agent: usize| arena.agents[agent].heading_steps);
         for (now, then) in headings.iter().zip(before.unwrap_or(headings)) {
             assert!((now + 64 - then + 2) % 64 <= 4, "frame {}", arena.frame);
@@ -168,7 +169,7 @@ fn onlookers_see_every_frame_and_change_nothing() {
         }
     };
     assert_eq!(report, unseen);
-    // How it ended, until the next trial's first frame is sensed.
+    // The result stays until the next trial's first frame is sensed.
     swarm.show(Answer::Missing, &mut arena);
     assert_eq!((arena.frame, arena.trial), (TRIAL_FRAMES.into(), 0));
     for (field, shown) in arena.fields[..2].iter().enumerate() {

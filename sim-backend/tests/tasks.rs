@@ -1,4 +1,4 @@
-//! The worlds of the paper's tasks under scripted hands: what is set down, put on, screwed, and what the judge sees of it.
+//! Task scenes under scripted hands: placing, putting on, screwing, and their ground truth.
 
 mod common;
 
@@ -34,7 +34,7 @@ fn go(script: &mut Script, to_m: Vector3<f64>, speed_m_s: f64) {
     });
 }
 
-/// Lowers at 10 mm/s until the judge says so, at most 40 mm.
+/// Lowers the hand at 10 mm/s until `there` returns true, at most 40 mm.
 fn lower_until(script: &mut Script, there: impl Fn(&Script) -> bool) {
     for _ in 0..4000 {
         if there(script) {
@@ -93,7 +93,8 @@ fn an_object_let_go_above_its_place_is_dropped() {
     assert_eq!(first(&script).dropped, 1, "{:?}", first(&script));
 }
 
-/// One cycle of the square trajectory with a grip of 2 N: turns ±7 mm clockwise, opens, returns.
+/// Simulates one cycle of the square trajectory with a grip of 2 N: turns ±7 mm clockwise, opens,
+/// returns.
 fn turn_cap(script: &mut Script) {
     let sweep = |script: &mut Script, to_m: f64, ticks: usize| {
         let step_m = (to_m - script.frame.tangential_m[0]) / ticks as f64;
@@ -201,7 +202,8 @@ fn a_cap_is_carried_from_its_stand_onto_the_neck() {
     assert!(first(&script).cap_angle_rad > 0.2, "{:?}", first(&script));
 }
 
-/// Where the left hand holds the bottle from the side (robot design): 45° below the horizontal, from a bearing of −30°.
+/// Returns the left hand's side grasp of the bottle (robot design): 45° below the horizontal, from
+/// a bearing of −30°.
 fn side_grasp(scene: &Scene) -> GraspFrame {
     let hint = scene.grasp_hint(1).expect("a bottle");
     GraspFrame {
@@ -232,7 +234,8 @@ fn a_held_bottle_neither_turns_nor_tips_while_its_cap_is_screwed() {
     assert_eq!((bottle.tipped, bottle.spilt, bottle.crushed), (0, 0, 0));
 }
 
-/// The lightest and smallest cap, squeezed far harder than it needs, then let go 10 cm above the table.
+/// Lightest and smallest cap, squeezed much harder than required, then released 10 cm above the
+/// table.
 #[test]
 fn a_light_cap_survives_a_hard_squeeze_and_a_fall() {
     let mut scene = assembly();

@@ -1,4 +1,4 @@
-//! The world as a robot sees it: frames, joint states, commands that are not what they should be.
+//! World interface: frames, joint states and invalid commands.
 
 mod common;
 
@@ -71,7 +71,7 @@ fn slow_sensors_send_at_their_rate_without_gaps() {
     }
 }
 
-/// In free air the readings are noise of the stated size, in steps of 1 mN.
+/// In free air the readings are noise of the specified size, in steps of 1 mN.
 #[test]
 fn noise_in_free_air() {
     for (noise_factor, expected_n) in [(0.0, 0.0), (1.0, 0.003), (2.0, 0.006)] {
@@ -97,7 +97,7 @@ fn noise_in_free_air() {
             }
             world.advance(None);
         }
-        // Rounding to steps adds a twelfth of a square step.
+        // Rounding adds 1/12 of the squared step to the variance.
         let expected_n2 =
             expected_n * expected_n + if expected_n > 0.0 { 1e-6 / 12.0 } else { 0.0 };
         assert!(
@@ -108,7 +108,7 @@ fn noise_in_free_air() {
     }
 }
 
-/// What the elements read adds up to the force that the judge sees, and presses each tip outwards.
+/// The element readings sum to the true normal force and press each tip outwards.
 #[test]
 fn readings_agree_with_the_truth() {
     let mut scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
@@ -125,7 +125,7 @@ fn readings_agree_with_the_truth() {
             })
             .sum();
         let truth_n = script.world.truth().normal_n[1][finger];
-        // The elements' gains differ by 3 %, eight of them carry the load.
+        // Element gains differ by 3 %; eight elements carry the load.
         assert!(
             (along_axis_n / truth_n - 1.0).abs() < 0.05,
             "finger {finger}: {along_axis_n} of {truth_n} N"
@@ -134,7 +134,7 @@ fn readings_agree_with_the_truth() {
     assert!(frame.force_n[0][0][0] > 0.5, "the pole is pressed");
 }
 
-/// A lifted object pulls both fingertips down: the vertical forces of the elements add up to its weight.
+/// The vertical forces of all elements sum to the weight of the lifted object.
 #[test]
 fn the_fingertips_carry_the_weight() {
     let mut scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
@@ -165,7 +165,7 @@ fn the_fingertips_carry_the_weight() {
     );
 }
 
-/// The lightest object that a file may describe, squeezed far harder than it needs, at both ends of stiffness.
+/// Lightest allowed object, squeezed much harder than required, rigid and soft.
 #[test]
 fn the_lightest_object_survives_a_hard_squeeze() {
     for stiffness in ["", "stiffness_n_m = 2000.0"] {
@@ -216,7 +216,8 @@ fn command(position_rad: f64, velocity_rad_s: f64, valid_until_ns: u64) -> Joint
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Any sealed finite command leaves the world finite and the joints within their stops.
+    /// Property: after any finite, sealed command the state is finite and the joints are within
+    /// their stops.
     #[test]
     fn no_command_breaks_the_world(position_rad in proptest::num::f64::NORMAL, velocity in proptest::num::f64::NORMAL) {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
@@ -232,7 +233,8 @@ proptest! {
         }
     }
 
-    /// Commands that are not finite, damaged or expired change no bit of what is sensed.
+    /// Property: a command that is not finite, damaged or expired changes no bit of the sensor
+    /// data.
     #[test]
     fn refused_commands_change_nothing(
         which in 0..4_usize,

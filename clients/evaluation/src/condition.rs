@@ -1,30 +1,30 @@
-//! Under which conditions a task is tried.
+//! Conditions of an evaluation: sensor noise, sensor rate and errors.
 
 use serde::Serialize;
 use sim_backend::Errors;
 
-/// How good the sensors are, and how far the rest is from what the controller was made for.
+/// Condition of a trial: sensor quality, and deviations of the world from the nominal model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
     /// Scale of the fingertip sensors' noise.
     pub noise: Noise,
     /// Frames per second of the fingertip sensors.
     pub rate_hz: u32,
-    /// Errors of robot, skins, objects, and of what a client is told.
+    /// Errors of robot, skins, objects, and of the data given to the client.
     pub errors: Named,
 }
 
-/// Errors with the name under which they are reported.
+/// Errors with their name in reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Named {
-    /// As a user would ask for them: `none`, `crosstalk`, `position=2,yaw=5`.
+    /// Specification as users type it: `none`, `crosstalk`, `position=2,yaw=5`.
     pub name: String,
     /// The errors.
     pub errors: Errors,
 }
 
 impl Named {
-    /// None.
+    /// Returns no errors.
     #[must_use]
     pub fn none() -> Self {
         Self {
@@ -45,18 +45,18 @@ impl core::str::FromStr for Named {
     }
 }
 
-/// A scale of noise.
+/// Noise scale.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Noise {
-    /// The same in every trial.
+    /// Constant.
     Scale(f64),
-    /// Drawn for every trial from this range.
+    /// Drawn for each trial from this range.
     Between([f64; 2]),
 }
 
 impl Noise {
-    /// The scale of one trial, from a number in 0 to 1 that was drawn for it.
+    /// Returns the scale of one trial from its random number in 0 to 1.
     pub(super) fn at(self, share: f64) -> f64 {
         match self {
             Self::Scale(scale) => scale,

@@ -1,9 +1,9 @@
-//! What a trial drew from its families and errors.
+//! Random values of a trial.
 
 use serde::{Deserialize, Serialize};
 use sim_backend::Scene;
 
-/// What a trial drew from its families and errors, of its first object.
+/// Random values drawn from families and errors, for the first object of a trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drawn {
     pub(crate) noise: f64,
@@ -22,7 +22,7 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Of a scene with an object.
+    /// Collects the values of a scene; `None` without an object.
     pub(crate) fn of(scene: &Scene) -> Option<Self> {
         let (placed, told) = (scene.objects.first()?, scene.grasp_hint(0)?);
         let object = &placed.object;

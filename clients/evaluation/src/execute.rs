@@ -1,4 +1,4 @@
-//! A plan on all cores: every trial once, the records in the order of the plan.
+//! Runs a plan on all cores: each trial once, records in the order of the plan.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,20 +16,20 @@ use crate::rows::TrialRow;
 use crate::trial::{self, Record, WornTrial};
 use crate::worn::Worn;
 
-/// What became of a plan.
+/// Result of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluated {
-    /// Counted.
+    /// Counts and statistics.
     pub report: Report,
-    /// Trial by trial, series by series.
+    /// One row per trial, grouped by series.
     pub rows: Vec<Vec<TrialRow>>,
 }
 
 impl Plan {
-    /// Runs all trials; `done` is called after each, from any thread. `None` if `stop` was set meanwhile.
+    /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
     ///
     /// # Errors
-    /// If the robot or a world cannot be made, or there is nothing to do.
+    /// The robot or a world cannot be created, or the plan is empty.
     pub fn run(
         &self,
         stop: &AtomicBool,
@@ -48,10 +48,10 @@ impl Plan {
         Ok(records.map(|records| self.evaluated(&self.sort(records), wall_s)))
     }
 
-    /// Runs what one shard has not run yet, into its part file. `None` if `stop` was set meanwhile; what has ended is kept.
+    /// Runs the unfinished trials of one shard into its part file; `None` if stopped.
     ///
     /// # Errors
-    /// As [`Plan::run`], or if the file cannot be written.
+    /// As [`Plan::run`], or the file cannot be written.
     pub fn run_shard(
         &self,
         shard: Shard,
@@ -69,21 +69,21 @@ impl Plan {
         Ok(records.map(drop))
     }
 
-    /// Puts the parts of all shards together. The report's time is the processor time of all trials.
+    /// Merges all shards; the report's duration is their total processor time.
     ///
     /// # Errors
-    /// A part cannot be read, is of another plan, is missing, is there twice, or has not ended.
+    /// A part is unreadable, foreign, missing, duplicate or incomplete.
     pub fn merge(&self, parts: &[impl AsRef<Path>]) -> anyhow::Result<Evaluated> {
         let records = parts::gather(self, parts)?;
         let wall_s = records.iter().map(|record| record.cpu_s).sum();
         Ok(self.evaluated(&self.sort(records), wall_s))
     }
 
-    /// Runs every trial of ours once with each of what `wear` makes for its world and seed: the records of each, and what else was
-    /// made, in the order of the plan. `None` if `stop` was set meanwhile.
+    /// Runs each trial of the ATAS modules once per sensor variant from `wear`, in the
+    /// plan's order; `None` if stopped.
     ///
     /// # Errors
-    /// As [`Plan::run`], or if `wear` fails.
+    /// As [`Plan::run`], or `wear` fails.
     pub fn run_worn<T: Send>(
         &self,
         stop: &AtomicBool,
@@ -101,7 +101,7 @@ impl Plan {
         )
     }
 
-    /// The trials of the jobs that are wanted, in the order of the plan; `ended` takes each as it ends, from any thread.
+    /// Runs the `wanted` trials; calls `ended` after each, from any thread.
     fn trials_of(
         &self,
         wanted: impl Fn(usize) -> bool,
@@ -115,7 +115,7 @@ impl Plan {
         })
     }
 
-    /// What comes of the jobs that are wanted, in the order of the plan.
+    /// Runs the `wanted` jobs; results keep the plan's order.
     fn each<T: Send>(
         &self,
         wanted: impl Fn(usize) -> bool,
@@ -162,7 +162,6 @@ impl Plan {
         }
     }
 
-    /// The records as they were dealt, series by series.
     fn sort(&self, records: Vec<Record>) -> Vec<Vec<Record>> {
         let count = self.series().len();
         let mut series = vec![Vec::new(); count];

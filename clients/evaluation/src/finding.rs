@@ -1,4 +1,4 @@
-//! What a trial found: the judgement of its task, as reports count and measure it.
+//! Evaluation of one trial in the form that reports count and summarise.
 
 use atas_client::GoalProgress;
 use atas_client::goal::LIFT_M;
@@ -10,34 +10,35 @@ use crate::judge::{Assembly, Load, Outcome, Placing, Screwing};
 use crate::offline::Trial;
 use crate::task::Task;
 
-/// The judgement of one trial.
+/// Evaluation of one trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// What became of it, in the words that reports count: `held`, `dropped`, `refused: too-heavy`.
+    /// Outcome key as counted in reports: `held`, `dropped`, `refused: too-heavy`.
     pub outcome: String,
-    /// The task was carried out as it should be.
+    /// True if the task succeeded.
     pub done: bool,
-    /// It was refused, and what it was about stands unharmed, upright and where it was.
+    /// True if refused, with the object unharmed, upright and in place.
     pub refused: bool,
-    /// Something was crushed.
+    /// True if an object was crushed.
     pub crushed: bool,
-    /// Something was dropped.
+    /// True if an object was dropped.
     pub dropped: bool,
-    /// What was measured, by names with units.
+    /// Measured quantities, by name with unit.
     pub measures: Vec<(String, f64)>,
-    /// F_2 that the controller measured over F_2 at the true stiffness; `None` if it never got so far.
+    /// Measured F_2 over F_2 at the true stiffness; `None` without measurement.
     pub f2_ratio: Option<f64>,
 }
 
 impl Finding {
-    /// Why the trial is no success; `None` if it is. What can be handled shall be, all else refused.
+    /// Returns the failure key, or `None` on success. A feasible task must be done, an infeasible
+    /// one refused.
     #[must_use]
     pub fn failure(&self, feasible: bool) -> Option<&str> {
         let success = if feasible { self.done } else { self.refused };
         (!success).then_some(self.outcome.as_str())
     }
 
-    /// What was measured under this name.
+    /// Returns the measured quantity with this name.
     #[must_use]
     pub fn measure(&self, name: &str) -> Option<f64> {
         let found = self.measures.iter().find(|(known, _)| known == name);
@@ -45,7 +46,6 @@ impl Finding {
     }
 }
 
-/// The judgement of a trial of a task with a place at `to_m`, done by a hand.
 pub(super) fn judge(
     task: Task,
     hand: &HandModel,
@@ -115,8 +115,8 @@ fn placed(placing: &Placing) -> Vec<(&'static str, f64)> {
     ]
 }
 
-/// Mean true normal force of both sides at the end, of what is in the hand then, over the force that keeps it from sliding, and over the
-/// one that also keeps it from turning.
+/// Returns over-grip ratios: mean true normal force per side over the force against sliding, for
+/// domes also against rotation.
 fn grasped(
     outcome: Outcome,
     hand: &HandModel,

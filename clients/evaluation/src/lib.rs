@@ -1,27 +1,28 @@
-//! Tasks run offline in virtual time: many seeded trials in process, judged by physical truth, counted and drawn.
+//! Offline evaluation: runs seeded trials of a task in process and in virtual time, evaluates them
+//! against ground truth, and reports counts and figures.
 //!
 //! ```text
 //!  Plan (task, objects, conditions, baselines, seeds)
 //!   └─▶ trial ─ Scene (a member of a family), goal from nominal knowledge, GripPolicy
-//!        └─▶ OfflineRun ─ controller and world in turn ─▶ judge: what physics allows, what became of it
-//!             ├─▶ Report: counts, ratios, intervals; markdown: the README's tables
+//!        └─▶ OfflineRun ─ controller and world in turn ─▶ judge: feasibility and outcome
+//!             ├─▶ Report: counts, ratios, intervals; markdown: result tables
 //!             ├─▶ TrialRow: one row per trial; parts: an evaluation on several machines
 //!             └─▶ figures: the same run, tick by tick, as SVG
 //!
-//!  a clumsy policy ─▶ reflex: the same targets with a reflex beneath and without it
+//!  a coarse position policy ─▶ reflex: the same targets with and without the reflex modules
 //!
 //!  a behaviour table and modules in one robot ─▶ hybrid: fetch, carry on wheels, set down
 //!
-//!  recordings of real fingertips ─▶ recorded: production perception, judged by labels
+//!  recordings of real fingertips ─▶ recorded: production perception against labels
 //! ```
 //!
 //! * **In:** a [`Plan`], or a task and a seed. **Out:** a [`Report`], or a figure.
-//! * **Invariants:** every trial has a seed of its own, made from the object's name and the trial's number, and results are kept
-//!   in the order of the plan: everything in the report but the times is a function of the plan, whatever the number of
-//!   threads. Baselines meet the same members of the families as our modules do, with the same noise.
-//! * **Beside it:** [`replay`], a recording fed to the production controller.
-//! * **Absent on purpose:** the terminal and the bus, and any knowledge of which object of the built-in set can be held:
-//!   [`judge`] computes it.
+//! * **Invariants:** each trial's seed derives from the object's name and the trial number. Except
+//!   for times, the report depends on the plan only, not on threads. Baselines get the same family
+//!   members and noise as the ATAS modules.
+//! * **Replay:** [`replay`] feeds a recording to the production controller.
+//! * **Not included:** terminal and bus. No feasibility of a built-in object is stored; [`judge`]
+//!   computes it.
 
 mod condition;
 mod drawn;

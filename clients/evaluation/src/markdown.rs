@@ -1,4 +1,4 @@
-//! Reports as the tables of the README.
+//! Reports as Markdown tables for the documentation.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -9,12 +9,12 @@ use crate::report::{Baseline, Report, Row};
 use crate::tally::Tally;
 use crate::task::Task;
 
-/// What stands for nothing.
+/// Text of an empty cell.
 const NONE: &str = "";
-/// The column of the force that holds over the force that is needed.
+/// Heading of the column with true grip force over needed force.
 const OVER_GRIP: &str = "over-grip, median";
 
-/// Reports of whole tasks: a line per condition, the baselines beside the condition that they share.
+/// Formats one line per task and condition, with the baselines.
 #[must_use]
 pub fn table(reports: &[Report]) -> String {
     let trials = reports.first().map_or(0, |report| report.tally.trials);
@@ -46,7 +46,7 @@ pub fn table(reports: &[Report]) -> String {
     text
 }
 
-/// What each error costs: a line per error, a column per task and baseline. All reports have the same conditions.
+/// Formats one line per error, one column per task and baseline; all reports need equal conditions.
 #[must_use]
 pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String {
     let trials = reports.first().map_or(0, |report| report.tally.trials);
@@ -82,18 +82,18 @@ pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String 
     text
 }
 
-/// One robot in its tasks; of what its hand cannot do there is no report.
+/// Results of one robot; tasks beyond its capabilities have no report.
 #[derive(Debug)]
 pub struct RobotTried {
-    /// Its name.
+    /// Robot name.
     pub robot: String,
-    /// Whether it turns caps by its wrist.
+    /// True if the robot turns caps with its wrist.
     pub turns_by_wrist: bool,
-    /// What it was tried in.
+    /// Tasks and reports.
     pub reports: Vec<(Task, Option<Report>)>,
 }
 
-/// Robots: a line per robot, the grasp whole, the other tasks by their success.
+/// Formats one line per robot, one column per task.
 #[must_use]
 pub fn robots_table(robots: &[RobotTried]) -> String {
     let reports = || robots.iter().flat_map(|tried| &tried.reports);
@@ -127,16 +127,16 @@ pub fn robots_table(robots: &[RobotTried]) -> String {
     text
 }
 
-/// One kind of fingertip in the grasp.
+/// Grasp results of one kind of fingertip.
 #[derive(Debug)]
 pub struct SkinTried {
-    /// What it is called.
+    /// Name of the fingertip.
     pub name: String,
-    /// Its grasps.
+    /// Report of the grasp task.
     pub report: Report,
 }
 
-/// Fingertips: a line per kind.
+/// Formats one line per kind of fingertip.
 #[must_use]
 pub fn skins_table(skins: &[SkinTried]) -> String {
     let trials = skins.first().map(|tried| tried.report.tally.trials);
@@ -156,7 +156,6 @@ pub fn skins_table(skins: &[SkinTried]) -> String {
     text
 }
 
-/// The column of a grasp's success.
 fn success_of(trials: Option<u64>) -> String {
     format!("grasp, success of {} [95 % interval]", trials.unwrap_or(0))
 }
@@ -166,7 +165,6 @@ fn over_grip(tally: &Tally) -> String {
     median.map_or(NONE.to_owned(), |median| format!("{median:.2}"))
 }
 
-/// The first two lines of a table.
 fn head(heads: &[String]) -> String {
     let mut text = String::new();
     line(&mut text, heads);
@@ -203,7 +201,6 @@ fn baseline<'a>(report: &'a Report, row: &Row, name: &str) -> Option<&'a Baselin
     report.baseline_rows.iter().find(same)
 }
 
-/// A share in per cent, with no more digits than it needs.
 fn percent(share: f64) -> String {
     let tenths = (share * 1000.0).round() / 10.0;
     format!("{tenths} %")
@@ -227,7 +224,6 @@ fn by_physics(row: &Row) -> String {
     physics.map_or(NONE.to_owned(), |p| percent(p.by_physics.success))
 }
 
-/// A baseline's success, then apart, then by physics.
 fn versus(baseline: &Baseline) -> String {
     let success = percent(baseline.row.tally.success);
     let held = apart(&baseline.row, |p| (p.feasible.held, p.feasible.trials));
@@ -244,7 +240,6 @@ fn versus(baseline: &Baseline) -> String {
     }
 }
 
-/// The most frequent first.
 fn otherwise(failures: &BTreeMap<String, u64>) -> String {
     let mut failures: Vec<(&String, &u64)> = failures.iter().collect();
     failures.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));

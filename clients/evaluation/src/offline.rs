@@ -1,7 +1,7 @@
-//! An offline run: the production controller and the simulated world called in turn, in process, in virtual time.
+//! Offline run: production controller and simulated world in one process and in virtual time.
 //!
-//! In: a scene, a seed, settings and a goal. Out: a [`Trial`]. No bus, no clock, no threads: the same arguments give
-//! the same bits as the two processes in lock-step.
+//! In: a scene, a seed, settings and a goal. Out: a [`Trial`]. No bus, clock or threads: the same
+//! arguments give the same bits as the two processes in lock-step.
 
 use atas_client::goal::{self, Target};
 use atas_core::tasks::Task;
@@ -13,10 +13,10 @@ use shm_schemas::{
 };
 use sim_backend::{GraspHint, OutOfRange, Ride, Scene, SceneError, Sensed, TICK_NS, World};
 
-/// Longest time that the controller may take to become ready, ticks.
+/// Time limit for the controller to become ready, ticks.
 const READY_WITHIN_TICKS: u64 = 1000;
 
-/// One world with one controller; both are too large to be moved about on a thread's stack.
+/// World and controller, on the heap because both are too large for a thread's stack.
 pub struct OfflineRun {
     robot: RobotModel,
     world: Box<World>,
@@ -25,28 +25,27 @@ pub struct OfflineRun {
     command: JointCommand,
     index: u64,
     task: Option<Task>,
-    /// What a client streams to the coming tick.
     targets: Vec<GraspTarget>,
 }
 
-/// What became of one goal.
+/// Result of one goal.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// The last update that the client would have received.
+    /// Last goal update that a client would receive.
     pub end: GoalUpdate,
-    /// The world before it.
+    /// Ground truth before the goal.
     pub start: WorldTruth,
-    /// The world at the end.
+    /// Ground truth at the end.
     pub truth: WorldTruth,
     /// Simulated time, s.
     pub simulated_s: f64,
 }
 
 impl OfflineRun {
-    /// Sets the scene and brings the controller to READY.
+    /// Creates the world and runs until the controller is READY.
     ///
     /// # Errors
-    /// [`SceneError`] when the world cannot be made.
+    /// [`SceneError`] if the world cannot be created.
     pub fn new(
         robot: &RobotModel,
         scene: &Scene,
@@ -58,7 +57,6 @@ impl OfflineRun {
         Ok(run)
     }
 
-    /// Brings the controller to READY; `skin` is what fingertips are felt through, see [`OfflineRun::step_through`].
     pub(crate) fn make_ready(&mut self, skin: &mut dyn FnMut(&mut HandFrame)) {
         for _ in 0..READY_WITHIN_TICKS {
             self.step_through(None, &mut *skin);
@@ -68,10 +66,10 @@ impl OfflineRun {
         }
     }
 
-    /// Sets the scene; no tick has passed yet.
+    /// Creates the world without running a tick.
     ///
     /// # Errors
-    /// [`SceneError`] when the world cannot be made.
+    /// [`SceneError`] if the world cannot be created.
     pub fn at_rest(
         robot: &RobotModel,
         scene: &Scene,
@@ -94,28 +92,28 @@ impl OfflineRun {
         })
     }
 
-    /// Makes a task known besides the built-in ones, for goals that name it.
+    /// Sets an additional task for goals that name it.
     pub fn teach(&mut self, task: Option<Task>) {
         self.task = task;
     }
 
-    /// Streams a target to the coming tick, as the client of a goal `follow` does.
+    /// Adds an external reference for the next tick (`teleop` goal).
     pub fn lead(&mut self, target: GraspTarget) {
         self.targets.push(target);
     }
 
-    /// Says how the robot's base moves from now on; see [`World::ride`].
+    /// Sets the motion of the robot's base; see [`World::ride`].
     ///
     /// # Errors
-    /// [`OutOfRange`] when no base moves like that.
+    /// [`OutOfRange`] if the motion exceeds the limits of a base.
     pub fn ride(&mut self, ride: &Ride) -> Result<(), OutOfRange> {
         self.world.ride(ride)
     }
 
-    /// The order to pursue a goal, or the reason against it.
+    /// Validates a goal and returns the request that starts it.
     ///
     /// # Errors
-    /// The [`Reason`] for the refusal.
+    /// [`Reason`] for the rejection.
     pub fn order(&self, goal: &GoalRequest) -> Result<Order, Reason> {
         let now = self
             .controller
@@ -123,12 +121,12 @@ impl OfflineRun {
         atas_core::check::check(goal, &now).map(Order::Start)
     }
 
-    /// One tick: sense, decide, move.
+    /// Runs one tick: sense, control, move.
     pub fn step(&mut self, order: Option<&Order>) -> &Outputs {
         self.step_through(order, |_| {})
     }
 
-    /// The same with something between fingertips and controller: `skin` may change every frame, and must seal it again.
+    /// Runs one tick; `skin` may modify each tactile frame and must re-seal it.
     pub fn step_through(
         &mut self,
         order: Option<&Order>,
@@ -158,8 +156,8 @@ impl OfflineRun {
         outputs
     }
 
-    /// Pursues a goal to its end, at most `limit_s` of simulated time; `watch` sees every tick. A goal that the controller
-    /// rejects ends before anything moves.
+    /// Runs a goal to its end, for at most `limit_s`; calls `watch` every tick. A rejected goal
+    /// ends at once.
     pub fn run(
         &mut self,
         goal: &GoalRequest,
@@ -169,7 +167,6 @@ impl OfflineRun {
         self.run_through(goal, limit_s, &mut |_| {}, watch)
     }
 
-    /// The same with something between fingertips and controller, see [`OfflineRun::step_through`].
     pub(crate) fn run_through(
         &mut self,
         goal: &GoalRequest,
@@ -187,7 +184,6 @@ impl OfflineRun {
         }
     }
 
-    /// The goal's last update.
     fn pursue(
         &mut self,
         goal: &GoalRequest,
@@ -216,19 +212,19 @@ impl OfflineRun {
         ended(GoalState::FAILED, reason)
     }
 
-    /// The world, for judges.
+    /// Returns the world, for evaluation.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// What the last tick sensed.
+    /// Returns the sensor data of the last tick.
     #[must_use]
     pub fn sensed(&self) -> &Sensed {
         &self.sensed
     }
 
-    /// The controller.
+    /// Returns the controller.
     #[must_use]
     pub fn controller(&self) -> &Controller {
         &self.controller
@@ -239,7 +235,6 @@ fn as_slice<T>(frame: &Option<T>) -> &[T] {
     frame.as_slice()
 }
 
-/// What a client is told of an object or a place, as it would ask for it.
 fn target(hint: &GraspHint) -> Target {
     Target {
         at_m: hint.from_m,
@@ -250,13 +245,13 @@ fn target(hint: &GraspHint) -> Target {
     .knowing((hint.height_m - hint.from_m[2]).max(0.0), 0.0)
 }
 
-/// The goal that a client would send for an object it expects at a place.
+/// Returns a client's goal to grasp an object at its expected place.
 #[must_use]
 pub fn grasp_goal(hint: &GraspHint, side: Side, lift_m: f64, hold_s: f64) -> GoalRequest {
     goal::grasp(&target(hint), Hand::BOTH[side.index()], lift_m, hold_s)
 }
 
-/// The goal that a client would send to carry an object to a place: where the fingertips shall be when it stands there.
+/// Returns a client's goal to carry an object; `place` is the final pose of the fingertips.
 #[must_use]
 pub fn pick_place_goal(
     hint: &GraspHint,
@@ -271,19 +266,19 @@ pub fn pick_place_goal(
     }
 }
 
-/// The goal that a client would send to set down, at a place, what it grasped at the hint.
+/// Returns a client's goal to set down the object grasped at `hint`.
 #[must_use]
 pub fn set_down_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
     goal::set_down(&target(hint), Hand::BOTH[side.index()], to_m, lift_m)
 }
 
-/// The goal that a client would send to close a cap where it sits.
+/// Returns a client's goal to close a cap in place.
 #[must_use]
 pub fn screw_goal(hint: &GraspHint, side: Side) -> GoalRequest {
     goal::screw(&target(hint), Hand::BOTH[side.index()])
 }
 
-/// The goal that a client would send to close a bottle with a cap from its stand; see [`goal::assemble`].
+/// Returns a client's goal to close a bottle with a cap from its stand; see [`goal::assemble`].
 #[must_use]
 pub fn assemble_goal(
     cap: &GraspHint,

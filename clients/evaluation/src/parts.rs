@@ -1,5 +1,5 @@
-//! An evaluation in parts, on several machines or one after another: each part runs every so-many-th trial and keeps what came
-//! of them in a file; all files together give the report of one run.
+//! Evaluation in parts, for several machines: part i of N runs every N-th trial into a file;
+//! merged, the files give the report of one run.
 //!
 //! ```text
 //!  Plan ─▶ shard 1/3 ─▶ part file ─┐
@@ -7,12 +7,12 @@
 //!       ─▶ shard 3/3 ─▶ part file ─┘
 //! ```
 //!
-//! A part file is a [`Header`] and then the trials as they ended, in `MessagePack`, which keeps every bit of a number. A trial is
-//! written when it has ended: a part that was interrupted or killed goes on behind the last whole one.
+//! A part file is a [`Header`] followed by the finished trials in `MessagePack`, which keeps every
+//! bit of a number. An interrupted part resumes after its last complete trial.
 //!
-//! * **Invariants:** parts of different plans, programs or robots are never put together; nor are parts of which one is missing,
-//!   is there twice or has not ended. A trial whose seal does not fit is not believed, nor is what follows it; nothing is thrown
-//!   away for it: the file as it was is kept beside.
+//! * **Invariants:** merging rejects parts of different plans, programs or robots, and missing,
+//!   duplicate or incomplete parts. Reading stops at the first trial with a wrong checksum; the
+//!   damaged file is copied to `FILE.damaged`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
@@ -26,26 +26,25 @@ use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use crate::plan::{Plan, Shard};
 use crate::trial::Record;
 
-/// What a part file begins with.
+/// Header of a part file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Of everything that decides about the trials: plan, robot, objects, version of the program.
+    /// Hash of plan, robot, objects and program version.
     pub plan_hash: u64,
-    /// Which part it is.
+    /// The shard.
     pub shard: Shard,
-    /// What the evaluation was told, for whoever puts the parts together.
+    /// Command-line arguments, for `merge`.
     pub arguments: String,
 }
 
-/// A trial in a part file: its index in the plan, what came of it, and the seal of both.
+/// Trial: index in the plan, record, checksum of both.
 type Entry = (usize, Record, u64);
 
-/// FNV-1a 64 of a trial as it is written.
 fn seal(index: usize, record: &Record) -> anyhow::Result<u64> {
     Ok(fnv1a(FNV_OFFSET, &rmp_serde::to_vec(&(index, record))?))
 }
 
-/// A part file that trials are added to.
+/// Part file opened for appending trials.
 #[derive(Debug)]
 pub struct Part {
     file: File,
@@ -54,10 +53,10 @@ pub struct Part {
 }
 
 impl Part {
-    /// Begins a part file, or goes on with one of the same header.
+    /// Creates a part file, or resumes one with the same header.
     ///
     /// # Errors
-    /// The file cannot be read or written, or is part of something else.
+    /// The file cannot be read or written, or has another header.
     pub fn open(path: &Path, header: &Header) -> anyhow::Result<Self> {
         let shown = path.display();
         let mut file = OpenOptions::new()
@@ -100,13 +99,13 @@ impl Part {
         })
     }
 
-    /// What was wrong with the file when it was opened, and where it is kept as it was.
+    /// Describes damage found when the file was opened, with the path of the copy.
     #[must_use]
     pub fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
     }
 
-    /// Trials that it has.
+    /// Returns the indices of the finished trials.
     #[must_use]
     pub fn ended(&self) -> &BTreeSet<usize> {
         &self.ended
@@ -120,18 +119,18 @@ impl Part {
     }
 }
 
-/// The header of a part file.
+/// Reads the header of a part file.
 ///
 /// # Errors
-/// It cannot be read, or is no part file.
+/// The file cannot be read, or is not a part file.
 pub fn header(path: &Path) -> anyhow::Result<Header> {
     read_header(&mut open(path)?, path)
 }
 
-/// The trials of all parts of a plan, in its order.
+/// Reads the trials of all parts, in the plan's order.
 ///
 /// # Errors
-/// A part cannot be read, is of another plan, is missing, is there twice, or has not ended.
+/// A part is unreadable, foreign, missing, duplicate or incomplete.
 pub(crate) fn gather(plan: &Plan, paths: &[impl AsRef<Path>]) -> anyhow::Result<Vec<Record>> {
     let plan_hash = plan.hash();
     let mut all = BTreeMap::new();
@@ -194,14 +193,12 @@ fn read_header(reader: &mut impl Read, path: &Path) -> anyhow::Result<Header> {
     })
 }
 
-/// What a part file holds.
 struct Contents {
     header: Header,
-    /// Trials by index.
     entries: BTreeMap<usize, Record>,
-    /// Header and whole trials.
+    /// Size of header and complete trials.
     whole_bytes: u64,
-    /// What is wrong with what follows, such as what a killed process left of a trial.
+    /// Damage after the complete trials, such as a partial trial of a killed process.
     damage: Option<String>,
 }
 

@@ -1,10 +1,12 @@
-//! Trials apart by what physics allows: what can be held shall be, what cannot shall be refused.
+//! Counts of trials by feasibility: success means holding a feasible object and refusing an
+//! infeasible one.
 //!
-//! Twice: under the paper's rule, whose F_2 says what an object bears ([`Load::is_feasible`]), and by physics alone
-//! ([`Load::is_physically_feasible`]), which is the fair measure of a policy that knows no F_2.
+//! Feasibility has two definitions: the paper's rule, which limits the force by F_2
+//! ([`Load::is_feasible`]), and physics alone ([`Load::is_physically_feasible`]). Physics alone is
+//! the fair measure for a policy without F_2.
 //!
-//! [`Load::is_feasible`]: crate::judge::Load::is_feasible
-//! [`Load::is_physically_feasible`]: crate::judge::Load::is_physically_feasible
+//! [`Load::is_feasible`]: crate::judge::Load::is_feasible [`Load::is_physically_feasible`]:
+//! crate::judge::Load::is_physically_feasible
 
 use serde::Serialize;
 
@@ -12,78 +14,79 @@ use crate::statistics::{deviation, median, wilson};
 use crate::tally::share;
 use crate::trial::Record;
 
-/// Trials by what physics allows.
+/// Counts of trials by feasibility.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Physics {
-    /// Trials whose object can be held under the paper's rule.
+    /// Trials that are feasible under the paper's rule.
     pub feasible: Feasible,
-    /// All others.
+    /// All other trials.
     pub infeasible: Infeasible,
-    /// The same by physics alone.
+    /// Counts with feasibility by physics alone.
     pub by_physics: ByPhysics,
-    /// How many lie so near to F_2 that either end would be right.
+    /// Number of trials so near to F_2 that either outcome is right.
     pub borderline: u64,
-    /// Median of the measured F_2 over the F_2 at the true stiffness.
+    /// Median ratio of measured F_2 to F_2 at the true stiffness.
     pub f2_ratio_median: Option<f64>,
-    /// Standard deviation of the same.
+    /// Standard deviation of that ratio.
     pub f2_ratio_deviation: Option<f64>,
 }
 
-/// Trials by physics alone: what holds it steady neither crushes it nor is more than the hand can press.
+/// Counts with feasibility by physics alone: the force against rotation is below the crush force
+/// and the hand's maximum.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ByPhysics {
-    /// Share of all trials that are a success.
+    /// Share of successful trials.
     pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
+    /// 95 % Wilson interval of `success`.
     pub ci95: [f64; 2],
-    /// Trials whose object can be held.
+    /// Feasible trials.
     pub feasible: Feasible,
-    /// All others.
+    /// All other trials.
     pub infeasible: Infeasible,
 }
 
-/// Trials whose object can be held.
+/// Feasible trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Feasible {
-    /// How many there were.
+    /// Trials.
     pub trials: u64,
-    /// Lifted, in the hand after the hold as it was taken, neither crushed nor dropped; or placed as it should be.
+    /// Succeeded.
     pub held: u64,
-    /// Put back unharmed, although they could have been held.
+    /// Put back unharmed although feasible.
     pub refused: u64,
     /// Crushed.
     pub crushed: u64,
     /// Dropped.
     pub dropped: u64,
-    /// Share of those held.
+    /// Share of held trials.
     pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
+    /// 95 % Wilson interval of `success`.
     pub ci95: [f64; 2],
-    /// Median over held trials of true normal force over needed force; `null` if none was held.
+    /// Median ratio of true to needed normal force, held trials; `null` without one.
     pub over_grip_median: Option<f64>,
 }
 
-/// Trials whose object cannot be held.
+/// Infeasible trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Infeasible {
-    /// How many there were.
+    /// Trials.
     pub trials: u64,
-    /// Left unharmed, upright and where they were.
+    /// Left unharmed, upright and in place.
     pub refused: u64,
-    /// Held or placed all the same.
+    /// Held or placed although infeasible.
     pub held: u64,
     /// Crushed.
     pub crushed: u64,
     /// Dropped.
     pub dropped: u64,
-    /// Share of those refused.
+    /// Share of refused trials.
     pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
+    /// 95 % Wilson interval of `success`.
     pub ci95: [f64; 2],
 }
 
 impl Physics {
-    /// `None` unless there are objects to hold.
+    /// Counts trials; `None` if no trial has a load (screwing, assembly).
     pub(super) fn of(records: &[&Record]) -> Option<Self> {
         let loads: Vec<_> = records.iter().filter_map(|r| r.load).collect();
         if loads.is_empty() {

@@ -1,4 +1,4 @@
-//! What to evaluate: data, and how it is dealt into trials.
+//! Plan of an evaluation, and its division into trials and shards.
 
 use std::str::FromStr;
 
@@ -12,47 +12,46 @@ use crate::condition::Condition;
 use crate::policy::GripPolicy;
 use crate::task::Task;
 
-/// What to evaluate.
+/// Plan of an evaluation.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The robot.
     pub robot: RobotFiles,
-    /// Its fingertips' layout, if it is another than the robot file's.
+    /// Fingertip layout, if not the robot file's.
     pub skin: Option<NamedLayout>,
     /// The task.
     pub task: Task,
-    /// The nominal objects, or caps; each is the middle of a family.
+    /// Nominal objects or caps; each is the centre of a family.
     pub objects: Vec<Object>,
-    /// Trials under each condition, dealt to the objects in turn.
+    /// Number of trials under each condition, distributed to the objects in turn.
     pub trials: u64,
-    /// Number of the first trial of each object: other numbers are other members of the families.
+    /// Number of the first trial of each object. Other numbers give other family members.
     pub first_seed: u64,
-    /// Under which conditions; the first is the one that the report is about, the others are its rows.
+    /// Conditions. The report's headline is the first; all of them are its rows.
     pub conditions: Vec<Condition>,
-    /// What to compare with.
+    /// Baselines to compare with.
     pub baselines: Vec<GripPolicy>,
-    /// Whether the baselines are tried under every condition, and not only under the first.
+    /// True: baselines run under every condition. False: only under the first.
     pub compare_everywhere: bool,
-    /// Threads; 0 for one per core.
+    /// Threads; 0: one per core.
     pub threads: usize,
-    /// The controller's settings.
+    /// Controller settings.
     pub settings: Settings,
 }
 
-/// One of several parts of an evaluation.
+/// Part of an evaluation: shard `number` of `of`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Which, from 1.
+    /// Number of the shard, from 1.
     pub number: u64,
-    /// Of how many.
+    /// Number of shards.
     pub of: u64,
 }
 
 impl Shard {
-    /// Everything at once.
+    /// The whole evaluation as one shard.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    /// Whether the job of this index belongs to it.
     pub(crate) fn has(self, index: usize) -> bool {
         index as u64 % self.of == self.number - 1
     }
@@ -72,27 +71,22 @@ impl FromStr for Shard {
     }
 }
 
-/// One trial of a plan.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
-    /// Index of the object.
     pub(crate) object: usize,
-    /// Number of the trial among those of its object.
     pub(crate) number: u64,
-    /// What governs the grip.
     pub(crate) policy: GripPolicy,
-    /// Under which condition.
     pub(crate) condition: Condition,
 }
 
 impl Plan {
-    /// How many trials it has, with all conditions and baselines.
+    /// Returns the number of trials over all conditions and baselines.
     #[must_use]
     pub fn jobs(&self) -> u64 {
         self.trials * self.series().len() as u64
     }
 
-    /// A hash of everything that decides about its trials.
+    /// Returns a hash of all that determines the trials.
     #[must_use]
     pub fn hash(&self) -> u64 {
         let decisive = Self {
@@ -103,7 +97,7 @@ impl Plan {
         fnv1a(FNV_OFFSET, text.as_bytes())
     }
 
-    /// How many trials one shard has.
+    /// Returns the number of trials of one shard.
     #[must_use]
     pub fn jobs_of(&self, shard: Shard) -> u64 {
         (0..self.jobs() as usize)
@@ -111,7 +105,8 @@ impl Plan {
             .count() as u64
     }
 
-    /// Every policy with its condition: ours under all of them, then each baseline.
+    /// Returns each policy with its condition: the ATAS modules under all conditions, then each
+    /// baseline.
     pub(crate) fn series(&self) -> Vec<(GripPolicy, Condition)> {
         let compared = match self.compare_everywhere {
             true => self.conditions.len(),
@@ -127,13 +122,14 @@ impl Plan {
         ours.into_iter().chain(baselines).collect()
     }
 
-    /// Trials of each object, rounded up.
+    /// Returns the trials per object, rounded up.
     #[must_use]
     pub fn seeds(&self) -> u64 {
         self.trials.div_ceil(self.objects.len().max(1) as u64)
     }
 
-    /// Trial by trial, so that progress is even although some series take longer.
+    /// Lists the jobs trial by trial, all series within a trial. Progress stays even although some
+    /// series are slower.
     pub(crate) fn deal(&self) -> Vec<Job> {
         let objects = self.objects.len();
         let series = self.series();

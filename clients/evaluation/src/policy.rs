@@ -1,12 +1,13 @@
-//! What governs the grip: our modules, or a baseline to beat.
+//! Grip policies: the ATAS modules, and the baselines they are compared with.
 //!
-//! A baseline is a task made of the built-in one: the same motions, the same guard, the same Module 4; but where the
-//! built-in task has its modules for the grip (stiffness probe, modules 1 and 2, what gives force back), the baseline has one
-//! that knows no stiffness. It runs in the same controller, by the same arms.
+//! A baseline is a copy of a built-in task with the same motions, collision guard and Module 4, in
+//! the same controller. One module, which ignores stiffness, replaces stiffness probe, Modules 1
+//! and 2, and grip relaxation.
 //!
-//! It may refuse as ours do: Module 3 stops at the most that the baseline presses with and sets down what slides there all the
-//! same, the load test presses up to that force what does not hang, and then sets it down. That force, and the one it
-//! starts from, are the best of [`GripPolicy::candidates`] on [`crate::seeds::TUNING`]: `atas eval tune`.
+//! A baseline can refuse an object. Module 3 sets down an object that slides at the baseline's
+//! maximum force. Lift verification raises the force to that maximum if the object is not
+//! suspended, then sets it down. Start force and maximum are the best of [`GripPolicy::candidates`]
+//! on [`crate::seeds::TUNING`]: `atas eval tune`.
 
 use atas_core::Settings;
 use atas_core::modules::Selection;
@@ -15,53 +16,53 @@ use shm_schemas::{GoalKind, GoalRequest, ModuleId, Text};
 
 use crate::task::Task as EvaluatedTask;
 
-/// What the built-in tasks govern the grip with, and a baseline does without.
+/// Grip modules of the built-in tasks that a baseline omits.
 const OURS: [ModuleId; 4] = [
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::SLIP,
     ModuleId::RELAX,
 ];
-/// Share of F_2 that F_1 never exceeds ([`atas_core::thresholds::Thresholds`]).
+/// Upper limit of F_1/F_2 ([`atas_core::thresholds::Thresholds`]).
 const F1_BELOW_F2: f64 = 0.8;
-/// Longest time of a step that a table governs, s (ours: several times a lift): one that leaves the hand standing is no better
-/// for being waited for.
+/// Longest step under a behaviour table, s. Design choice: several times a lift.
 const READ_OFF_S: f64 = 20.0;
-/// Fixed forces that are tried, N: up to what the hand may press.
+/// Candidates of the fixed force, N: up to the hand's limit.
 const FIXED_N: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
-/// Forces from which the slip-reactive baseline is tried, N.
+/// Candidates of the slip-reactive start force, N.
 const START_N: [f64; 3] = [0.35, 0.6, 1.0];
-/// Most that it presses with, as tried, N.
+/// Candidates of the slip-reactive maximum, N.
 const CEILING_N: [f64; 3] = [2.0, 4.0, 8.0];
 
-/// A policy of the grip.
+/// Grip policy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GripPolicy {
-    /// Modules 1, 2, 3, the stiffness probe and relaxing, as the built-in tasks have them.
+    /// ATAS modules of the built-in tasks: Modules 1, 2, 3, stiffness probe, grip relaxation.
     Ours,
-    /// A gripper that closes until it presses with this force per finger, N, and keeps it: F_1 is the force. What the load
-    /// test finds standing it presses with up to a quarter more before it sets it down.
+    /// Gripper that closes to this force per grasp side, N, and keeps it (F_1). Lift verification
+    /// raises it by up to a quarter before it sets the object down.
     FixedForce(f64),
-    /// The force rises by 8 % per 41 ms of slip, after Romano et al. 2011: [`ModuleId::SLIP_REACTION`].
+    /// Force rises by 8 % per 41 ms of slip (Romano et al. 2011): [`ModuleId::SLIP_REACTION`].
     SlipReactive {
-        /// From this force per finger, N.
+        /// Start force per grasp side, N.
         start_n: f64,
-        /// Up to this one, N.
+        /// Maximum force per grasp side, N.
         ceiling_n: f64,
     },
-    /// Ours without one of its modules: what is it worth?
+    /// ATAS modules without this one (ablation).
     Without(ModuleId),
-    /// A behaviour table (paper section III) governs fingers and lift once the stiffness is known.
+    /// Behaviour table (paper section III) that controls fingers and lift after the stiffness
+    /// probe.
     Table {
         /// The table.
         table: BehaviourTable,
-        /// Whether Module 3 stands beside it, as a user's own task must have it.
+        /// True: Module 3 runs beside the table, as custom tasks require.
         force_limit: bool,
     },
 }
 
-/// Forces, N, with which the baselines serve a task best: the fixed one, the one that the slip-reactive starts from and its most.
-/// They have the most successes by physics over tuning seeds, and of equal ones are the gentlest (`atas eval tune TASK`).
+/// Returns the baselines' best forces for a task, N: fixed force, slip-reactive start and maximum.
+/// Best success by physics over the tuning seeds, then lowest force (`atas eval tune TASK`).
 fn best(task: EvaluatedTask) -> (f64, f64, f64) {
     match task {
         EvaluatedTask::Grasp | EvaluatedTask::PickPlace => (7.0, 1.0, 8.0),
@@ -71,7 +72,7 @@ fn best(task: EvaluatedTask) -> (f64, f64, f64) {
 }
 
 impl GripPolicy {
-    /// The baselines of a task, the first with this force or the best for the task.
+    /// Returns the baselines of a task. The fixed force is `force_n`, or the best for the task.
     #[must_use]
     pub fn baselines(task: EvaluatedTask, force_n: Option<f64>) -> [Self; 2] {
         let (fixed_n, start_n, ceiling_n) = best(task);
@@ -82,7 +83,7 @@ impl GripPolicy {
         ]
     }
 
-    /// Everything that is tried for the baselines.
+    /// Returns all baselines that tuning compares.
     #[must_use]
     pub fn candidates() -> Vec<Self> {
         let slip_reactive = START_N.into_iter().flat_map(|start_n| {
@@ -95,7 +96,7 @@ impl GripPolicy {
             .collect()
     }
 
-    /// Its name in reports.
+    /// Returns the name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -107,7 +108,7 @@ impl GripPolicy {
         }
     }
 
-    /// Its forces, in words; empty for ours.
+    /// Returns the forces as text; empty for the ATAS modules.
     #[must_use]
     pub fn setting(self) -> String {
         match self {
@@ -119,7 +120,7 @@ impl GripPolicy {
         }
     }
 
-    /// The module that governs the grip instead of ours; `None` for what is made of ours.
+    /// Returns the module that replaces the grip modules, if any.
     fn module(self) -> Option<ModuleId> {
         match self {
             Self::Ours | Self::Without(_) | Self::Table { .. } => None,
@@ -128,7 +129,7 @@ impl GripPolicy {
         }
     }
 
-    /// The controller's settings under this policy.
+    /// Returns the controller settings for this policy.
     #[must_use]
     pub fn settings(self, ours: &Settings) -> Settings {
         let mut settings = *ours;
@@ -143,7 +144,7 @@ impl GripPolicy {
         settings
     }
 
-    /// The goal under this policy: for a baseline, the same with a task of its own.
+    /// Returns the goal for this policy; a baseline adds its own task.
     #[must_use]
     pub fn goal(self, goal: &GoalRequest) -> (GoalRequest, Option<Task>) {
         let own = tasks::of(goal.kind).and_then(|task| self.task(task));
@@ -158,7 +159,7 @@ impl GripPolicy {
         (goal, Some(task))
     }
 
-    /// A task that moves as a built-in one does and grips by this policy; `None` for ours.
+    /// Returns a built-in task with this grip policy; `None` for the ATAS modules.
     fn task(self, built_in: &Task) -> Option<Task> {
         let govern = |track: &Track| match self {
             Self::Ours => None,
@@ -180,7 +181,6 @@ impl GripPolicy {
     }
 }
 
-/// The same steps without a module.
 fn without(track: &Track, module: ModuleId) -> Track {
     let kept = |step: &Step| {
         let kept: Vec<ModuleId> = step.modules.ids().filter(|id| *id != module).collect();
@@ -193,7 +193,7 @@ fn without(track: &Track, module: ModuleId) -> Track {
     Track::checked(&steps).unwrap_or(*track)
 }
 
-/// The same steps up to the probe; then a table grips, lifts and holds, and the probe goes on listening.
+/// Lets the table control all steps after the stiffness probe, which continues to estimate.
 fn read_off(track: &Track, force_limit: bool) -> Track {
     let beside: &[ModuleId] = if force_limit {
         &[ModuleId::FORCE_LIMIT]
@@ -216,11 +216,11 @@ fn read_off(track: &Track, force_limit: bool) -> Track {
             ..*step
         })
         .collect();
-    // It has fewer steps than before.
+    // Fewer steps than the valid input: never rejected.
     Track::checked(&steps).unwrap_or(*track)
 }
 
-/// The same steps with another module for the grip, without those that feel stiffness.
+/// Replaces the grip modules by one module and drops the steps that measure stiffness.
 fn governed(track: &Track, module: ModuleId) -> Track {
     let felt = track
         .iter()
@@ -231,11 +231,11 @@ fn governed(track: &Track, module: ModuleId) -> Track {
             ..*step
         })
         .collect();
-    // It has no more steps than before, and not all of them feel stiffness.
+    // No more steps than the valid input, and at least one remains: never rejected.
     Track::checked(&steps).unwrap_or(*track)
 }
 
-/// Only steps that may press hard are governed: the approach is the same for all.
+/// Changes only steps with a force limit; the approach is equal for all policies.
 fn replaced(modules: Selection, module: ModuleId) -> Selection {
     if !modules.contains(ModuleId::FORCE_LIMIT) {
         return modules;
@@ -298,7 +298,6 @@ mod tests {
         assert_eq!(GripPolicy::Ours.goal(&GoalRequest::default()).1, None);
     }
 
-    /// The modules of a baseline's step that lifts.
     fn slip_reactive_lift() -> Selection {
         let policy = GripPolicy::baselines(EvaluatedTask::Grasp, None)[1];
         let asked = GoalRequest {

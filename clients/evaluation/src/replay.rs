@@ -1,4 +1,4 @@
-//! The production controller on the recorded inputs of a run.
+//! Replay: runs the production controller on the recorded inputs of a run.
 
 use std::path::PathBuf;
 
@@ -10,31 +10,32 @@ use robot_model::RobotFiles;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, RunHeader, TickInputs};
 
-/// Frames of one hand that one tick can have taken: what the daemon's intake takes at most, with room.
+/// Buffer size for the frames of one hand in one tick, above the daemon's intake limit.
 const FRAMES: usize = 256;
 
-/// How far the replay agreed.
+/// Comparison of a replay with its recording.
 #[derive(Debug, Default)]
 pub struct Agreement {
-    /// Ticks replayed.
+    /// Number of ticks replayed.
     pub ticks: u64,
-    /// The first tick whose command differs, and in what.
+    /// First tick with a different command, and the differing field.
     pub first: Option<(u64, String)>,
-    /// Ticks whose command differs.
+    /// Number of ticks with a different command.
     pub different: u64,
 }
 
-/// Replays the files of one run, in order, from the run's first tick or from the state that the first of them begins with; `each` sees every tick, as it was recorded and as it is now.
+/// Replays the files of one run in order, from the first tick or a saved state. Calls `each` per
+/// tick with recorded inputs and replayed outputs.
 ///
 /// # Errors
-/// A file cannot be read, or not be replayed.
+/// A file cannot be read or replayed.
 pub fn replay(
     files: &[PathBuf],
     mut each: impl FnMut(&TickInputs, &Replayed<'_>),
 ) -> anyhow::Result<Agreement> {
     let mut agreement = Agreement::default();
     let mut replay = None::<Replay<Vec<HandFrame>>>;
-    // The header of the first file and the state at its beginning, if it goes on with a run.
+    // Header of the first file, and the saved state if it is a continuation file.
     let (mut header, mut begin, mut robot) = (None, None, None);
     let readers: Result<Vec<Reader>, _> = files.iter().map(|file| Reader::open(file)).collect();
     for entry in readers?.into_iter().flatten() {
@@ -68,7 +69,6 @@ pub fn replay(
     Ok(agreement)
 }
 
-/// A replay from the beginning of a run, or from a state.
 fn begin_at(
     header: Option<&RunHeader>,
     carried: Option<&RobotFiles>,
@@ -83,7 +83,7 @@ fn begin_at(
     Ok(Replay::resume(controller, next_sequence, frames()))
 }
 
-/// The controller that the run began with, of the robot that the recording carries, else of the one that the header names.
+/// Returns the initial controller for the recorded robot, else the one named in the header.
 pub(crate) fn first(
     header: &RunHeader,
     carried: Option<&RobotFiles>,
@@ -94,7 +94,6 @@ pub(crate) fn first(
     Ok(read_origin(header, &robot)?)
 }
 
-/// Room for the frames of one tick.
 pub(crate) fn frames() -> [Vec<HandFrame>; HANDS] {
     [(); HANDS].map(|()| vec![HandFrame::default(); FRAMES])
 }

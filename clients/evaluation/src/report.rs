@@ -1,6 +1,6 @@
-//! The report of an evaluation: counts, ratios and their uncertainty, as people and programs read them.
+//! Report of an evaluation: counts, ratios and confidence intervals.
 //!
-//! The names of the fields are a contract with scripts; there may be more of them, never fewer.
+//! Scripts depend on the field names: never remove one.
 
 use std::collections::BTreeMap;
 
@@ -14,92 +14,92 @@ use crate::seeds;
 use crate::tally::Tally;
 use crate::trial::Record;
 
-/// What an evaluation found.
+/// Result of an evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// The task.
+    /// Task name.
     pub task: &'static str,
-    /// The robot, as it was named.
+    /// Robot name, as given.
     pub robot: String,
-    /// Its fingertips' layout, if it is another than the robot file's.
+    /// Fingertip layout, if not the robot file's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skin: Option<String>,
-    /// Our modules under the first condition.
+    /// ATAS modules under the first condition.
     #[serde(flatten)]
     pub tally: Tally,
-    /// What physics allows, where something is to be held.
+    /// Counts by feasibility, if an object is held.
     #[serde(flatten)]
     pub physics: Option<Physics>,
-    /// Success of each baseline on the same trials, by its name.
+    /// Success of each baseline on the same trials, by name.
     pub baselines: BTreeMap<&'static str, f64>,
-    /// Simulated seconds per second of one core's processor time, of our modules.
+    /// Simulated time over processor time, ATAS modules.
     pub realtime_factor: f64,
-    /// How long the evaluation took, s.
+    /// Duration of the evaluation, s.
     pub wall_s: f64,
-    /// Trials of each object, rounded up.
+    /// Trials per object, rounded up.
     pub seeds: u64,
-    /// The first seed.
+    /// First seed.
     pub first_seed: u64,
-    /// What these seeds are good for: `judging`, or `tuning`.
+    /// `judging`, `tuning` or `tuning and judging`.
     pub seeds_for: &'static str,
-    /// Scale of the sensors' noise under the first condition.
+    /// Noise scale under the first condition.
     pub noise: Noise,
-    /// Frames per second of the sensors under the first condition.
+    /// Sensor rate under the first condition, Hz.
     pub rate_hz: u32,
     /// Errors under the first condition, by name.
     pub errors: String,
-    /// The same per family of objects.
+    /// Results per family of objects, first condition.
     pub families: Vec<Family>,
-    /// Our modules under every condition.
+    /// ATAS modules under every condition.
     pub rows: Vec<Row>,
-    /// More about the baselines.
+    /// Results of the baselines.
     pub baseline_rows: Vec<Baseline>,
 }
 
-/// One family of objects.
+/// Results of one family of objects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Family {
-    /// Name of the object in its middle.
+    /// Name of the family's nominal object.
     pub object: String,
-    /// Its trials.
+    /// Outcome counts.
     #[serde(flatten)]
     pub tally: Tally,
-    /// What physics allows, where something is to be held.
+    /// Counts by feasibility, if an object is held.
     #[serde(flatten)]
     pub physics: Option<Physics>,
 }
 
-/// One condition.
+/// Results under one condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Scale of the sensors' noise.
+    /// Noise scale.
     pub noise: Noise,
-    /// Frames per second of the sensors.
+    /// Sensor rate, Hz.
     pub rate_hz: u32,
     /// Errors, by name.
     pub errors: String,
-    /// Its trials.
+    /// Outcome counts.
     #[serde(flatten)]
     pub tally: Tally,
-    /// What physics allows, where something is to be held.
+    /// Counts by feasibility, if an object is held.
     #[serde(flatten)]
     pub physics: Option<Physics>,
 }
 
-/// One baseline under one condition.
+/// Results of one baseline under one condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Baseline {
-    /// Its name.
+    /// Name of the baseline.
     pub baseline: &'static str,
-    /// Its forces, in words.
+    /// Forces of the baseline, as text.
     pub setting: String,
-    /// Condition and trials.
+    /// Condition and results.
     #[serde(flatten)]
     pub row: Row,
 }
 
 impl Report {
-    /// Counts the records of a plan, series by series. The order within a series does not matter.
+    /// Counts the records, per series in any order.
     pub(super) fn of(plan: &Plan, series: &[Vec<Record>], wall_s: f64) -> Self {
         let (ours, theirs) = series.split_at(plan.conditions.len());
         let first: Vec<&Record> = ours[0].iter().collect();
@@ -135,7 +135,6 @@ impl Report {
     }
 }
 
-/// The first row of each baseline.
 fn successes(rows: &[Baseline]) -> BTreeMap<&'static str, f64> {
     let mut successes = BTreeMap::new();
     for of in rows {

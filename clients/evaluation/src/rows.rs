@@ -1,4 +1,4 @@
-//! One row per trial: what was drawn, what became of it, how hard and how long.
+//! Row format of single trials: drawn values, outcome, forces, durations.
 
 use serde::Serialize;
 
@@ -8,28 +8,28 @@ use crate::plan::Plan;
 use crate::policy::GripPolicy;
 use crate::trial::Record;
 
-/// One trial. Numbers have six significant digits; what does not apply, or is infinite, is absent.
+/// One trial. Numbers have six significant digits; inapplicable or infinite values are absent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrialRow {
-    /// The robot, as it was named.
+    /// Robot name, as given.
     pub robot: String,
-    /// Its fingertips' layout, if it is another than the robot file's.
+    /// Fingertip layout, if not the robot file's.
     pub skin: Option<String>,
-    /// The task.
+    /// Task name.
     pub task: &'static str,
-    /// What governed the grip.
+    /// Grip policy.
     pub policy: &'static str,
-    /// Its forces, in words.
+    /// Forces of the policy, as text.
     pub setting: String,
     /// Errors, by name.
     pub errors: String,
-    /// Frames per second of the sensors.
+    /// Sensor rate, Hz.
     pub rate_hz: u32,
-    /// The object in the middle of its family.
+    /// Nominal object of the family.
     pub object: String,
-    /// The seed.
+    /// Seed.
     pub seed: u64,
-    /// Scale of the sensors' noise.
+    /// Noise scale.
     pub noise: Option<f64>,
     /// Mass, kg.
     pub mass_kg: Option<f64>,
@@ -39,68 +39,67 @@ pub struct TrialRow {
     pub stiffness_n_m: Option<f64>,
     /// Width, mm.
     pub width_mm: Option<f64>,
-    /// Width that the controller was told, mm.
+    /// Width given to the controller, mm.
     pub told_width_mm: Option<f64>,
     /// Height, mm.
     pub height_mm: Option<f64>,
-    /// Centre of mass beside the closing axis, mm.
+    /// Offset of the centre of mass from the closing axis, mm.
     pub off_centre_mm: Option<f64>,
-    /// Where it stood against what the controller was told, x, mm.
+    /// True minus expected x position, mm.
     pub off_x_mm: Option<f64>,
-    /// The same, y, mm.
+    /// True minus expected y position, mm.
     pub off_y_mm: Option<f64>,
-    /// The same, degrees.
+    /// True minus expected yaw, degrees.
     pub off_yaw_deg: Option<f64>,
-    /// Friction of a cap's thread, mN·m.
+    /// Friction torque of a cap's thread, mN·m.
     pub thread_mn_m: Option<f64>,
     /// Angle at which a cap is closed, degrees.
     pub closes_at_deg: Option<f64>,
-    /// Force per finger that carries it, N.
+    /// Force per side against sliding, N.
     pub needed_n: Option<f64>,
-    /// Force per finger that carries it without letting it turn, N.
+    /// Force per side against sliding and rotation, N.
     pub steady_n: Option<f64>,
-    /// Force that crushes it, N.
+    /// Force that crushes the object, N.
     pub crush_n: Option<f64>,
-    /// F_2 at its true stiffness, N.
+    /// F_2 at the true stiffness, N.
     pub f2_n: Option<f64>,
-    /// Whether the paper's rule allows it.
+    /// Feasible under the paper's rule.
     pub feasible: bool,
-    /// Whether physics allows it.
+    /// Feasible by physics alone.
     pub feasible_by_physics: bool,
-    /// What became of it.
+    /// Outcome key.
     pub outcome: String,
-    /// Whether that is what should.
+    /// Success under the paper's rule.
     pub success: bool,
-    /// Whether that is what should by physics alone.
+    /// Success by physics alone.
     pub success_by_physics: bool,
-    /// Greatest slip in the hand, mm.
+    /// Largest slip in the hand, mm.
     pub slip_mm: Option<f64>,
-    /// Greatest turn in the hand, degrees.
+    /// Largest turn in the hand, degrees.
     pub turn_deg: Option<f64>,
-    /// Largest force that it felt, N.
+    /// Largest force on the object, N.
     pub max_force_n: Option<f64>,
-    /// Mean normal force at the end over the force needed.
+    /// Mean final over needed normal force.
     pub over_grip: Option<f64>,
-    /// F_2 that the controller found over F_2 at the true stiffness.
+    /// Measured F_2 over F_2 at the true stiffness.
     pub f2_ratio: Option<f64>,
-    /// How far it was put from its place, mm.
+    /// Horizontal distance from the destination, mm.
     pub off_mm: Option<f64>,
-    /// From its support carrying it to the hand opening, ms.
+    /// Time from support to the hand opening, ms.
     pub latency_ms: Option<f64>,
-    /// Height at which it was let go, mm.
+    /// Height above the support at release, mm.
     pub released_above_mm: Option<f64>,
-    /// Torque that turns a cap further over the friction of its thread.
+    /// Holding torque of the cap over its thread's friction.
     pub tightness: Option<f64>,
-    /// How far a bottle tilts, degrees.
+    /// Tilt of the bottle, degrees.
     pub tilt_deg: Option<f64>,
-    /// How far a bottle was turned, degrees.
+    /// Rotation of the bottle, degrees.
     pub bottle_turn_deg: Option<f64>,
     /// Simulated time, s.
     pub simulated_s: Option<f64>,
 }
 
 impl TrialRow {
-    /// Of a record of a plan's series.
     pub(crate) fn of(
         plan: &Plan,
         (policy, condition): &(GripPolicy, Condition),
@@ -162,7 +161,7 @@ impl TrialRow {
     }
 }
 
-/// To six significant digits; `None` unless finite.
+/// Rounds to six significant digits; `None` if not finite.
 fn rounded(value: f64) -> Option<f64> {
     let text = format!("{value:.5e}");
     text.parse().ok().filter(|value: &f64| value.is_finite())

@@ -1,16 +1,18 @@
-//! Which seeds are for tuning and which for judging: a number that was tuned on a seed proves nothing on it.
+//! Separation of tuning seeds from evaluation seeds. A parameter tuned on a seed cannot be
+//! evaluated on it.
 //!
-//! Every seed is another member of every family. What is chosen by trying, in the modules as in the baselines, is tried on
-//! [`TUNING`]; figures that are quoted come from [`JUDGED_FROM`] on, which is where an evaluation begins by itself.
+//! Each seed is another member of every family. Parameters of modules and baselines are chosen on
+//! [`TUNING`]. Published figures use seeds from [`JUDGED_FROM`] on, the default of an
+//! evaluation.
 
 use core::ops::RangeInclusive;
 
-/// Seeds that anything may be tuned on.
+/// Seeds for tuning.
 pub const TUNING: RangeInclusive<u64> = 1..=20_000;
-/// The first seed that nothing may be tuned on.
+/// First seed excluded from tuning.
 pub const JUDGED_FROM: u64 = *TUNING.end() + 1;
 
-/// What an evaluation over these seeds is good for.
+/// Returns the purpose of these seeds, as in reports.
 #[must_use]
 pub fn purpose(first: u64, count: u64) -> &'static str {
     let last = first.saturating_add(count.saturating_sub(1));

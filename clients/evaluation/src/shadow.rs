@@ -1,4 +1,5 @@
-//! The production controller beside a recorder: what it saves at the beginning of a file lets that file replay by itself.
+//! Production controller that runs beside a recorder. The recorder saves its state at the start of
+//! each file, so that the file can be replayed alone.
 
 use atas_core::record::Replay;
 use atas_recording::Follower;
@@ -7,7 +8,7 @@ use shm_schemas::{HandFrame, RunHeader, TickInputs};
 use crate::replay::{first, frames};
 use crate::state::encode;
 
-/// The production controller, beside a recorder: it replays the run as it is recorded.
+/// Production controller that replays a run while it is recorded.
 #[derive(Debug, Default)]
 pub struct Shadow {
     replay: Option<Replay<Vec<HandFrame>>>,

@@ -1,13 +1,12 @@
-//! A controller's state between two ticks of a recorded run: written at the beginning of a file that goes on with the run,
-//! read by a replay that has nothing before it.
+//! Controller state between two ticks of a recorded run. A recorder writes it at the start of each
+//! continuation file, so that this file can be replayed alone.
 //!
-//! All fields go by their names, so that the state of a controller with other fields is refused, not misread.
+//! Fields are stored by name: the state of a controller with other fields is rejected, not misread.
 
 use anyhow::Context;
 use atas_core::Controller;
 use serde::{Deserialize, Serialize};
 
-/// What is written.
 #[derive(Serialize)]
 struct Saved<'a> {
     version: &'a str,
@@ -15,13 +14,11 @@ struct Saved<'a> {
     controller: &'a Controller,
 }
 
-/// What is read before all else.
 #[derive(Deserialize)]
 struct Made<'a> {
     version: &'a str,
 }
 
-/// What is read.
 #[derive(Deserialize)]
 struct Read {
     next_sequence: u64,
@@ -37,14 +34,14 @@ pub(crate) fn encode(controller: &Controller, next_sequence: u64) -> anyhow::Res
     rmp_serde::to_vec_named(&saved).context("could not save the controller's state")
 }
 
-/// Stack for reading a controller, which serde puts together in place, several times over: more than threads have by
-/// themselves.
+/// Stack of the decoding thread. serde builds the controller on the stack several times over, which
+/// exceeds the default stack.
 const STACK_BYTES: usize = 64 << 20;
 
-/// The controller of a state, and the sequence of the part that it goes on with.
+/// Decodes the controller and the sequence number of the next part.
 ///
 /// # Errors
-/// The state is of another version, or damaged.
+/// The state has another version, or is damaged.
 pub(crate) fn decode(state: &[u8]) -> anyhow::Result<(Controller, u64)> {
     let made: Made<'_> = rmp_serde::from_slice(state)
         .context("could not read the controller's state; the recording is damaged")?;

@@ -1,9 +1,10 @@
-//! Medians, deviations and confidence. Of our own: `statrs` and its like have no Wilson interval, and it is one line.
+//! Median, standard deviation and confidence interval. Implemented here because `statrs` and
+//! similar crates have no Wilson interval.
 
 /// Two-sided 95 % quantile of the normal distribution.
 const Z_95: f64 = 1.959_963_984_540_054;
 
-/// The middle value, or the mean of the two in the middle.
+/// Returns the middle value, or the mean of the two middle values.
 #[must_use]
 pub fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
@@ -15,7 +16,6 @@ pub fn median(mut values: Vec<f64>) -> Option<f64> {
     }
 }
 
-/// Standard deviation of a sample; `None` below two values.
 pub(super) fn deviation(values: &[f64]) -> Option<f64> {
     if values.len() < 2 {
         return None;
@@ -26,7 +26,7 @@ pub(super) fn deviation(values: &[f64]) -> Option<f64> {
     Some((squares / (count - 1.0)).sqrt())
 }
 
-/// Wilson score interval of a share, 95 % (Wilson 1927). Of nothing, everything is possible.
+/// Returns the 95 % Wilson score interval of a share (Wilson 1927); [0, 1] without trials.
 #[must_use]
 pub fn wilson(successes: u64, trials: u64) -> [f64; 2] {
     if trials == 0 {

@@ -1,4 +1,4 @@
-//! How many trials went how, and what was measured in them.
+//! Counts of trial outcomes, and statistics of their measured quantities.
 
 use std::collections::BTreeMap;
 
@@ -7,20 +7,20 @@ use serde::Serialize;
 use crate::statistics::{median, wilson};
 use crate::trial::Record;
 
-/// How many trials went how.
+/// Outcome counts of a group of trials.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tally {
-    /// Trials in all.
+    /// Trials.
     pub trials: u64,
-    /// Share of them that are a success.
+    /// Share of successful trials.
     pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
+    /// 95 % Wilson interval of `success`.
     pub ci95: [f64; 2],
-    /// How many are not, by what became of them.
+    /// Number of failures by outcome key.
     pub failures: BTreeMap<String, u64>,
-    /// Medians of what was measured, over successes.
+    /// Median of each measured quantity, over successes.
     pub medians: BTreeMap<String, f64>,
-    /// The largest of the same.
+    /// Maximum of each measured quantity, over successes.
     pub largest: BTreeMap<String, f64>,
 }
 
@@ -51,7 +51,6 @@ impl Tally {
     }
 }
 
-/// A share of so many; of none, 0.
 pub(super) fn share(part: u64, whole: u64) -> f64 {
     part as f64 / whole.max(1) as f64
 }

@@ -1,4 +1,4 @@
-//! The tasks that can be evaluated: scene, goal and judgement of each, from the world's true and nominal sides.
+//! Tasks that can be evaluated: scene, goal and evaluation conditions of each.
 
 use anyhow::Context;
 use atas_client::goal::{HOLD_S, LIFT_M};
@@ -10,19 +10,19 @@ use crate::condition::{Condition, Named, Noise};
 use crate::judge::Load;
 use crate::offline::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
 
-/// The hand of the two-hand arm that acts.
+/// Acting hand of the two-hand arm.
 pub const SIDE: Side = Side::Right;
-/// Frames per second of a sensor that keeps up with the tick, and of two held ones (issue).
+/// Sensor rates, Hz: one frame per tick, and two slower ones (acceptance criterion).
 const RATES_HZ: [u32; 3] = [1000, 100, 30];
-/// Noise of the sensors in the tasks after the grasp (issue: × 1 to 2).
+/// Range of the sensor noise scale in all tasks but the grasp (acceptance criterion: × 1 to 2).
 const NOISE: [f64; 2] = [1.0, 2.0];
 
-/// A task of the paper.
+/// Task of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
     /// Grasp, lift and hold.
     Grasp,
-    /// Pick up, set down on a plate whose height is wrong by up to 10 mm.
+    /// Pick up and set down on a plate with a height error of up to 10 mm.
     PickPlace,
     /// Close a cap on a clamped bottle.
     Screw,
@@ -31,10 +31,10 @@ pub enum Task {
 }
 
 impl Task {
-    /// All of them.
+    /// All tasks.
     pub const ALL: [Self; 4] = [Self::Grasp, Self::PickPlace, Self::Screw, Self::Assembly];
 
-    /// Its name, as users type it.
+    /// Returns the name, as users type it.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -45,10 +45,11 @@ impl Task {
         }
     }
 
-    /// The built-in objects that it is tried with: all for the grasp, those that can be held for pick and place, a cap.
+    /// Returns the built-in objects of the task: all for the grasp, the feasible ones for pick and
+    /// place, a cap otherwise.
     ///
     /// # Errors
-    /// A built-in object's file is wrong.
+    /// A built-in object's file is invalid.
     pub fn objects(self) -> Result<Vec<Object>, ObjectError> {
         let grasp = atas_core::settings::Grasp::default();
         let can_be_held = |object: &Object| Load::of(object, &grasp, 1).is_feasible();
@@ -63,7 +64,8 @@ impl Task {
         }
     }
 
-    /// The conditions that the issue asks for: noise × 1 and × 2 of the grasp, × 1 to 2 of the others, then held sensors.
+    /// Returns the conditions of the acceptance criteria: usual noise, double noise (grasp only),
+    /// slower sensors.
     #[must_use]
     pub fn conditions(self) -> Vec<Condition> {
         let condition = |noise, rate_hz| Condition {
@@ -84,7 +86,7 @@ impl Task {
         conditions
     }
 
-    /// Longest simulated time of a trial, s (ours: several times what a clean one takes).
+    /// Time limit of a trial, s. Design choice: several times the usual duration.
     pub(crate) fn limit_s(self) -> f64 {
         match self {
             Self::Grasp | Self::PickPlace => 120.0,
@@ -93,7 +95,8 @@ impl Task {
         }
     }
 
-    /// The usual condition with no error, with each kind of error by itself, and with all at once.
+    /// Returns the usual condition with no error, with each kind of error alone, and with all at
+    /// once.
     #[must_use]
     pub fn error_conditions(self) -> Vec<Condition> {
         let usual = self.conditions().swap_remove(0);
@@ -111,7 +114,7 @@ impl Task {
             .collect()
     }
 
-    /// Whether a robot can do it with the hand that acts where nobody says which.
+    /// Returns true if the robot's default acting hand can do the task.
     #[must_use]
     pub fn is_within(self, robot: &RobotModel) -> bool {
         let able = robot.hand(robot.acting_side()).abilities();
@@ -126,10 +129,10 @@ impl Task {
         }
     }
 
-    /// Refuses a robot that cannot do it.
+    /// Rejects a robot that cannot do the task.
     ///
     /// # Errors
-    /// It cannot.
+    /// The acting hand lacks a capability.
     pub fn check(self, robot: &RobotModel) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.is_within(robot),
@@ -140,10 +143,10 @@ impl Task {
         Ok(())
     }
 
-    /// Its usual scene around an object, before a robot.
+    /// Returns the usual scene of the task around an object, within the hand's workspace.
     ///
     /// # Errors
-    /// A built-in object's file is wrong.
+    /// A built-in object's file is invalid.
     pub fn scene(self, robot: &RobotModel, object: Object) -> Result<Scene, ObjectError> {
         let (side, bottle) = (robot.acting_side(), || Object::built_in("open-bottle"));
         let scene = match self {
@@ -155,10 +158,10 @@ impl Task {
         Ok(scene.before(robot.hand(side)))
     }
 
-    /// What a client asks of a hand, who knows what he is told of the scene.
+    /// Returns the goal that a client with nominal knowledge of the scene requests.
     ///
     /// # Errors
-    /// The scene lacks what the task needs.
+    /// The scene lacks an object or place of the task.
     pub fn goal(self, scene: &Scene, side: Side) -> anyhow::Result<GoalRequest> {
         let hint = |index: usize| {
             scene

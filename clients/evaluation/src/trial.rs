@@ -1,4 +1,4 @@
-//! One trial: a member of an object's family, a world around it, a goal from nominal knowledge, and the judgement.
+//! One trial: a family member, its world, a goal from nominal knowledge, and the evaluation.
 
 use anyhow::Context;
 use atas_client::GoalProgress;
@@ -17,66 +17,64 @@ use crate::plan::{Job, Plan};
 use crate::task::Task;
 use crate::worn::Worn;
 
-/// What turns a trial's seed into that of its noise scale (ours: any number does).
+/// Derives the noise-scale seed from the trial's seed. The value is arbitrary.
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
 
-/// The judgement of one trial.
+/// Result of one trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Index of the object in the plan.
     pub object: usize,
-    /// The seed of the trial, as users number them.
+    /// Seed of the trial, as users number it.
     pub number: u64,
-    /// What was drawn.
+    /// Values drawn at random.
     pub drawn: Drawn,
-    /// What physics says of this member of the family; `None` for caps, which anything can turn.
+    /// Forces that decide feasibility; `None` for caps, which are always feasible.
     pub load: Option<Load>,
-    /// What became of it.
+    /// Evaluation of the outcome.
     pub finding: Finding,
-    /// Largest force that a fingertip pressed its objects with, N.
+    /// Largest force of a fingertip on an object, N.
     pub max_force_n: f64,
     /// Simulated time, s.
     pub simulated_s: f64,
-    /// Processor time of this thread, s. The only field that is not a function of the plan.
+    /// Processor time of this thread, s. All other fields depend on the plan only.
     pub cpu_s: f64,
 }
 
-/// What a trial came to with each of what its fingertips wore, and what else was made of it.
+/// Records of one trial per sensor variant, with the caller's data.
 pub type WornTrial<T> = (Vec<Record>, T);
 
 impl Record {
-    /// Whether the paper's rule allows the task.
+    /// Returns true if the task is feasible under the paper's rule.
     #[must_use]
     pub fn feasible(&self) -> bool {
         self.load.is_none_or(|load| load.is_feasible())
     }
 
-    /// Whether physics allows the task.
+    /// Returns true if the task is feasible by physics alone.
     #[must_use]
     pub fn feasible_by_physics(&self) -> bool {
         self.load.is_none_or(|load| load.is_physically_feasible())
     }
 
-    /// Why it is no success; `None` if it is.
+    /// Returns the failure key under the paper's rule; `None` on success.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         self.finding.failure(self.feasible())
     }
 
-    /// The same by physics alone.
+    /// Returns the failure key by physics alone; `None` on success.
     #[must_use]
     pub fn failure_by_physics(&self) -> Option<&str> {
         self.finding.failure(self.feasible_by_physics())
     }
 }
 
-/// One trial as its plan has it.
 pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<Record> {
     let settings = job.policy.settings(&plan.settings);
     Stage::set(robot, plan, job)?.run(Worn::bare(settings))
 }
 
-/// One trial, once with each of what `wear` makes for its fingertips; and what else it makes.
 pub(super) fn run_worn<T>(
     robot: &RobotModel,
     plan: &Plan,
@@ -90,7 +88,7 @@ pub(super) fn run_worn<T>(
     Ok((records?, made))
 }
 
-/// What a trial begins with: a member of an object's family in its scene, and what is asked.
+/// Initial state of a trial: a family member in its scene, and the goal.
 struct Stage<'a> {
     robot: &'a RobotModel,
     plan: &'a Plan,
@@ -168,12 +166,10 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// A number from 0 to 1 from a seed.
 fn share(seed: u64) -> f64 {
     (split_mix(seed) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Processor time of this thread, s.
 fn cpu_s() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9

@@ -1,18 +1,17 @@
-//! Fingertips that are felt through something: another skin, another calibration.
+//! Sensor variant of a trial: changed tactile frames and settings.
 
 use atas_core::Settings;
 use shm_schemas::HandFrame;
 
-/// What a trial is run with in place of what its plan has.
+/// Settings and frame filter that replace those of the plan.
 pub struct Worn {
-    /// The controller's settings.
+    /// Controller settings.
     pub settings: Settings,
-    /// What changes every frame on its way from the fingertips to the controller; it must seal it again.
+    /// Modifies each tactile frame between fingertips and controller; must re-seal the frame.
     pub skin: Box<dyn FnMut(&mut HandFrame)>,
 }
 
 impl Worn {
-    /// Nothing: the frames as they are.
     pub(crate) fn bare(settings: Settings) -> Self {
         Self {
             settings,

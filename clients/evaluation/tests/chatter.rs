@@ -1,5 +1,6 @@
-//! Modules do not chatter: how often slip and relax are switched on in one lift, over the families of all objects. Slip presses in
-//! steps while the load grows, and stops in between as the paper has it; relax opens and is done.
+//! Regression against chatter: limits how often slip and grip relaxation become active in one lift,
+//! over the families of all objects. Slip closes in steps while the load grows, with pauses in
+//! between as in the paper.
 
 use atas_core::Settings;
 use atas_evaluation::Task;
@@ -12,14 +13,14 @@ const SIDE: Side = Side::Right;
 const LIFT_M: f64 = 0.04;
 const HOLD_S: f64 = 1.0;
 const LIMIT_S: f64 = 120.0;
-/// What switches back and forth where a grip is neither enough nor too much.
+/// Modules that alternate when the grip force is near its limits.
 const MODULES: [ModuleId; 2] = [ModuleId::SLIP, ModuleId::RELAX];
-/// Members of each family that are tried, of the seeds for tuning.
+/// Tuning seeds tested per family.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
-/// Most times that each may be switched on in a lift (ours: a fifth above the most of any of these).
+/// Maximum activations per lift. Design choice: a fifth above the largest count of these trials.
 const MOST: [u32; 2] = [33, 5];
 
-/// How often each of [`MODULES`] is switched on from the first touch to the end of the hold.
+/// Counts the activations of each of [`MODULES`] from first touch to the end of the hold.
 fn switches(robot: &RobotModel, object: &Object, seed: u64) -> [u32; 2] {
     let scene = Scene::grasp(object.clone(), SIDE).varied(seed);
     let hint = scene.grasp_hint(0).expect("an object");
@@ -57,7 +58,7 @@ fn slip_and_relax_are_switched_no_more_often_than_a_lift_needs() {
             }
         }
     }
-    // A bound far from what happens holds nothing.
+    // Limits far above the measured counts detect no regression.
     let close = most
         .iter()
         .zip(MOST)

@@ -1,4 +1,4 @@
-//! Evaluation: the same numbers whatever the number of threads, and the fields that scripts rely on.
+//! Tests of the evaluation: results independent of threads, and the JSON fields that scripts use.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -6,7 +6,7 @@ use atas_evaluation::{GripPolicy, Plan, Report, Task, trial_seed};
 use serde_json::Value;
 use sim_backend::Object;
 
-/// Some objects, each twice, under the task's first condition.
+/// Plan with two trials per object, under the task's first condition.
 fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
     let object = |name: &&str| Object::built_in(name).expect("built in");
     Plan {
@@ -24,7 +24,6 @@ fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
     }
 }
 
-/// One object that can be held and one that cannot.
 fn grasps(threads: usize) -> Plan {
     plan(Task::Grasp, &["paper-box", "heavy-block"], threads)
 }
@@ -34,7 +33,6 @@ fn run(plan: &Plan) -> Report {
     report.expect("it runs").expect("nobody stopped it").report
 }
 
-/// The report without the two fields that are times.
 fn timeless(report: Report) -> Report {
     Report {
         realtime_factor: 0.0,

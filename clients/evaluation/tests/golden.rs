@@ -1,8 +1,8 @@
-//! The README's tables are those that were measured, and some of the trials behind them come out the same today.
+//! Golden test: the README's tables are the measured ones, and some of their trials reproduce.
 //!
-//! `atas eval all --golden clients/evaluation/golden` measures anew and writes what this test reads, and so do `atas eval errors`,
-//! `robots` and `skins`: a table, and of every series behind it the first trial and the one in the middle. A controller or a
-//! simulator that behaves otherwise fails here, until its figures are measured and the README has them.
+//! `atas eval all --golden clients/evaluation/golden` measures and writes the files that this test
+//! reads, as do `atas eval errors`, `robots` and `skins`: a table, and the first and the middle
+//! trial of each series. After a change of behaviour, measure again and update the README.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,9 +13,9 @@ use robot_model::{RobotFiles, SHIPPED, TWO_HAND_ARM};
 use shm_schemas::layout::NamedLayout;
 use sim_backend::Object;
 
-/// A row by its columns.
+/// CSV row by column name.
 type Columns = BTreeMap<String, String>;
-/// The columns that say which trial a row is of.
+/// Columns that identify a trial.
 const KEY: [&str; 9] = [
     "robot", "skin", "task", "policy", "errors", "rate_hz", "noise", "object", "seed",
 ];
@@ -68,7 +68,6 @@ fn the_tables_of_the_readme_are_those_that_were_measured() {
     }
 }
 
-/// A series behind a table.
 struct Series {
     robot: RobotFiles,
     skin: Option<NamedLayout>,
@@ -77,7 +76,6 @@ struct Series {
 }
 
 impl Series {
-    /// Of the two-hand arm.
     fn usual(task: Task, condition: Condition) -> Self {
         Self {
             robot: TWO_HAND_ARM,
@@ -87,7 +85,7 @@ impl Series {
         }
     }
 
-    /// A grasp at the sensors' full rate, as robots and skins are tried.
+    /// Creates a grasp series at full sensor rate, as for robots and skins.
     fn grasp(robot: RobotFiles, skin: Option<&str>) -> Self {
         Self {
             skin: skin.map(|name| name.parse().expect("a layout")),
@@ -105,7 +103,7 @@ impl Series {
             && row["rate_hz"] == self.condition.rate_hz.to_string()
     }
 
-    /// Runs its first kept trial again, with all policies if there are baselines.
+    /// Repeats the first stored trial, with all policies if `baselines` is true.
     fn check(self, kept: &[Columns], baselines: bool) {
         let first = kept.iter().find(|row| self.has(row));
         let (robot, task) = (&self.robot.name, self.task.name());
@@ -147,7 +145,7 @@ impl Series {
 fn trials_behind_the_table_come_out_as_they_were_measured() {
     let kept = columns(golden("all.csv").as_bytes());
     for task in Task::ALL {
-        // A baseline's assembly takes longest.
+        // Assembly baselines are too slow for this test.
         let usual = task.conditions().swap_remove(0);
         Series::usual(task, usual).check(&kept, task != Task::Assembly);
     }

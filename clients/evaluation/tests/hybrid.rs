@@ -1,4 +1,5 @@
-//! Both methodologies in one robot: a table written by hand drives, modules grasp, and the same seed gives the same bits.
+//! Tests of the hybrid demonstration: a hand-written table drives, modules grasp, the same seed
+//! gives the same bits.
 
 use std::sync::atomic::AtomicBool;
 
@@ -6,7 +7,8 @@ use atas_evaluation::hybrid::{HybridPlan, HybridReport, HybridTrial, PHASES, Ref
 use sim_backend::Object;
 use sim_backend::course::{Responses, Wheels};
 
-/// Turns from what is in the way, else towards the light, else straight on; slowly, because bumps shake who drives fast.
+/// Hand-written table: turns away from obstacles, else towards the light, else straight on. Slow,
+/// because bumps at high speed shake the load.
 fn by_hand() -> Responses {
     let wheels = |left, right| Wheels { left, right };
     Responses::from_fn(|row| match (row & 7, row >> 3) {
@@ -61,7 +63,7 @@ fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
     );
 }
 
-/// Regression: a robot that waited for another one whose course was over did so for ever.
+/// Regression: a robot waited for ever for another one whose course was over.
 #[test]
 fn what_goes_wrong_is_named_robot_by_robot_and_the_course_ends() {
     let straight = Responses::from_fn(|_| Wheels { left: 2, right: 2 });

@@ -1,4 +1,4 @@
-//! Figures: what they show, and the same bytes every time.
+//! Tests of figures: content and reproducibility.
 
 use std::path::Path;
 
@@ -76,7 +76,7 @@ fn every_task_has_a_figure() {
     check(Task::Assembly, "cap", &hands, 6);
 }
 
-/// A hand that turns back is in steps that its task does not list: they are labelled all the same.
+/// Recovery steps, which the task's definition does not list, are labelled too.
 #[test]
 fn the_steps_after_a_refusal_are_labelled() {
     let svg = drawn(Task::Grasp, "heavy-block", 1);
@@ -85,10 +85,10 @@ fn the_steps_after_a_refusal_are_labelled() {
     }
 }
 
-/// The force that an object needs stands where the axis says, as the forces of the hand do, also where no hand can press so hard.
+/// The needed force is drawn on the scale of the force axis, even above the hand's limit.
 #[test]
 fn what_an_object_needs_is_drawn_to_scale() {
-    /// Where the lines of one colour and width are: the least y, which points downwards, px.
+    /// Returns the smallest y (upwards) of the lines with one colour and width, px.
     fn top(svg: &str, colour: &str, width: u32) -> f64 {
         let drawn = format!("stroke=\"{colour}\" stroke-width=\"{width}\" points=\"");
         let lines = svg
@@ -99,7 +99,7 @@ fn what_an_object_needs_is_drawn_to_scale() {
         let y = points.filter_map(|point| point.split_once(',')?.1.parse().ok());
         y.fold(f64::INFINITY, f64::min)
     }
-    // What F_2 is of a rigid object, N.
+    // F_2 of a rigid object, N.
     const F2_N: f64 = 8.0;
     for object in ["wood", "bottle", "heavy-block"] {
         let svg = drawn(Task::Grasp, object, 1);
@@ -110,7 +110,7 @@ fn what_an_object_needs_is_drawn_to_scale() {
         let friction = rest.split_whitespace().next().expect("a friction");
         let number = |text: &str| text.parse::<f64>().expect("a number");
         let needed_n = number(mass_g) * 9.81e-3 / (2.0 * number(friction));
-        // The first axis left of the panels is the forces'.
+        // The first axis left of the panels belongs to the forces.
         let axis = svg.split("points=\"219,").nth(1).expect("an axis");
         let bottom = axis.split([',', ' ']).nth(2).map(number).expect("an end");
         let height = |colour| bottom - top(&svg, colour, 3);
@@ -123,11 +123,10 @@ fn what_an_object_needs_is_drawn_to_scale() {
     }
 }
 
-/// What lies on top of each other must be told apart by its colour.
 #[test]
 fn fingers_and_thresholds_have_colours_of_their_own() {
     let svg = drawn(Task::Grasp, "wood", 1);
-    // More lines than the legend alone has: one, or three dashes.
+    // The legend alone has one line, or three dashes.
     let least = [
         ("#0072B2", 2),
         ("#56B4E9", 2),
@@ -155,7 +154,7 @@ fn what_never_happened_cannot_be_drawn() {
     assert!(error.to_string().contains("never stood"), "{error}");
 }
 
-/// The README shows them, so they must be what its commands draw now.
+/// The documentation shows these files; they must equal the output of `atas plot`.
 #[test]
 fn the_figures_of_the_readme_are_up_to_date() {
     let check = |file: &str, task: Task, object: &str, seed: u64| {

@@ -1,4 +1,5 @@
-//! Recordings judged: made ones, where the truth is known to the last digit, and the real ones where they lie beside the tree.
+//! Evaluation of recordings: synthetic ones with exact truth, and real ones if they are installed
+//! beside the source tree.
 #![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
 
 use std::fmt::Write as _;
@@ -6,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use atas_evaluation::recorded::{Fit, Labels, Model, Sheet, Verdict, judge, train};
 
-/// Uniform noise from −1 to 1, by index.
 fn noise(index: usize) -> f64 {
     let mut z = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -25,7 +25,8 @@ fn labelled(column: &str) -> Labels {
     }
 }
 
-/// Three objects, each touched four times and slipped on four times, by a skin of 24 electrodes; `rows` in order.
+/// Synthetic recording of 24 electrodes: three objects with four stable contacts and four slips
+/// each.
 fn slips(rate_hz: usize, mut cell: impl FnMut(usize, usize, String) -> String) -> String {
     let mut text = "label,sequence,object,t_s".to_owned();
     (1..=24).for_each(|e| write!(text, ",ff_e{e}").expect("a string"));
@@ -83,7 +84,7 @@ fn slip_is_told_from_touch_at_any_rate_and_with_holes() {
         _ => counts,
     };
     check("holes", &slips(100, holes));
-    // Without the column of time, half of the electrodes, and with other words.
+    // No time column, half of the electrodes, other label texts.
     let fewer = slips(100, |_, _, counts| counts)
         .lines()
         .map(|line| {
@@ -107,7 +108,7 @@ fn slip_is_told_from_touch_at_any_rate_and_with_holes() {
     check("0 and 1", &plain);
 }
 
-/// What was recorded faster than the sensor speaks holds its readings: the noise between frames is that of fresh ones.
+/// A recording faster than the sensor repeats readings; only new readings count for the noise.
 #[test]
 fn readings_that_are_held_are_no_frames() {
     let text = slips(100, |_, _, counts| counts);
@@ -160,7 +161,7 @@ fn what_is_left_out_or_taken_for_granted_is_told() {
             "600 readings (0.4 %)",
         ],
     );
-    // Labels of frames instead of a column that numbers cases; some are missing.
+    // Labels per frame instead of a case-number column; some are missing.
     let frames = text.replacen(",sequence,", ",row,", 1);
     told(&frames, &[]);
 }
@@ -176,7 +177,7 @@ fn a_verdict_does_not_depend_on_what_it_is_asked_before() {
     assert_eq!(once(), once());
 }
 
-/// Fruits that rupture at 3 to 8 N.
+/// Synthetic presses of fruit that ruptures at 3 to 8 N.
 fn presses() -> (String, String) {
     let mut text = "fruit,trial,force_N,pos_mm,t_s\n".to_owned();
     let mut truths = "fruit,trial,rupture_N\n".to_owned();
@@ -207,7 +208,7 @@ fn rupture_is_found_with_labels_beside_the_recording() {
     let sheet = Sheet::open(&recording).expect("a table");
     let shipped = Model::shipped().expect("a model");
     let labels = labelled("rupture_N");
-    // A fruit that nobody has pressed yet: the force at which it gave way stands for itself.
+    // Unknown fruit: the force at yielding is the prediction.
     let unknown = judge(&sheet, &labels, &shipped, Fit::Given).expect("judged");
     assert!(unknown.mae_n.expect("an error") < 0.5, "{unknown:?}");
     let across = judge(&sheet, &labels, &shipped, Fit::Across).expect("judged");
@@ -215,7 +216,7 @@ fn rupture_is_found_with_labels_beside_the_recording() {
     assert!(plums.n == 12 && plums.mae_n < 0.03, "{plums:?}");
     assert!((0.0..0.6).contains(&plums.beyond_n), "{plums:?}");
     assert!(plums.mae_of_mean_n > 1.0, "{plums:?}");
-    // What was fitted is saved, read again, and judges the same.
+    // The fitted model survives saving and reading, with the same results.
     let trained = train(&sheet, &labels, &shipped).expect("fitted");
     let saved = folder.path().join("mine.toml");
     trained.save(&saved).expect("saved");
@@ -225,7 +226,7 @@ fn rupture_is_found_with_labels_beside_the_recording() {
     assert!(known.mae_n.expect("an error") < 0.03, "{known:?}");
 }
 
-/// Squeezes by two fingers of stiff and of soft things, in N per degree.
+/// Synthetic squeezes by two fingers: stiff and soft objects, in N per degree.
 fn squeezes() -> String {
     let mut text =
         "sample,label,step,f1_x,f1_y,f1_z,f2_x,f2_y,f2_z,pos1_deg,pos2_deg,t_s\n".to_owned();
@@ -279,7 +280,7 @@ fn touches_are_counted_and_judged_frame_by_frame() {
     let mut text = "fx_counts,fy_counts,fz_counts,touch\n".to_owned();
     for frame in 0..5000 {
         let touched = frame / 500 % 2 == 1;
-        // Flickering between touches is none.
+        // Flicker below the threshold between contacts is not a contact.
         let fz = if touched {
             -100 - (frame % 7)
         } else {
@@ -297,7 +298,7 @@ fn touches_are_counted_and_judged_frame_by_frame() {
     let shipped = Model::shipped().expect("a model");
     let verdict = judge(&sheet(&text), &labelled("touch"), &shipped, Fit::Given).expect("judged");
     assert_eq!(verdict.touches.expect("touches").len(), 5);
-    // The low-pass makes every beginning and end a few frames late.
+    // The low-pass delays every beginning and end by a few frames.
     assert!(verdict.rates.expect("two classes").balanced_accuracy > 0.98);
     let bare = judge(&sheet(&text), &Labels::default(), &shipped, Fit::Given).expect("judged");
     assert_eq!((bare.n, bare.touches.expect("touches").len()), (5000, 5));
@@ -333,7 +334,7 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
     let one_object = "ff_e1,sequence,object,label\n1,1,cup,t\n2,2,cup,t\n3,3,cup,n\n";
     check(one_object, &label, Fit::Across, "leaving out \"cup\"");
     assert!(Sheet::read(Path::new("empty.csv"), &b"a,b\n"[..]).is_err());
-    // Where nothing was judged nothing is reported.
+    // A verdict without evaluated cases is an error.
     let text = slips(100, |_, _, counts| counts);
     let given = |text: &str, labels: &Labels, part: &str| check(text, labels, Fit::Given, part);
     let lines = |keep: fn(&&str) -> bool| text.lines().filter(keep).collect::<Vec<_>>().join("\n");
@@ -391,7 +392,7 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
     assert!(Model::open(model.path()).is_err());
 }
 
-/// The real recordings lie beside the tree where developers and CI have them; they are not ours to commit.
+/// Real recordings are third-party data outside the repository.
 fn real(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../../shared/data")
@@ -447,7 +448,8 @@ fn five_touches_of_a_real_dome_are_five_wherever_its_stamps_come_from() {
         return;
     };
     let bytes = std::fs::read(path).expect("a capture");
-    // After a 7-byte acknowledgement frames of 16 bytes without a gap; what is read at once has stamps without meaning.
+    // 7-byte acknowledgement, then 16-byte frames without gaps. Frames read at once have
+    // meaningless time stamps.
     for stamp_ns in [1_000_000, 650] {
         let mut text = "fx_counts,fy_counts,fz_counts,captured_ns\n".to_owned();
         for (index, frame) in bytes[7..].chunks_exact(16).enumerate().take(34_374) {
@@ -461,7 +463,7 @@ fn five_touches_of_a_real_dome_are_five_wherever_its_stamps_come_from() {
         let begins = verdict.touches.expect("touches");
         assert_eq!(begins.len(), 5, "{begins:?}");
         for (begin, expected) in begins.iter().zip([12_803, 24_320, 25_442, 26_757, 28_327]) {
-            // A filter without time of its own is a frame ahead of one with it.
+            // The filter settles about one frame earlier without valid time stamps.
             assert!((expected - 1..expected + 20).contains(begin), "{begins:?}");
         }
     }

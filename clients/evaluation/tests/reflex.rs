@@ -1,4 +1,5 @@
-//! The reflex beneath a policy: figures that do not depend on threads, and the fields that scripts rely on.
+//! Tests of the reflex evaluation: results independent of threads, and the JSON fields that scripts
+//! use.
 
 use std::sync::atomic::AtomicBool;
 

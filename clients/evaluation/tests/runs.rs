@@ -1,4 +1,4 @@
-//! Recorded runs judged: written by the real recorder, with frames of which the truth is known.
+//! Evaluation of recorded runs: the real recorder writes frames with known truth.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -16,12 +16,11 @@ use shm_schemas::{Hand, HandFrame, RunHeader, Stamp, TickInputs};
 
 /// Time of the first tick, ns.
 const BEGUN_NS: u64 = 7_000_000_000;
-/// Frames of a case, at 100 Hz.
+/// Frames per case, at 100 Hz.
 const CASE: u64 = 250;
 const CASES: u64 = 12;
 const ELEMENTS: usize = 24;
 
-/// Noise from -1 to 1, by index.
 fn noise(index: u64) -> f64 {
     let mut z = (index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -29,7 +28,7 @@ fn noise(index: u64) -> f64 {
     (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
 }
 
-/// What the left hand's second finger feels: the object slides in every second case. One element has holes.
+/// Frame with slip on the second fingertip in every second case; one element is invalid at times.
 fn sliding(n: u64) -> HandFrame {
     let (case, at_s) = (n / CASE, (n % CASE) as f64 / 100.0);
     let speed_n_s = if case % 2 == 1 { 0.5 } else { 0.01 };
@@ -47,7 +46,8 @@ fn sliding(n: u64) -> HandFrame {
     frame
 }
 
-/// Two fingers with one element each; the first is pressed in every second case, and one frame is damaged.
+/// Frame of two one-element fingertips. The first has contact in every second case; one frame is
+/// damaged.
 fn pressing(n: u64) -> HandFrame {
     let mut frame = blank(n, 2);
     frame.valid_mask = [1, 1, 0, 0];
@@ -73,7 +73,6 @@ fn blank(n: u64, finger_count: u32) -> HandFrame {
     }
 }
 
-/// A run in which the left hand felt this.
 fn recorded(out: &Path, frame: impl Fn(u64) -> HandFrame) {
     let bus = FreshBus::new("tape");
     let node = |name| Bus::open(&bus, name, Realtime::No).expect("a bus");
@@ -129,12 +128,12 @@ fn labelled() -> Labels {
     }
 }
 
-/// The spans of all cases, with what stands behind each.
+/// Returns the label table with the spans of all cases; `of` appends columns to each.
 fn spans(header: &str, of: impl Fn(u64) -> String) -> String {
     let seconds = CASE as f64 / 100.0;
     let mut text = format!("from_s,to_s,label{header}\n");
     for case in 0..CASES {
-        // Short of the next case's first frame.
+        // Ends before the next case's first frame.
         let (from_s, to_s) = (case as f64 * seconds, (case + 1) as f64 * seconds - 0.005);
         writeln!(text, "{},{to_s},{}{}", from_s - 0.005, case % 2, of(case)).expect("a string");
     }
@@ -180,7 +179,7 @@ fn a_run_is_judged_as_the_table_of_the_same_frames() {
         table.push('\n');
     }
     let table = Sheet::read(Path::new("made.csv"), table.as_bytes()).expect("a table");
-    // The table of the run's own name is found beside it, another one is named.
+    // The label table is found by the run's name, or given explicitly.
     let named = Labels {
         file: Some(beside),
         ..labelled()
@@ -234,7 +233,7 @@ fn touches_of_one_fingertip_of_a_run_are_counted() {
     fs::write(&beside, spans(",finger", |_| ",0".to_owned())).expect("written");
     let (sheet, labels) = opened().expect("a run");
     let found = verdict(&sheet, &labels, Fit::Given);
-    // The frame that was damaged is none.
+    // The damaged frame is ignored.
     assert_eq!(found.n as u64, CASE * CASES - 1);
     assert_eq!(found.touches.expect("touches").len() as u64, CASES / 2);
     assert!(found.rates.expect("two classes").balanced_accuracy > 0.98);

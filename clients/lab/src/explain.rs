@@ -1,4 +1,5 @@
-//! `atas explain`: why a goal ended as it did, from a recording or from what a running daemon remembers.
+//! `atas explain`: explains how a goal ended, from a recording or from the event history of a
+//! running daemon.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -13,10 +14,10 @@ use shm_schemas::service;
 
 use crate::{picture, plot};
 
-/// How long to wait for past events: the daemon hands them to a new reader when it next speaks (ours).
+/// Time to wait for past events, which the daemon sends to a new reader with its next message
+/// (design choice).
 const PAST: Duration = Duration::from_millis(300);
 
-/// `atas explain`.
 pub(crate) fn explain(arguments: &Explain, output: &mut Output) -> anyhow::Result<()> {
     let files = &arguments.files;
     let choice = Choice::said(arguments.goal.as_deref());
@@ -60,7 +61,6 @@ fn remembered(bus: &BusName) -> anyhow::Result<Goals> {
     Ok(Goals::remembered("the running daemon", events, &status))
 }
 
-/// The goals of a run, a line each.
 fn list(goals: &Goals, output: &mut Output) -> anyhow::Result<()> {
     let goals = goals.list();
     if output.is_json() {

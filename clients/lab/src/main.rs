@@ -1,22 +1,24 @@
-//! `atas-lab`: the laboratory's part of the `atas` command, which needs the controller or the simulator.
+//! `atas-lab`: laboratory commands of `atas`, those that need the controller or the simulator.
 //!
 //! ```text
 //!  atas demo|eval|plot|robot|explain|calibrate|bench|record|replay ─▶ atas-lab
-//!   ├─ demo ────▶ starts atasd and atas-sim on a fresh bus, sends the goal, judges by the truth
-//!   ├─ eval ────▶ atas-evaluation on all cores
-//!   ├─ plot ────▶ atas-evaluation, recorded runs or an offline run, as a figure
-//!   ├─ robot ───▶ what a robot is, reaches and can do
-//!   ├─ explain ─▶ why a goal ended as it did, from a recording or a running daemon, with a figure
-//!   ├─ calibrate ▶ recorded presses into a calibration of a sensor
-//!   ├─ bench ───▶ this machine, beside cyclictest and other transports
-//!   ├─ record ──▶ atas-recording, with the controller beside it
-//!   └─ replay ──▶ the production controller on a recording
+//!   ├─ demo ────▶ starts atasd and atas-sim on a new bus, sends the goal, evaluates the result
+//!   ├─ eval ────▶ runs atas-evaluation on all cores
+//!   ├─ plot ────▶ draws recorded runs or an offline run
+//!   ├─ robot ───▶ prints model, workspace and capabilities of a robot
+//!   ├─ explain ─▶ explains the end of a goal, from a recording or a running daemon
+//!   ├─ calibrate ▶ fits a sensor calibration to recorded presses
+//!   ├─ bench ───▶ measures this machine, cyclictest and other transports
+//!   ├─ record ──▶ records with atas-recording and a shadow controller
+//!   └─ replay ──▶ runs the production controller on a recording
 //! ```
 //!
-//! * **In:** the command line that `atas` was given ([`atas_console::arguments`]). **Out:** results, an exit code.
-//! * **Invariants:** Ctrl-C leaves neither a process nor a bus behind that a command started. The numbers of `eval` and the bytes
-//!   of `plot` depend on its arguments only, not on the threads; times do.
-//! * **Absent on purpose:** what an operator needs: that is `atas`, which links nothing of this.
+//! * **In:** the command line of `atas` ([`atas_console::arguments`]). **Out:** results, an exit
+//!   code.
+//! * **Invariants:** Ctrl-C ends every process and removes every bus that a command started.
+//!   Numbers of `eval` and bytes of `plot` depend on the arguments only, not on the number of
+//!   threads; measured times vary.
+//! * **Not included:** commands for operation; they are in `atas`, which does not link this crate.
 
 mod bench;
 mod calibrate;

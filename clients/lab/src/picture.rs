@@ -1,4 +1,4 @@
-//! A figure as a file: SVG as it was drawn, PNG and PDF made of that.
+//! Figure files: SVG as drawn; PNG and PDF are converted from it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -9,7 +9,6 @@ use resvg::{tiny_skia, usvg};
 use tracing::subscriber::{NoSubscriber, with_default};
 use usvg::fontdb;
 
-/// Typefaces that a figure's words are set in, the first that this machine has.
 const SANS_SERIF: [&str; 5] = [
     "DejaVu Sans",
     "Liberation Sans",
@@ -17,12 +16,11 @@ const SANS_SERIF: [&str; 5] = [
     "Arial",
     "Helvetica",
 ];
-/// Figures are drawn at twice the size at which they are read: a page in points is half of one in pixels.
+/// PDF resolution: figures are drawn at twice their reading size, so 144 px are 72 pt.
 const PDF_DPI: f32 = 144.0;
 
-/// Writes a figure as what its name ends in: `svg`, `png` or `pdf`.
 pub(crate) fn write(path: &Path, svg: &str) -> anyhow::Result<()> {
-    // The converters remark on lines without length, which a user can neither see nor mend.
+    // Converters warn of lines without length, which have no visible effect.
     let bytes = with_default(NoSubscriber::default(), || match suffix(path).as_str() {
         "png" => png(svg),
         "pdf" => pdf(svg),

@@ -1,4 +1,4 @@
-//! `atas plot`: the goals of recorded runs, or one run offline, as a figure in a file.
+//! `atas plot`: draws goals of recorded runs, or one offline run, into a file.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,6 @@ use sim_backend::{Object, ObjectError};
 
 use crate::picture;
 
-/// `atas plot`.
 pub(crate) fn plot(
     offline: Option<&Plot>,
     recorded: Option<&PlotRecorded>,
@@ -56,7 +55,7 @@ fn overlaid(arguments: &PlotRecorded) -> anyhow::Result<String> {
     figures::overlay(&courses, arguments.from.as_deref())
 }
 
-/// What a run is called: its first file, without folder and ending.
+/// Returns the name of a run: its first file without folder and suffix.
 pub(crate) fn name(file: &Path) -> String {
     let stem = file.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()

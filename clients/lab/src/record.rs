@@ -1,5 +1,5 @@
-//! `atas record`: the recorder, and beside it, where a recording goes over several files, the production controller, so that
-//! each of them can be replayed by itself.
+//! `atas record`: runs the recorder. For recordings of several files, a shadow controller runs as
+//! well, so that each file can be replayed alone.
 
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -10,7 +10,6 @@ use atas_evaluation::shadow::Shadow;
 use atas_recording::{Bounds, Follower, Tally};
 use serde_json::json;
 
-/// `atas record`.
 pub(crate) fn record(
     arguments: &arguments::Record,
     interrupt: &Interrupt,
@@ -24,7 +23,7 @@ pub(crate) fn record(
         total_bytes: arguments.disk_budget,
     };
     let notes = arguments.notes.iter().cloned().collect();
-    // Following costs about what the daemon's ticks cost.
+    // The shadow controller costs about as much CPU time as the daemon's ticks.
     let follower = arguments
         .max_size
         .map(|_| Box::<Shadow>::default() as Box<dyn Follower>);
@@ -41,8 +40,8 @@ pub(crate) fn record(
     print(&tally, output)
 }
 
-/// As a service the recorder is there when nothing is missed any more: the daemon starts after it. Does nothing without a
-/// service manager.
+/// Notifies the service manager, if there is one, that recording has begun: the daemon starts after
+/// the recorder and no tick is lost.
 fn tell_service_manager() {
     if let Err(error) = sd_notify::notify(&[sd_notify::NotifyState::Ready]) {
         tracing::warn!(%error, "the service manager could not be told");

@@ -1,4 +1,4 @@
-//! `atas replay`: the production controller on the recorded inputs.
+//! `atas replay`: runs the production controller on recorded inputs.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,6 @@ use atas_console::{Ended, Exit, Output};
 use atas_evaluation::replay::replay as run;
 use serde_json::json;
 
-/// `atas replay`: the files of one run, in order.
 pub(crate) fn replay(files: &[PathBuf], output: &mut Output) -> anyhow::Result<()> {
     let agreement = run(files, |_, _| {})?;
     if output.is_json() {

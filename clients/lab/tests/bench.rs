@@ -1,4 +1,4 @@
-//! `atas bench latency` leaves neither a process nor a bus behind, however it ends.
+//! `atas bench latency` removes its processes and buses after any kind of end.
 
 use std::io::Write;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-/// Long enough for any machine; nothing is measured against it.
+/// Timeout that suffices for every machine; not measured.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
@@ -21,18 +21,18 @@ fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// A bench whose daemon runs; `None` if the daemon is not built in this run.
+/// Starts a bench and waits for its daemon; returns `None` if the daemon has not been built.
 fn measuring(folder: &Path) -> Option<Child> {
     let atas = Path::new(env!("CARGO_BIN_EXE_atas-lab"));
     if !atas.with_file_name("atasd").is_file() || !atas.with_file_name("atas-sim").is_file() {
         let why = "atasd and atas-sim are not built; use `cargo test --workspace`";
-        // Past the harness, which keeps what a passing test prints to itself.
+        // Written directly, as the test harness captures the output of passing tests.
         let _ = writeln!(std::io::stderr(), "SKIPPED: the bench's tests: {why}");
         return None;
     }
     let mut bench = Command::new(atas)
         .args(["bench", "latency", "--seconds", "1", "--repeats", "1000"])
-        // Other programs would only take time.
+        // Without other programs, to save time.
         .env("PATH", "")
         .env("TMPDIR", folder)
         .stdin(Stdio::null())
@@ -51,7 +51,7 @@ fn measuring(folder: &Path) -> Option<Child> {
     Some(bench)
 }
 
-/// Process ids and names of a process's children.
+/// Returns process ids and names of a process's children.
 fn children_of(id: u32) -> Vec<(u32, String)> {
     let path = format!("/proc/{id}/task/{id}/children");
     let text = std::fs::read_to_string(path).unwrap_or_default();

@@ -10,7 +10,7 @@ fn demo(arguments: &[&str]) -> Output {
     command.output().expect("it starts")
 }
 
-/// Whether field and agents lie next to the program; if not, they were not built in this run.
+/// Returns true if the required programs are next to this one, that is, have been built.
 fn neighbours_are_built() -> bool {
     let folder = Path::new(env!("CARGO_BIN_EXE_atas-lab")).parent();
     let built = ["atas-sim", "ebts"]
@@ -18,7 +18,7 @@ fn neighbours_are_built() -> bool {
         .all(|name| folder.is_some_and(|folder| folder.join(name).is_file()));
     if !built {
         let why = "atas-sim and ebts are not built; use `cargo test --workspace`";
-        // Past the harness, which keeps what a passing test prints to itself.
+        // Written directly, as the test harness captures the output of passing tests.
         let _ = writeln!(std::io::stderr(), "SKIPPED: the swarm's demo: {why}");
     }
     built

@@ -1,4 +1,4 @@
-//! Many environments of one kind at once, on all cores.
+//! Vector of environments of one kind, stepped in parallel.
 
 use rayon::prelude::*;
 
@@ -8,18 +8,19 @@ use crate::hand::ACTIONS;
 use crate::observation;
 use crate::reward::End;
 
-/// Environments that step together. What one of them does depends on its own seed and actions only.
+/// Environments stepped together; results do not depend on each other.
 pub struct Batch {
     environments: Vec<Environment>,
-    /// How the episode of each ended, if it has.
+    /// Final outcome per environment; `None` while its episode runs.
     over: Vec<Option<Outcome>>,
     autoreset: bool,
     pool: rayon::ThreadPool,
 }
 
 impl Batch {
-    /// So many environments like this one, on so many threads; 0 for one per core. With `autoreset` one whose episode has ended
-    /// begins the next in the following step, as `gymnasium`'s next-step mode has it; without, it stands still until reset.
+    /// Makes `count` environments on `threads` threads (0: one per core). With `autoreset`, a
+    /// finished environment starts its next episode in the following step (`gymnasium`'s next-step
+    /// mode); otherwise it waits for reset.
     ///
     /// # Errors
     /// The threads cannot be started.
@@ -39,22 +40,23 @@ impl Batch {
         })
     }
 
-    /// How many there are.
+    /// Returns the number of environments.
     #[must_use]
     pub fn len(&self) -> usize {
         self.environments.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if there are no environments.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.environments.is_empty()
     }
 
-    /// Begins an episode in each: with a seed, the first of a series, else the next. Writes one row of numbers for each.
+    /// Starts an episode per environment: with a seed, the first of a series, else the next. Writes
+    /// one observation row each.
     ///
     /// # Errors
-    /// The first scene that cannot be set.
+    /// First scene that cannot be set up.
     pub fn reset(
         &mut self,
         seeds: &[Option<u64>],
@@ -79,10 +81,10 @@ impl Batch {
         pool.install(|| each.with_max_len(1).map(one).collect())
     }
 
-    /// One step of each. Nothing moves if an action is not finite.
+    /// Advances every environment by one step. Nothing moves if any action is not finite.
     ///
     /// # Errors
-    /// The first action that is not finite, or the first world that came apart.
+    /// First action that is not finite, or first simulation fault.
     pub fn step(
         &mut self,
         actions: &[[f32; ACTIONS]],

@@ -1,4 +1,4 @@
-//! An environment: episodes one after the other, each with a seed of its own.
+//! Environment: a sequence of episodes, each with its own seed.
 
 use std::sync::Arc;
 
@@ -13,23 +13,23 @@ use crate::observation;
 use crate::reward::{End, Judge};
 use crate::task::Task;
 
-/// Ticks of one step: a policy decides 50 times a second, as learned policies do.
+/// Ticks per step: policy rate 50 Hz, typical of learned policies.
 pub const STEP_TICKS: usize = 20;
-/// What turns an episode's seed into the choice of its object (ours: any number does).
+/// Random stream for the choice of an object (arbitrary).
 const OBJECT_STREAM: u64 = 0x6f62_6a65_6374;
 
-/// What one step led to.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// What the step was worth.
+    /// Reward of the step.
     pub reward: f64,
-    /// How the episode ended, if it did.
+    /// End of the episode, if it has ended.
     pub end: End,
-    /// Whether its time is up.
+    /// True if the time limit is reached.
     pub truncated: bool,
-    /// How far the object is lifted, m.
+    /// Height of the object above its start, m.
     pub lifted_m: f64,
-    /// Largest normal force over what the object needs, less 1; 0 when it is less.
+    /// Largest normal force divided by the required force, minus 1; at least 0.
     pub over_grip: f64,
     /// Index of the object.
     pub object: usize,
@@ -37,7 +37,7 @@ pub struct Outcome {
     pub seed: u64,
 }
 
-/// A task with its objects, episode after episode.
+/// Task with its objects and the current episode.
 pub struct Environment {
     robot: Arc<RobotModel>,
     task: Task,
@@ -50,10 +50,10 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// An environment of these objects, built-in ones by name or files by path.
+    /// Makes an environment with these objects: built-in names or file paths.
     ///
     /// # Errors
-    /// [`LearningError`] if there is no object or one cannot be had.
+    /// [`LearningError`] if the list is empty or an object cannot be loaded.
     pub fn new(task: Task, objects: &[String], noise_factor: f64) -> Result<Self, LearningError> {
         let objects: Result<Arc<[Object]>, ObjectError> = objects
             .iter()
@@ -75,7 +75,7 @@ impl Environment {
         })
     }
 
-    /// Another environment of the same kind.
+    /// Makes another environment of the same kind.
     #[must_use]
     pub fn another(&self) -> Self {
         Self {
@@ -86,21 +86,21 @@ impl Environment {
         }
     }
 
-    /// Names of the objects.
+    /// Returns the object names.
     pub fn objects(&self) -> impl Iterator<Item = &str> {
         self.objects.iter().map(|object| object.name.as_str())
     }
 
-    /// Begins an episode: the first of a series with this seed, or the next of the present series.
+    /// Starts the first episode of a series with this seed, or the next one of the current series.
     ///
     /// # Errors
-    /// [`LearningError`] if the scene cannot be set.
+    /// [`LearningError`] if the scene cannot be set up.
     pub fn reset(&mut self, seed: Option<u64>) -> Result<Outcome, LearningError> {
         (self.seed, self.episodes) = match seed {
             Some(seed) => (seed, 0),
             None => (self.seed, self.episodes + 1),
         };
-        // One bit less, so that it is a number for everybody.
+        // 63 bits: fits a signed integer in other languages.
         let seed = split_mix(self.seed ^ split_mix(self.episodes)) >> 1;
         let object = (split_mix(seed ^ OBJECT_STREAM) % self.objects.len() as u64) as usize;
         let spec = self.objects[object].clone();
@@ -116,10 +116,11 @@ impl Environment {
         Ok(outcome)
     }
 
-    /// One step. Numbers beyond −1 and 1 count as these.
+    /// Advances by one step. Action values are clamped to −1 to 1.
     ///
     /// # Errors
-    /// [`LearningError::Action`] if a number is not finite, [`LearningError::NotBegun`] without an episode under way.
+    /// [`LearningError::Action`] if a value is not finite, [`LearningError::NotBegun`] without an
+    /// episode.
     pub fn step(&mut self, action: &[f32; ACTIONS]) -> Result<Outcome, LearningError> {
         if let Some(index) = action.iter().position(|it| !it.is_finite()) {
             let value = action[index];
@@ -145,7 +146,7 @@ impl Environment {
         Ok(*outcome)
     }
 
-    /// Writes what the policy is told; `row` has [`observation::SIZE`] numbers, all zero before the first episode.
+    /// Writes the observation, [`observation::SIZE`] values; all zero before the first episode.
     pub fn observe(&self, row: &mut [f32]) {
         debug_assert_eq!(row.len(), observation::SIZE);
         match &self.now {

@@ -1,4 +1,4 @@
-//! One episode: a world with the acting hand around an object, tick by tick.
+//! One episode: simulated world with the acting hand around an object, advanced tick by tick.
 
 use std::ops::Range;
 
@@ -15,24 +15,24 @@ use crate::hand::{ACTIONS, PolicyHand, Room, TICK_S};
 use crate::observation::{self, PERCEPT, TAXELS};
 use crate::task::{SIDE, Task};
 
-/// Distance of each fingertip from the object at the start, m (that of the daemon's `motion.clearance_m`).
+/// Distance of each fingertip from the object at the start, m (equal to the daemon's
+/// `motion.clearance_m`).
 const CLEARANCE_M: f64 = 0.008;
-/// How far the hand may go beside and below what it shall grasp, and above it, m (ours).
+/// Permitted motion of the hand beside, below and above its grasp pose, m (design choice).
 const BESIDE_M: f64 = 0.03;
 const BELOW_M: f64 = 0.012;
 const ABOVE_M: f64 = 0.08;
-/// Lowest centre of the hand, m: the dome's radius and 3 mm of air.
+/// Lowest centre of the hand, m: fingertip radius plus 3 mm clearance.
 const LOWEST_M: f64 = 0.018;
 
-/// One episode.
 pub(crate) struct Episode {
     world: World,
     sensed: Sensed,
     gate: Gate,
     hand: PolicyHand,
-    /// Joints of the hand that rests, rad.
+    /// Joint positions of the resting hand, rad.
     rests_rad: HandVector,
-    /// Where the acting hand's joints are among the robot's.
+    /// Joint range of the acting hand within the robot.
     joints: Range<usize>,
     settings: Settings,
     source_m: Vector3<f64>,
@@ -41,7 +41,7 @@ pub(crate) struct Episode {
 }
 
 impl Episode {
-    /// Sets the scene: the hand stands open around the nominal place of the object.
+    /// Sets up the scene: the hand is open around the nominal position of the object.
     pub(crate) fn begin(
         robot: &RobotModel,
         task: Task,
@@ -51,7 +51,7 @@ impl Episode {
     ) -> Result<Self, LearningError> {
         let mut scene = task.scene(object, seed);
         scene.noise_factor = noise_factor;
-        // Nobody asks what the hand that rests feels.
+        // The sensors of the resting hand are not observed.
         scene.sensor_rate_hz[1 - SIDE.index()] = 1;
         let hint = scene.grasp_hint(0).ok_or(LearningError::NoObject)?;
         let place_m = task.place(&scene).map(|place| Vector3::from(place.from_m));
@@ -96,7 +96,7 @@ impl Episode {
         Ok(episode)
     }
 
-    /// One tick: move as asked, then feel.
+    /// Runs one tick: executes the action, then reads the sensors.
     pub(crate) fn tick(&mut self, action: &[f64; ACTIONS]) -> Result<(), LearningError> {
         let acting = self.hand.act(action);
         let command = self.pass(acting);
@@ -108,7 +108,7 @@ impl Episode {
         Ok(())
     }
 
-    /// Through the gate; the hand that rests stands.
+    /// Passes the command through the safety gate; the resting hand does not move.
     fn pass(&mut self, acting: HandCommand) -> JointCommand {
         let resting = HandCommand::new(self.rests_rad, [0.0; VIRTUAL_FINGERS]);
         let mut raw = [resting; 2];
@@ -157,17 +157,16 @@ impl Episode {
         HandVector::from_slice(&self.sensed.joints.position_rad[self.joints.clone()])
     }
 
-    /// The judge's view.
     pub(crate) fn truth(&self) -> WorldTruth {
         self.world.truth()
     }
 
-    /// Where the object shall go, if anywhere: what is told of it, at the height of a grasp.
+    /// Returns the nominal target of the object at grasp height, if the task has one.
     pub(crate) fn place_m(&self) -> Option<Vector3<f64>> {
         self.place_m
     }
 
-    /// Writes what the policy is told; `row` has [`observation::SIZE`] numbers.
+    /// Writes the observation; `row` has [`observation::SIZE`] values.
     pub(crate) fn observe(&self, row: &mut [f32]) {
         let (taxels, row_rest) = row.split_at_mut(observation::PARTS[0].len());
         let (joints, row_rest) = row_rest.split_at_mut(observation::PARTS[1].len());
@@ -215,7 +214,7 @@ impl Episode {
     }
 }
 
-/// Where the hand may go: around the object, and around its place.
+/// Returns the permitted region of the hand around object and target.
 fn room(source_m: &Vector3<f64>, place_m: Option<&Vector3<f64>>) -> Room {
     let place_m = place_m.unwrap_or(source_m);
     let beside = Vector3::new(BESIDE_M, BESIDE_M, 0.0);

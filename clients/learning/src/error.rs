@@ -1,40 +1,40 @@
-//! What keeps an environment from going on.
+//! Errors of learning environments.
 
 use robot_model::Unreachable;
 use sim_backend::{ObjectError, SceneError, WorldFault};
 
-/// Why an environment could not go on.
+/// Error of an environment.
 #[derive(Debug, thiserror::Error)]
 pub enum LearningError {
-    /// There is nothing to grasp.
+    /// Empty list of objects.
     #[error("could not make an environment because it has no object; name at least one")]
     NoObject,
-    /// An object cannot be had.
+    /// Object that cannot be loaded.
     #[error(transparent)]
     Object(#[from] ObjectError),
-    /// The robot's description cannot be loaded.
+    /// Robot model that cannot be loaded.
     #[error("could not load the built-in robot model: {0}")]
     Robot(#[from] robot_model::ModelError),
-    /// The scene cannot be set.
+    /// Scene that cannot be set up.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The hand does not get to the object.
+    /// Start pose that the hand cannot reach.
     #[error("could not bring the hand to the object: {0}")]
     Reach(Unreachable),
-    /// The world came apart.
+    /// Fault of the simulation.
     #[error(transparent)]
     World(#[from] WorldFault),
-    /// An action is not one.
+    /// Action with a value that is not finite.
     #[error(
         "could not act because action {index} was {value}, needs a finite number; nothing moved"
     )]
     Action {
-        /// Which number.
+        /// Index of the value.
         index: usize,
-        /// What it was.
+        /// Rejected value.
         value: f32,
     },
-    /// No episode has begun, or it has ended.
+    /// No running episode.
     #[error("could not step because no episode is under way; call reset first")]
     NotBegun,
 }

@@ -1,4 +1,4 @@
-//! The acting hand under a policy: the controller's own parts, with the policy in the place of its tasks.
+//! Acting hand: the controller with a policy in place of the task executor.
 
 use atas_core::arbitration::Arbiter;
 use atas_core::intake::FrameIntake;
@@ -15,27 +15,26 @@ use shm_schemas::{Hand, HandFrame};
 
 use crate::observation::MODULES;
 
-/// Numbers of one action: the hand's speed along x, y and z, the closing speed of finger 1 and of finger 2.
+/// Action size: velocity of the hand along x, y and z, closing speeds of both grasp sides.
 pub const ACTIONS: usize = 3 + VIRTUAL_FINGERS;
-/// Speed of the hand along an axis for an action of 1, m/s (ours: twice what the daemon conveys with).
+/// Hand speed along an axis for action 1, m/s (design choice: twice the daemon's carrying speed).
 pub const MOVE_M_S: f64 = 0.1;
-/// Closing speed of a finger for an action of 1, m/s (ours: ten times what the daemon closes with).
+/// Closing speed of a grasp side for action 1, m/s (design choice: ten times the daemon's).
 pub const CLOSING_M_S: f64 = 0.02;
-/// How fast the hand's speed may change, m/s² (ours: full speed within 0.1 s).
+/// Acceleration limit of the hand, m/s² (design choice: full speed within 0.1 s).
 const MOVE_M_S2: f64 = 1.0;
-/// Length of a tick, s.
 pub(crate) const TICK_S: f64 = 1e-3;
-/// Half openings that can be commanded, m (ours: from touching itself to wider than every built-in object).
+/// Range of the commanded half opening, m (design choice: from closed to wider than every built-in
+/// object).
 const HALF_OPENING_M: [f64; 2] = [0.0, 0.045];
 
-/// Where the hand's centre may be, base frame, m.
+/// Permitted positions of the hand's centre, base frame, m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room {
     pub(crate) low_m: Vector3<f64>,
     pub(crate) high_m: Vector3<f64>,
 }
 
-/// The acting hand.
 pub(crate) struct PolicyHand {
     model: HandModel,
     intake: FrameIntake,
@@ -45,12 +44,12 @@ pub(crate) struct PolicyHand {
     servo: HandServo,
     room: Room,
     speed_m_s: Vector3<f64>,
-    /// What the modules said last, in the order of [`MODULES`].
+    /// Activity of the modules at the last tick, in the order of [`MODULES`].
     pub(crate) active: [bool; MODULES.len()],
 }
 
 impl PolicyHand {
-    /// A hand that stands at these joint positions, rad.
+    /// Makes a stationary hand at these joint positions, rad.
     pub(crate) fn at(hand: Hand, model: HandModel, q_rad: HandVector, room: Room) -> Self {
         let wiring = HandWiring::default();
         Self {
@@ -66,17 +65,15 @@ impl PolicyHand {
         }
     }
 
-    /// The commanded pose.
     pub(crate) fn frame(&self) -> &GraspFrame {
         self.servo.frame()
     }
 
-    /// What the hand feels.
     pub(crate) fn percept(&self) -> &Percept {
         self.perception.percept()
     }
 
-    /// What the gate must know of the grip.
+    /// Returns the grip data that the safety gate needs.
     pub(crate) fn grip(&self) -> Grip {
         let fingers = &self.percept().virtual_fingers;
         Grip {
@@ -85,12 +82,10 @@ impl PolicyHand {
         }
     }
 
-    /// Takes over what the safety gate let through of the wish.
     pub(crate) fn adopt(&mut self, q_rad: HandVector) {
         self.servo.adopt(q_rad);
     }
 
-    /// Takes in a tick's frame, if there is one.
     pub(crate) fn feel(&mut self, frame: Option<&HandFrame>, tick: Tick, settings: &Settings) {
         self.intake.begin();
         self.perception.begin();
@@ -100,7 +95,7 @@ impl PolicyHand {
         }
     }
 
-    /// One tick towards what the policy asks for. `action` is finite and within −1 to 1.
+    /// Executes one tick of an action. `action` is finite and within −1 to 1.
     pub(crate) fn act(&mut self, action: &[f64; ACTIONS]) -> HandCommand {
         let [x, y, z, first, second] = *action;
         let pose = self.carried(&(Vector3::new(x, y, z) * MOVE_M_S));
@@ -119,7 +114,7 @@ impl PolicyHand {
             .follow(&self.model, &intent, self.perception.percept(), TICK_S)
     }
 
-    /// The pose one tick on, within the room; at a wall the hand stands.
+    /// Returns the next pose within the permitted region; the hand stops at its boundary.
     fn carried(&mut self, wanted_m_s: &Vector3<f64>) -> GraspFrame {
         let most_m_s = MOVE_M_S2 * TICK_S;
         let change = (wanted_m_s - self.speed_m_s).map(|it| it.clamp(-most_m_s, most_m_s));
@@ -137,7 +132,7 @@ impl PolicyHand {
         frame
     }
 
-    /// Closing speeds that do not lead beyond the openings that can be commanded.
+    /// Limits closing speeds so that the opening stays within its range.
     fn within_opening(&self, closing_m_s: [f64; VIRTUAL_FINGERS]) -> [f64; VIRTUAL_FINGERS] {
         let [least_m, most_m] = HALF_OPENING_M;
         let half_m = &self.servo.frame().half_opening_m;
@@ -152,7 +147,7 @@ impl PolicyHand {
         })
     }
 
-    /// What the modules say of what the hand feels, for an object that is not known yet.
+    /// Evaluates the modules for an unknown object; their proposals are observed, not executed.
     pub(crate) fn ask_modules(&mut self, settings: &Settings, base_from_tip: &[Matrix3<f64>]) {
         let percept = self.perception.percept();
         let frame = *self.servo.frame();
@@ -178,7 +173,7 @@ impl PolicyHand {
             base_from_tip,
             overread: 1.0,
             underread: 1.0,
-            // Nobody has tugged at it to prove that.
+            // No lift verification here.
             hangs: false,
             tries: false,
             proved: false,
@@ -196,7 +191,6 @@ impl PolicyHand {
         self.active = MODULES.map(|id| says(id).is_some_and(|place| proposals[place].active));
     }
 
-    /// Measured orientation of the fingertips.
     pub(crate) fn orientations(&self, q_rad: &HandVector) -> Vec<Matrix3<f64>> {
         let pose = self.model.forward(q_rad);
         pose.base_from_tip()

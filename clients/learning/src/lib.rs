@@ -1,19 +1,19 @@
-//! Learning environments: a policy moves one hand and its two fingers and feels what they touch.
+//! Learning environments: a policy controls one hand and observes its tactile sensors.
 //!
 //! ```text
-//!  action ─▶ PolicyHand ─ arbiter's slew, kinematics, safety gate ─▶ World ─ sense ─▶ intake, perception, modules ─▶ observation
-//!            (the controller's own parts, without its tasks)           └─ truth ─▶ reward, end
+//!  action ─▶ PolicyHand ─ kinematics, gate ─▶ World ─▶ intake, perception, modules ─▶ observation
+//!            (controller without tasks)         └─ ground truth ─▶ reward, end
 //! ```
 //!
-//! * **In:** a [`Task`], objects, a seed, then one action of [`ACTIONS`] numbers from −1 to 1 per [`STEP_TICKS`] ms. **Out:** an
-//!   observation of [`observation::SIZE`] numbers, a reward, an end.
-//! * **Invariants**
-//!   * The same seed and the same actions give the same bits, alone or in a [`Batch`], on any number of threads.
-//!   * What the policy asks for reaches the joints through the production kinematics and the production safety gate; what it
-//!     is told of forces comes through the production intake and perception. What the modules say is only told, not done.
-//!   * Rewards come from the simulator's truth, which no observation holds.
-//!   * An action that is not finite is refused; nothing moves then.
-//! * **Absent on purpose:** Python, spaces and wrappers (`clients/python`), and any learning.
+//! * **In:** a [`Task`], objects, a seed, then one action of [`ACTIONS`] values from −1 to 1 per
+//!   [`STEP_TICKS`] ms.
+//! * **Out:** an observation of [`observation::SIZE`] values, a reward, an end.
+//! * **Reproducible:** the same seed and actions give the same bits, alone or in a [`Batch`], on
+//!   any number of threads.
+//! * **Production code:** kinematics, safety gate, intake, perception. Module outputs are observed,
+//!   not executed.
+//! * **Reward:** from the simulator's ground truth, which is not observed.
+//! * **Not included:** Python bindings (`clients/python`) and learning algorithms.
 #![forbid(unsafe_code)]
 
 mod batch;

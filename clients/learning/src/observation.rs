@@ -1,12 +1,13 @@
-//! What a policy is told, as one row of numbers in parts with names.
+//! Layout of an observation: one row of numbers in named parts.
 
 use shm_schemas::ModuleId;
 
 /// Three-axis elements of one fingertip (`dome-41`).
 pub const TAXELS: usize = 41;
-/// What perception says of one finger: F_n N, F_t N, dF_t N, friction utilisation, friction coefficient, 1 while it touches.
+/// Percept values per fingertip: F_n, F_t, dF_t, N; friction utilisation, friction coefficient,
+/// contact (0 or 1).
 pub const PERCEPT: usize = 6;
-/// The modules whose activity is told, in order.
+/// Modules whose activity is observed, in order.
 pub const MODULES: [ModuleId; 4] = [
     ModuleId::FIRST_TOUCH,
     ModuleId::SLIP,
@@ -14,26 +15,28 @@ pub const MODULES: [ModuleId; 4] = [
     ModuleId::RELAX,
 ];
 
-/// A part of an observation.
+/// Part of an observation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its dimensions, from the outermost.
+    /// Dimensions, outermost first.
     pub shape: &'static [usize],
-    /// Bounds of its last dimension's numbers, in turn; what is beyond is told as the bound.
+    /// Bounds of the values of the last dimension, repeated cyclically; values beyond are clamped.
     pub bounds: &'static [(f32, f32)],
 }
 
-/// Force of one element along one axis, N.
 const FORCE_N: (f32, f32) = (-20.0, 20.0);
-/// An offset of the hand, m.
 const OFFSET_M: (f32, f32) = (-0.5, 0.5);
 
-/// The parts, in order: forces of the taxels `[finger][taxel][f_n, f_t1, f_t2]`, N; joints of the hand `[position rad,
-/// velocity rad/s, effort N·m][joint]`; [`PERCEPT`]; activity of [`MODULES`]; the commanded centre of the hand from the nominal
-/// place of the grasp (x, y, z, m), the half opening of each finger, m, and the object's place from that centre, m (zero
-/// where it has none).
+/// Parts in order:
+///
+/// * taxels: forces `[fingertip][taxel][f_n, f_t1, f_t2]`, N
+/// * joints: `[joint][position rad, velocity rad/s, effort N·m]`
+/// * percept: [`PERCEPT`] values per fingertip
+/// * modules: activity of [`MODULES`]
+/// * hand: commanded centre relative to the nominal grasp position (x, y, z), half opening per
+///   grasp side, target relative to that centre (zero without target), m
 pub const PARTS: [Part; 5] = [
     Part {
         name: "taxels",
@@ -70,7 +73,7 @@ pub const PARTS: [Part; 5] = [
 ];
 
 impl Part {
-    /// How many numbers it has.
+    /// Returns the number of values.
     #[must_use]
     pub const fn len(&self) -> usize {
         let (mut product, mut n) = (1, 0);
@@ -81,19 +84,19 @@ impl Part {
         product
     }
 
-    /// Whether it has none.
+    /// Returns true if it has no values.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The bounds of each of its numbers.
+    /// Returns the bounds of each value.
     pub fn each_bound(&self) -> impl Iterator<Item = (f32, f32)> + use<> {
         self.bounds.iter().copied().cycle().take(self.len())
     }
 }
 
-/// Numbers of one observation.
+/// Number of values of an observation.
 pub const SIZE: usize = {
     let (mut sum, mut n) = (0, 0);
     while n < PARTS.len() {
@@ -103,7 +106,7 @@ pub const SIZE: usize = {
     sum
 };
 
-/// Cuts every number to its bounds; what is not a number is told as zero.
+/// Clamps all values to their bounds; NaN becomes 0.
 pub(crate) fn bound(row: &mut [f32]) {
     let bounds = PARTS.iter().flat_map(Part::each_bound);
     for (value, (low, high)) in row.iter_mut().zip(bounds) {

@@ -1,42 +1,42 @@
-//! What an episode is worth, by the simulator's truth.
+//! Reward and end of an episode, from the simulator's ground truth.
 
 use nalgebra::Vector3;
 use shm_schemas::{ObjectTruth, WorldTruth};
 
 use crate::task::{SIDE, Task};
 
-/// Height that a grasped object shall be lifted to, m (the goal's usual lift), and how long it shall stay there, or stand at
-/// its place, s (ours).
+/// Required lift height, m (default of a goal), and holding time there or at the target, s (design
+/// choice).
 const LIFT_M: f64 = 0.04;
 const HOLD_S: f64 = 0.5;
-/// How far below that height it may hang, m (ours).
+/// Tolerance below that height, m (design choice).
 const SAG_M: f64 = 0.01;
-/// How near to its place an object shall stand, m (that of the evaluation).
+/// Position tolerance at the target, m (as in the evaluation).
 const PLACED_M: f64 = 0.005;
-/// Worth of the way, of its end, of a failure, and per step and unit of over-grip (ours).
+/// Rewards of the whole path and of success or failure (negative), penalty per step and unit of
+/// over-grip (design choice).
 const WAY: f64 = 10.0;
 const END: f64 = 10.0;
 const OVER_GRIP: f64 = 0.02;
-/// Over-grip beyond which nothing more is charged.
+/// Largest penalised over-grip.
 const OVER_GRIP_MAX: f64 = 10.0;
 
-/// How an episode ended.
+/// End of an episode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum End {
-    /// It goes on.
+    /// Still running.
     #[default]
     None,
-    /// The task is done.
+    /// Task completed.
     Success,
-    /// The object is crushed.
+    /// Object crushed.
     Crushed,
-    /// The object fell out of the hand.
+    /// Object dropped.
     Dropped,
-    /// The object tipped over.
+    /// Object tipped over.
     Tipped,
 }
 
-/// What was reached so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Judge {
     task: Task,
@@ -46,7 +46,6 @@ pub(crate) struct Judge {
     held_s: f64,
 }
 
-/// What one step was worth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Worth {
     pub(crate) reward: f64,
@@ -56,7 +55,6 @@ pub(crate) struct Worth {
 }
 
 impl Judge {
-    /// At the beginning of an episode.
     pub(crate) fn new(task: Task, place_m: Option<Vector3<f64>>, truth: &WorldTruth) -> Self {
         Self {
             task,
@@ -67,7 +65,6 @@ impl Judge {
         }
     }
 
-    /// After a step of so many seconds.
     pub(crate) fn judge(&mut self, truth: &WorldTruth, step_s: f64) -> Worth {
         let object = &truth.objects[0];
         let way = self.way(object);
@@ -88,7 +85,7 @@ impl Judge {
         }
     }
 
-    /// Share of the way that is done: of the lift, or of the distance to the place.
+    /// Returns the completed share of the path: lift height, or distance to the target.
     fn way(&self, object: &ObjectTruth) -> f64 {
         match self.place_m {
             None => (object.lifted_m / LIFT_M).clamp(0.0, 1.0),
@@ -114,7 +111,7 @@ impl Judge {
             Task::PickPlace => self.stands_there(object),
         };
         self.held_s = if reached { self.held_s + step_s } else { 0.0 };
-        // Half a tick, so that rounding does not decide.
+        // Half a tick of tolerance for rounding errors.
         if self.held_s > HOLD_S - 5e-4 {
             End::Success
         } else {
@@ -122,7 +119,7 @@ impl Judge {
         }
     }
 
-    /// Whether the object stands at its place and nobody touches it.
+    /// Returns true if the object stands at its target without contact to the hand.
     fn stands_there(&self, object: &ObjectTruth) -> bool {
         let carried = object.carried_ns > 0 && object.table_n > 0.0 && object.pressed == 0;
         self.place_m.is_some_and(|place_m| {
@@ -131,7 +128,8 @@ impl Judge {
     }
 }
 
-/// What the hand presses with over what the object needs, as a ratio above 1, of the finger that presses harder.
+/// Returns the over-grip: larger normal force of the fingertips divided by the required force,
+/// minus 1.
 fn over_grip(truth: &WorldTruth, object: &ObjectTruth) -> f64 {
     let pressed_n = truth.normal_n[SIDE.index()]
         .iter()

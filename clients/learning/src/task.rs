@@ -1,22 +1,21 @@
-//! The tasks that can be learnt: their scenes and what a policy is told of them.
+//! Learning tasks and their scenes.
 
 use robot_model::Side;
 use sim_backend::{GraspHint, Object, Scene};
 
-/// The hand that acts.
 pub(crate) const SIDE: Side = Side::Right;
 
-/// A task.
+/// Learning task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
-    /// Grasp what stands between the fingers, lift it by 40 mm, hold it for half a second.
+    /// Grasp the object between the fingertips, lift it by 40 mm, hold it for 0.5 s.
     Grasp,
-    /// Carry it to the place that is told, set it down, let go.
+    /// Carry the object to a given target, place it, release it.
     PickPlace,
 }
 
 impl Task {
-    /// The built-in objects that two fingers can hold without crushing them.
+    /// Built-in objects that two fingertips can hold without crushing.
     pub const OBJECTS: [&'static str; 6] = [
         "wood",
         "slippery-200",
@@ -26,7 +25,8 @@ impl Task {
         "bottle",
     ];
 
-    /// Longest episode, s (ours: three times what a deliberate policy takes).
+    /// Returns the time limit of an episode, s (design choice: three times that of a careful
+    /// policy).
     #[must_use]
     pub fn limit_s(self) -> f64 {
         match self {
@@ -35,7 +35,7 @@ impl Task {
         }
     }
 
-    /// A member of the family around an object.
+    /// Makes a random variation of the scene around an object.
     pub(crate) fn scene(self, object: Object, seed: u64) -> Scene {
         match self {
             Self::Grasp => Scene::grasp(object, SIDE),
@@ -44,7 +44,7 @@ impl Task {
         .varied(seed)
     }
 
-    /// Where the object shall go, as it is told; `None` if it has no place.
+    /// Returns the nominal target of the object; `None` if the task has none.
     pub(crate) fn place(self, scene: &Scene) -> Option<GraspHint> {
         scene.place.filter(|_| self == Self::PickPlace)
     }

@@ -1,4 +1,4 @@
-//! Environments as a policy meets them.
+//! Learning environments with simple scripted policies.
 
 use atas_learning::{ACTIONS, Batch, End, Environment, LearningError, Outcome, Task, observation};
 
@@ -16,13 +16,13 @@ fn observed(environment: &Environment) -> Vec<f32> {
     row
 }
 
-/// F_n of both fingers, N.
+/// Returns F_n of both grasp sides, N.
 fn pressed_n(row: &[f32]) -> [f32; 2] {
     let first = observation::PARTS[0].len() + observation::PARTS[1].len();
     [row[first], row[first + observation::PERCEPT]]
 }
 
-/// Closes until each finger presses with `force_n`, then lifts with what `lift` says.
+/// Closes until both grasp sides reach `force_n`, then lifts with action value `lift`.
 fn grip(row: &[f32], force_n: f32, lift: f32) -> [f32; ACTIONS] {
     let mut action = [0.0; ACTIONS];
     let pressed_n = pressed_n(row);
@@ -35,7 +35,8 @@ fn grip(row: &[f32], force_n: f32, lift: f32) -> [f32; ACTIONS] {
     action
 }
 
-/// An episode under a policy of the observation and the number of the step.
+/// Runs an episode with a policy that receives observation and step number; returns outcome, total
+/// reward, observation bits.
 fn play(
     environment: &mut Environment,
     seed: u64,
@@ -55,7 +56,7 @@ fn play(
 
 #[test]
 fn every_object_can_be_grasped_by_who_knows_the_force() {
-    // Between what each needs and what crushes it, with the family's ±20 %.
+    // Between required and crush force of each object, with the family's ±20 %.
     let forces_n = [6.0, 6.0, 2.5, 0.6, 0.4, 7.5];
     for (object, force_n) in Task::OBJECTS.into_iter().zip(forces_n) {
         let mut environment = environment(Task::Grasp, &[object]);
@@ -95,7 +96,7 @@ fn what_is_carried_to_its_place_and_let_go_is_placed() {
         let over = x.hypot(y) < 0.003;
         let mut action = grip(row, 6.0, 0.3);
         if step > 120 && !over {
-            // Speed towards the place, as a share of the hand's.
+            // Velocity towards the target, as a share of the maximum.
             action[..3].copy_from_slice(&[10.0 * x, 10.0 * y, 0.0]);
         } else if over && step < 400 {
             action[LIFT] = -0.1;

@@ -1,4 +1,4 @@
-//! What a page draws of the swarm's fields, for as long as one is hosted and after its end.
+//! Swarm fields for the page, while a field process runs and after its end.
 
 use std::time::{Duration, Instant};
 
@@ -9,21 +9,19 @@ use shm_schemas::{ArenaTruth, service};
 
 use crate::feed::Feed;
 
-/// Fields that a page draws, the first ones; more would be dots, and cost each page's share of a core.
+/// Number of fields drawn, from the first; more would be too small to see and costly.
 const FIELDS: u32 = 64;
-/// Silence after which it is looked whether the field has a host at all (ours: 60 missing pictures).
+/// Silence after which the presence of a field process is checked (design choice: 60 missing
+/// pictures).
 const SILENCE: Duration = Duration::from_secs(1);
-/// Looks between two such looks, each of which opens the service anew.
+/// Polls between two such checks, each of which reopens the service.
 const HOST_EVERY: u64 = 30;
 
-/// How it stands about the field's host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Host {
-    /// Frame follows frame.
     Runs,
-    /// It waits for somebody who tells its robots what to do.
+    /// It waits for a controller of its agents.
     Waits,
-    /// It is gone.
     Ended,
 }
 
@@ -37,7 +35,6 @@ impl Host {
     }
 }
 
-/// The swarm as far as it was seen.
 pub(crate) struct Arena {
     truths: Subscriber<ArenaTruth>,
     truth: Box<ArenaTruth>,
@@ -47,10 +44,10 @@ pub(crate) struct Arena {
 }
 
 impl Arena {
-    /// Begins to look. There need not be a swarm, and it may come and go.
+    /// Joins the bus. A swarm may start and end at any time.
     ///
     /// # Errors
-    /// All places for readers are taken.
+    /// No free reader slot.
     pub(crate) fn join(session: &Session) -> Result<Self, ClientError> {
         Ok(Self {
             truths: session.bus().subscriber(service::ARENA_TRUTH)?,
@@ -61,10 +58,10 @@ impl Arena {
         })
     }
 
-    /// Tells the pages what is new; `anew` if one of them has seen nothing yet.
+    /// Sends new data to the pages, or the last data if `has_new_page`.
     ///
     /// # Errors
-    /// The shared memory of the host cannot be read.
+    /// The shared memory of the field process cannot be read.
     pub(crate) fn look(
         &mut self,
         session: &Session,
@@ -88,7 +85,7 @@ impl Arena {
     }
 }
 
-/// What silence means.
+/// Returns the state of a silent field process.
 fn silent(session: &Session) -> Result<Host, ClientError> {
     let stream = STREAMS.iter().find(|s| s.service == service::ARENA_TRUTH);
     let traffic = stream.map_or(Ok(Default::default()), |s| session.bus().traffic(s))?;
@@ -98,7 +95,8 @@ fn silent(session: &Session) -> Result<Host, ClientError> {
     })
 }
 
-/// The arena as `atas topic echo` prints it, of as many fields as are drawn, with what became of its host.
+/// Formats the arena as `atas topic echo` does, limited to the drawn fields, with the state of the
+/// field process.
 fn told(truth: &ArenaTruth, host: Host) -> Value {
     let field_count = truth.field_count.min(FIELDS);
     let mut value = json::arena(&ArenaTruth {

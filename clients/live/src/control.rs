@@ -1,4 +1,4 @@
-//! Stop and recover, as `atas estop` and `atas recover` do them.
+//! Stop and recovery, as by `atas estop` and `atas recover`.
 
 use std::time::Duration;
 
@@ -6,10 +6,11 @@ use atas_client::Session;
 use shm_bus::{BusError, BusName, stop};
 use shm_schemas::ControlOp;
 
-/// How long the daemon may take to take a stop (ours: an answer takes one tick).
+/// Longest time until the daemon acknowledges a stop (design choice: normally one tick).
 const ANSWER: Duration = Duration::from_millis(800);
 
-/// Stops the robot on the way that nothing else can occupy; by a control request only where no daemon listens there.
+/// Stops the robot over the reserved stop channel; uses a control request only if no daemon serves
+/// that channel.
 pub(crate) fn stop(bus: &BusName) -> anyhow::Result<()> {
     match stop::request(bus, "the dashboard", ANSWER) {
         Ok(_) => Ok(()),
@@ -21,7 +22,6 @@ pub(crate) fn stop(bus: &BusName) -> anyhow::Result<()> {
     }
 }
 
-/// Leaves a stop or a hold.
 pub(crate) fn recover(bus: &BusName) -> anyhow::Result<()> {
     Session::existing(bus)?.demand(ControlOp::RECOVER, 0.0, "")?;
     Ok(())

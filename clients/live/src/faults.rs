@@ -1,4 +1,4 @@
-//! Faults with their flight recorder: why the robot had to hold or stop, and the ticks before it.
+//! Faults with their flight recorder: reason of a hold or stop, and the ticks before it.
 
 use std::collections::VecDeque;
 
@@ -7,12 +7,10 @@ use serde_json::{Value, json};
 use shm_schemas::capacity::FINGERS;
 use shm_schemas::{EventKind, Mode, ModuleEvent, TickReport};
 
-/// Ticks before a fault that are kept: as many as the daemon's own flight recorder keeps.
+/// Stored ticks before a fault, equal to the daemon's flight recorder.
 const TICKS: usize = 256;
-/// Faults that are kept.
 const FAULTS: usize = 32;
 
-/// The recorder.
 #[derive(Debug, Default)]
 pub(crate) struct Faults {
     reports: VecDeque<TickReport>,
@@ -28,7 +26,6 @@ struct Fault {
 }
 
 impl Faults {
-    /// Remembers a tick.
     pub(crate) fn note(&mut self, report: &TickReport) {
         if self.reports.len() == TICKS {
             self.reports.pop_front();
@@ -36,12 +33,11 @@ impl Faults {
         self.reports.push_back(*report);
     }
 
-    /// The report of one of the last ticks.
     pub(crate) fn report_of(&self, tick: u64) -> Option<&TickReport> {
         self.reports.iter().rev().find(|report| report.tick == tick)
     }
 
-    /// Keeps the ticks before this event if it is a fault; whether it is.
+    /// Stores the preceding ticks if this event is a fault; returns true in that case.
     pub(crate) fn watch(&mut self, event: &ModuleEvent) -> bool {
         if !is_fault(event) {
             return false;
@@ -59,7 +55,6 @@ impl Faults {
         true
     }
 
-    /// The faults, newest first.
     pub(crate) fn list(&self) -> Value {
         let listed = self.faults.iter().rev().map(|fault| {
             json!({
@@ -74,7 +69,7 @@ impl Faults {
         listed.collect()
     }
 
-    /// The ticks before a fault, as columns; `None` if it is not kept any more.
+    /// Returns the ticks before a fault as columns; `None` if the fault is no longer stored.
     pub(crate) fn flight(&self, number: u64) -> Option<Value> {
         let fault = self.faults.iter().find(|fault| fault.number == number)?;
         let column = |value: &dyn Fn(&TickReport) -> f64| -> Vec<f64> {

@@ -1,4 +1,5 @@
-//! From the observing thread to every open page: messages as they come, and what a page that opens later must know.
+//! Distribution of messages from the observing thread to all open pages, and the history for new
+//! pages.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,36 +13,32 @@ use tokio::sync::broadcast;
 
 use crate::faults::Faults;
 
-/// Messages that may wait for a page; one that falls further behind begins anew. Ours: three seconds.
+/// Messages queued per page; a page that lags further starts over (design choice: 3 s).
 const WAITING: usize = 256;
-/// Moments of the traces that a page begins with: 30 s of 60 pictures a second.
+/// Points of the traces in the history: 30 s at 60 Hz.
 const MOMENTS: usize = 1800;
-/// Events that a page begins with.
 const EVENTS: usize = 500;
 
-/// What the pages share.
 #[derive(Debug)]
 pub(crate) struct Feed {
     messages: broadcast::Sender<Utf8Bytes>,
     past: Mutex<Past>,
-    /// Pages that have begun, ever.
     begun: AtomicU64,
 }
 
-/// What a page that opens must know.
+/// History for a new page.
 #[derive(Debug, Default)]
 pub(crate) struct Past {
     moments: VecDeque<Moment>,
     events: VecDeque<Value>,
-    /// The robot that is shown.
     pub(crate) scene: Value,
-    /// Newest status and histograms; what is wrong where there is none.
+    /// Newest status and histograms, or the reason why there are none.
     pub(crate) status: Value,
-    /// Faults and the ticks before them.
     pub(crate) faults: Faults,
 }
 
-/// One moment of the traces: time, then per hand the thresholds, the modules, F_n and F_t of each finger that there could be.
+/// Point of the traces: time, then per hand the thresholds, the active modules, F_n and F_t of each
+/// possible fingertip.
 type Moment = [f64; 1 + HANDS * PER_HAND];
 const PER_HAND: usize = 3 + 2 * FINGERS;
 
@@ -56,9 +53,8 @@ impl Default for Feed {
 }
 
 impl Feed {
-    /// Sends a message of one kind to every page.
     pub(crate) fn tell(&self, kind: &str, value: &impl serde::Serialize) {
-        // Nobody listens, or the value has no JSON form, which none of ours lacks.
+        // Serialisation does not fail for the types used here.
         if self.pages() > 0
             && let Ok(text) = serde_json::to_string(value)
         {
@@ -66,24 +62,23 @@ impl Feed {
         }
     }
 
-    /// Pages that listen.
     pub(crate) fn pages(&self) -> usize {
         self.messages.receiver_count()
     }
 
-    /// Pages that have begun, ever: more than before means that one has seen no picture yet.
+    /// Returns the number of pages opened so far; an increase means that a new page needs a
+    /// picture.
     pub(crate) fn begun(&self) -> u64 {
         self.begun.load(Ordering::Relaxed)
     }
 
-    /// What a page that opens must know.
     pub(crate) fn past(&self) -> MutexGuard<'_, Past> {
         self.past.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Begins to listen; the first message tells the past.
+    /// Subscribes a page; the first message is the history.
     pub(crate) fn listen(&self) -> (Utf8Bytes, broadcast::Receiver<Utf8Bytes>) {
-        // Under the lock, so that nothing falls between the past and the first message.
+        // Under the lock, so that no message is lost between history and first message.
         let past = self.past();
         let receiver = self.messages.subscribe();
         self.begun.fetch_add(1, Ordering::Relaxed);
@@ -92,7 +87,6 @@ impl Feed {
 }
 
 impl Past {
-    /// Remembers a moment.
     pub(crate) fn note(&mut self, report: &TickReport) {
         if self.moments.len() == MOMENTS {
             self.moments.pop_front();
@@ -100,7 +94,6 @@ impl Past {
         self.moments.push_back(moment(report));
     }
 
-    /// Remembers an event.
     pub(crate) fn happened(&mut self, event: Value) {
         if self.events.len() == EVENTS {
             self.events.pop_front();
@@ -108,7 +101,7 @@ impl Past {
         self.events.push_back(event);
     }
 
-    /// Forgets a daemon that is gone: its successor's clock and sequence may be others.
+    /// Clears the traces of a daemon that has ended; the next one may have another clock.
     pub(crate) fn forget(&mut self) {
         self.moments.clear();
     }
@@ -126,7 +119,6 @@ impl Past {
     }
 }
 
-/// The moment of a report.
 pub(crate) fn moment(report: &TickReport) -> Moment {
     let mut moment = [0.0; 1 + HANDS * PER_HAND];
     moment[0] = report.stamp.captured_ns as f64 * 1e-9;

@@ -1,7 +1,7 @@
-//! `atas foxglove`: a running daemon over Foxglove's WebSocket protocol, for those who have layouts of their own.
+//! `atas foxglove`: serves a running daemon over Foxglove's WebSocket protocol, for custom layouts.
 //!
-//! The topics and types are those of an exported recording ([`atas_recording::Messages`]), so that one layout serves both.
-//! Whoever connects reads; nothing can be asked or changed. Only this machine is served.
+//! Topics and types equal those of an exported recording ([`atas_recording::Messages`]), so that
+//! layouts fit both. The server is read-only and reachable from this machine only.
 
 use std::array;
 use std::sync::Arc;
@@ -22,14 +22,13 @@ use shm_schemas::{JointCommand, ModuleEvent, Status, TickReport, View};
 use crate::rounds::rounds;
 use crate::shown::Showing;
 
-/// Pause between two times that the robot is described: whoever connects later sees it, too.
+/// Interval of robot descriptions, for clients that connect later.
 const DESCRIBE: Duration = Duration::from_secs(1);
-/// Transforms and point clouds per second: one with every look.
+/// Transforms and point clouds per second: one per poll.
 const PICTURES_HZ: f64 = 60.0;
-/// Panels for the topics that there are: 3-D, forces, slip, modules, events.
+/// Example layout: 3-D, forces, slip, modules, events.
 const LAYOUT: &str = include_str!("../foxglove-layout.json");
 
-/// `atas foxglove`.
 pub(crate) fn foxglove(
     arguments: &Foxglove,
     interrupt: &Interrupt,
@@ -68,14 +67,13 @@ fn announce(port: u16, output: &mut Output) -> anyhow::Result<()> {
     ))
 }
 
-/// Tells what has come since the last look.
 fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow::Result<()> {
     let (mut reports, mut events) = (Vec::new(), Vec::new());
     watch.look(|report| reports.push(*report), |event| events.push(*event))?;
     teller.learn(&watch.status, session)?;
     teller.tell(&watch.view, reports, &events)?;
     if !watch.is_alive() && watch.status.pid != 0 {
-        // A successor may stand on a bus made anew.
+        // A new daemon may use a newly created bus.
         let bus = session.bus();
         return Err(ClientError::NoDaemon {
             bus: bus.name().to_string(),
@@ -86,10 +84,8 @@ fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow
     Ok(())
 }
 
-/// Layout hash of each hand's frames.
 type Hashes = [u64; HANDS];
 
-/// From what the bus says to messages.
 struct Teller<'a> {
     showing: Showing<'a>,
     context: &'a Arc<Context>,
@@ -109,7 +105,6 @@ impl<'a> Teller<'a> {
         }
     }
 
-    /// Takes in which robot runs.
     fn learn(&mut self, status: &Status, session: &Session) -> Result<(), BusError> {
         if self.showing.look(session.bus(), status)? {
             self.messages = None;
@@ -153,7 +148,7 @@ impl<'a> Teller<'a> {
     }
 }
 
-/// One row per report; the newest has the frames, the joints and the events.
+/// Makes one row per report; the newest includes frames, joints and events.
 fn rows(view: &View, reports: Vec<TickReport>, events: &[ModuleEvent]) -> Vec<Row> {
     let row = |report: TickReport| Row {
         tick: report.tick,
@@ -175,7 +170,7 @@ fn rows(view: &View, reports: Vec<TickReport>, events: &[ModuleEvent]) -> Vec<Ro
     rows
 }
 
-/// Topics of the server. One that is opened again is the same one.
+/// Topics of the server. Opening a topic twice gives the same channel.
 struct Channels {
     context: Arc<Context>,
     open: Vec<Arc<RawChannel>>,
@@ -198,7 +193,6 @@ impl Outlet for Channels {
         let meta = PartialMetadata {
             log_time: Some(unix_ns),
         };
-        // Nothing is copied where nobody subscribed.
         self.open[usize::from(channel)].log_with_meta(cdr, meta);
         Ok(())
     }

@@ -1,12 +1,13 @@
-//! Who is answered: pages of this server on this machine, and for what changes something, who has the token.
+//! Access control: only pages of this server on this machine are served; changes also need the
+//! token.
 //!
-//! A page of any other site that is open in the same browser can send requests here. It cannot forge `Host` or `Origin`:
-//! the first stops names that were rebound to 127.0.0.1, the second everything that another site's script does.
+//! A page of another site in the same browser can send requests to this server, but cannot forge
+//! `Host` or `Origin`. Checking `Host` stops names rebound to 127.0.0.1; checking `Origin` stops
+//! scripts of other sites.
 
 use axum::http::HeaderMap;
 use axum::http::header::{AUTHORIZATION, HOST, ORIGIN};
 
-/// What requests are held against.
 #[derive(Clone, Debug)]
 pub(crate) struct Guard {
     hosts: [String; 2],
@@ -14,7 +15,7 @@ pub(crate) struct Guard {
 }
 
 impl Guard {
-    /// For a server on this port.
+    /// Makes the access control of a server on this port, with a random token.
     pub(crate) fn new(port: u16) -> std::io::Result<Self> {
         let mut bytes = [0; 16];
         let filled = rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty())?;
@@ -27,12 +28,12 @@ impl Guard {
         })
     }
 
-    /// What the page must know to change something.
     pub(crate) fn token(&self) -> &str {
         &self.token
     }
 
-    /// Whether the request was sent to this server by its name here, and by no other site's page.
+    /// Returns true if the request names this server as host and does not come from another site's
+    /// page.
     pub(crate) fn admits(&self, headers: &HeaderMap) -> bool {
         let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
         let is_ours = |host: &str| self.hosts.iter().any(|ours| ours == host);
@@ -40,7 +41,8 @@ impl Guard {
         text(HOST).is_some_and(is_ours) && from.is_none_or(is_ours)
     }
 
-    /// Whether it may change something: also a page of ours must say so, and have the token.
+    /// Returns true if the request may change something: it needs an accepted `Origin` and the
+    /// token.
     pub(crate) fn trusts(&self, headers: &HeaderMap) -> bool {
         let bearer = headers
             .get(AUTHORIZATION)
@@ -52,7 +54,7 @@ impl Guard {
     }
 }
 
-/// Compares in a time that does not tell where they differ.
+/// Compares in constant time for texts of equal length.
 fn same(a: &str, b: &str) -> bool {
     let differs = a
         .bytes()

@@ -1,17 +1,18 @@
-//! `atas-live`: looking on, in a browser or in Foxglove.
+//! `atas-live`: observation in a browser or in Foxglove.
 //!
 //! ```text
-//!  bus ─▶ observe (a thread) ─▶ Feed ─▶ server ─▶ page        live: pictures, events, faults, as they come
-//!  recording ─▶ shelf ─────────────────▶ server ─▶ page        recorded: the same pictures, by their number
-//!  bus ─▶ foxglove ─▶ ROS 2 messages over a WebSocket              live, for layouts of one's own
-//!  page ─▶ server ─ guard ─▶ control ─▶ bus                    stop and recover, with a token
+//!  bus ─▶ observe (a thread) ─▶ Feed ─▶ server ─▶ page    live: pictures, events, faults
+//!  recording ─▶ shelf ────────────────▶ server ─▶ page    recorded: the same pictures, by number
+//!  bus ─▶ foxglove ─▶ ROS 2 messages over a WebSocket     live, for custom layouts
+//!  page ─▶ server ─ guard ─▶ control ─▶ bus               stop and recovery, with a token
 //! ```
 //!
-//! * **In:** the streams of the daemon's non-real-time side, or a recording; the files of the robot that runs. **Out:** a page, or messages, on 127.0.0.1.
-//! * **Invariants:** an observer: nothing here is a peer of the 1 kHz loop. Only this machine is served, only pages of this
-//!   server are answered, nothing is fetched from elsewhere. Whoever has no token changes nothing. A page that does not read
-//!   costs a bounded amount of memory.
-//! * **Absent on purpose:** goals and parameters: those are `atas`'s.
+//! * **In:** non-real-time streams of the daemon, or a recording; files of the robot. **Out:** a
+//!   page, or messages, on 127.0.0.1.
+//! * **Invariants:** the process does not take part in the 1 kHz loop. The server answers only its
+//!   own pages on this machine and loads nothing from elsewhere. Changes need the token. A page
+//!   that does not read costs a bounded amount of memory.
+//! * **Not included:** goals and parameters; they are in `atas`.
 
 mod arena;
 mod control;

@@ -1,6 +1,6 @@
-//! The thread that looks at the bus, sixty times a second, and tells the pages.
+//! Observing thread: polls the bus at 60 Hz and sends messages to the pages.
 //!
-//! A daemon that is not there yet, dies or comes back is a state that the pages show, never an end.
+//! A missing, ended or restarted daemon is a displayed state, not an error.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -20,10 +20,10 @@ use crate::rounds::rounds;
 use crate::scene::scene;
 use crate::shown::Showing;
 
-/// Pictures between two statuses: five statuses a second, which people can read.
+/// Pictures per status: five statuses per second are readable.
 const STATUS_EVERY: u64 = 12;
 
-/// Looks at the bus until `stop` is set. `told` is the robot that a user named.
+/// Polls the bus until `stop` is set. `selected` is the user's robot.
 pub(crate) fn observe(
     bus: &BusName,
     feed: &Arc<Feed>,
@@ -46,19 +46,15 @@ fn gone(feed: &Feed, why: &str) {
     past.status = told;
 }
 
-/// What is known from one look to the next.
 struct Observer<'a> {
     watch: Watch,
     showing: Showing<'a>,
     arena: Arena,
     looks: u64,
-    /// Process of the daemon.
     pid: u32,
-    /// Whether a tick has been reported.
     has_report: bool,
-    /// Pages that had begun at the last look.
     begun: u64,
-    /// Layout hash of each hand's frames, and how many elements that means.
+    /// Layout hash and number of elements of each hand's frames.
     layouts: [(u64, usize); HANDS],
 }
 
@@ -90,7 +86,7 @@ impl<'a> Observer<'a> {
         }
         let is_other = self.tell_scene(session, feed)?;
         self.tell_events(feed, &reports, &events);
-        // A page that opens, or draws another robot, while time stands still is shown where it stands.
+        // A new page, or one with a new robot, needs a picture even if time stands still.
         let before = std::mem::replace(&mut self.begun, feed.begun());
         let anew = before != self.begun || is_other;
         self.tell_picture(feed, !reports.is_empty(), anew);
@@ -104,7 +100,7 @@ impl<'a> Observer<'a> {
         Ok(())
     }
 
-    /// Tells which robot runs, when that is known or another one does; whether it did.
+    /// Sends the scene if the robot has become known or has changed; returns true in that case.
     fn tell_scene(&mut self, session: &Session, feed: &Feed) -> Result<bool, ClientError> {
         let is_news = self.showing.look(session.bus(), &self.watch.status)?;
         let Some(shown) = self.showing.shown().filter(|_| is_news) else {
@@ -129,7 +125,7 @@ impl<'a> Observer<'a> {
         if !self.has_report || !(is_new || anew) || feed.pages() == 0 {
             return;
         }
-        // Without it nobody knows how many fingers there are.
+        // The number of fingertips is unknown before.
         let Some(shown) = self.showing.shown() else {
             return;
         };
@@ -197,7 +193,7 @@ impl<'a> Observer<'a> {
     }
 }
 
-/// An event with its sentence and, where a module was switched, what the fingers of the hand felt then.
+/// Formats an event with its text and, for module switches, the percept of that tick.
 pub(crate) fn described(
     event: &ModuleEvent,
     at: Option<&TickReport>,

@@ -1,6 +1,6 @@
-//! The page: files that lie in this program.
+//! Files of the page, embedded in the program.
 
-/// A file of the page: its path, its type, its content.
+/// Embedded file: URL path, media type, content.
 pub(crate) struct Asset {
     pub(crate) path: &'static str,
     pub(crate) kind: &'static str,
@@ -9,7 +9,6 @@ pub(crate) struct Asset {
 
 macro_rules! assets {
     ($($path:literal as $kind:literal from $file:literal;)*) => {
-        /// Everything that a browser may fetch.
         pub(crate) const ASSETS: &[Asset] = &[$(Asset {
             path: $path,
             kind: $kind,

@@ -1,41 +1,37 @@
-//! What a page draws of one moment.
+//! Picture: data that a page draws at one tick.
 
 use serde::Serialize;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{HandFrame, HandReport, JointState, TickReport};
 
-/// One moment. Not-a-numbers are `null`.
+/// One tick. NaN becomes `null`.
 #[derive(Debug, Serialize)]
 pub(crate) struct Picture {
-    /// The tick.
     pub(crate) tick: u64,
-    /// Its time, s of the sensors' clock.
+    /// Time in the sensors' clock, s.
     pub(crate) t_s: f64,
-    /// Mode after it.
     pub(crate) mode: &'static str,
     /// Active goal, 0 if none.
     pub(crate) goal_id: u64,
     /// Left, right.
     pub(crate) hands: [HandPicture; HANDS],
-    /// Joint positions, rad; empty where none are known.
+    /// Joint positions, rad; empty if unknown.
     pub(crate) q_rad: Vec<f32>,
 }
 
-/// One hand.
 #[derive(Debug, Serialize)]
 pub(crate) struct HandPicture {
     f1_n: f32,
     f2_n: f32,
     stiffness_n_m: f32,
-    /// Bit n set: the module with this number is active.
+    /// Bit mask of active modules by number.
     modules: u32,
     /// Age of the newest frame, ms; `null` before the first.
     age_ms: Option<f32>,
-    /// Those that feel.
+    /// Fingertips with sensors.
     fingers: Vec<FingerPicture>,
 }
 
-/// One finger.
 #[derive(Debug, Serialize)]
 pub(crate) struct FingerPicture {
     normal_n: f32,
@@ -44,12 +40,14 @@ pub(crate) struct FingerPicture {
     utilisation: f32,
     friction: f32,
     closing_m_s: f32,
-    /// Per element f_n, f_t1, f_t2, N; `null` for an element that is not valid, empty where no frame is known.
+    /// Forces `[f_n, f_t1, f_t2]` per element, N; `null` for an invalid element, empty without a
+    /// frame.
     elements: Vec<Option<[f32; 3]>>,
 }
 
 impl Picture {
-    /// The moment of a report, with the newest frames and joints known then, of hands with so many fingers of so many elements.
+    /// Makes a picture from a report and the newest frames and joints, for given numbers of
+    /// fingertips and elements.
     pub(crate) fn of(
         report: &TickReport,
         frames: [Option<&HandFrame>; HANDS],
@@ -111,7 +109,7 @@ fn picked(frame: &HandFrame, finger: usize, count: usize) -> Vec<Option<[f32; 3]
         .collect()
 }
 
-/// To a tenth of a milli-unit: what a screen can show, and short as text.
+/// Rounds to 1e-4: below display resolution, and short as text.
 fn rounded(value: f32) -> f32 {
     (value * 1e4).round() / 1e4
 }

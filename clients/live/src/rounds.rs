@@ -1,4 +1,4 @@
-//! Looking at the bus, sixty times a second, whatever becomes of the daemon.
+//! Polling loop at 60 Hz that survives the end of a daemon.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -6,13 +6,12 @@ use std::time::{Duration, Instant};
 use atas_client::{ClientError, Session, Watch};
 use shm_bus::BusName;
 
-/// Time between two looks: sixty a second.
 const LOOK: Duration = Duration::from_nanos(16_666_667);
-/// Pause before a bus that is not there is looked for again.
+/// Pause before a missing bus is tried again.
 const AGAIN: Duration = Duration::from_millis(300);
 
-/// Looks at the bus until `stop` is set. `begin` makes an observer of each bus that is found, `look` is its round; an error of
-/// one of them, of which `gone` hears, ends the observer and not the looking.
+/// Polls the bus until `stop` is set. `begin` makes an observer of a bus, `look` polls it. An error
+/// ends the observer, is passed to `gone`, and the loop continues.
 pub(crate) fn rounds<T, E: From<ClientError>>(
     bus: &BusName,
     stop: &AtomicBool,
@@ -27,7 +26,6 @@ pub(crate) fn rounds<T, E: From<ClientError>>(
         let mut due = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             look(&mut observer, &session)?;
-            // Late once is late once: what was missed is not caught up with.
             due = (due + LOOK).max(Instant::now());
             std::thread::sleep(due.saturating_duration_since(Instant::now()));
         }

@@ -1,4 +1,4 @@
-//! What a page needs to know of a robot: its links, its fingers, and where the elements of its fingertips sit.
+//! Scene: robot data for the page, with links, fingertips and element positions.
 
 use robot_model::{Form, Limb, ModelError, Placement, RobotFiles, Shape, Side};
 use serde_json::{Value, json};
@@ -6,7 +6,6 @@ use shm_schemas::{Layout, ModuleId};
 
 use crate::shown::Shown;
 
-/// A robot, its skin and its modules.
 pub(crate) fn scene(shown: &Shown) -> Result<Value, ModelError> {
     let modules = ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE);
     let mut scene = json!({
@@ -24,7 +23,6 @@ pub(crate) fn scene(shown: &Shown) -> Result<Value, ModelError> {
     Ok(scene)
 }
 
-/// What there is to be drawn.
 fn links(files: &RobotFiles, scene: &mut Value) -> Result<(), ModelError> {
     let (skeleton, robot) = (files.skeleton()?, files.load()?);
     let tips = Side::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! The server: the page, what it shows, and the two things that it may ask for.
+//! HTTP server of the page, its data, and the requests stop and recover.
 
 use std::future::IntoFuture;
 use std::sync::Arc;
@@ -32,17 +32,15 @@ use crate::scene;
 use crate::shelf::Shelf;
 use crate::shown::Shown;
 
-/// How often the server looks whether it shall end.
 const LOOK: Duration = Duration::from_millis(50);
-/// Pages at a time; each costs its share of a core.
+/// Most open pages; each costs CPU time.
 const PAGES: usize = 16;
-/// Pictures of a recording that one request may have.
+/// Most pictures of a recording per request.
 const PICTURES: usize = 240;
-/// What the page may load and talk to: this server, nothing else.
+/// Content security policy: the page may load from and connect to this server only.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// What every request finds.
 struct Server {
     guard: Guard,
     bus: BusName,
@@ -50,7 +48,6 @@ struct Server {
     shelf: Option<Shelf>,
 }
 
-/// `atas dashboard`.
 pub(crate) fn dashboard(
     arguments: &Dashboard,
     interrupt: &Interrupt,
@@ -92,7 +89,6 @@ async fn listen(port: u16) -> anyhow::Result<TcpListener> {
     bound.with_context(|| port_taken(port))
 }
 
-/// What to do about a port that cannot be listened on.
 pub(crate) fn port_taken(port: u16) -> String {
     format!(
         "could not listen on port {port} of this machine; name another one with --port, or 0 for any"
@@ -100,7 +96,7 @@ pub(crate) fn port_taken(port: u16) -> String {
 }
 
 fn announce(server: &Server, port: u16, output: &mut Output) -> anyhow::Result<()> {
-    // Behind the #, so that the token travels in no request.
+    // The token follows the #, so browsers do not send it in requests.
     let url = format!("http://127.0.0.1:{port}/#{}", server.guard.token());
     if output.is_json() {
         return output.json(&json!({ "url": url, "port": port, "token": server.guard.token() }));
@@ -149,7 +145,7 @@ fn router(server: Arc<Server>) -> Router {
         .with_state(server)
 }
 
-/// Answers our own pages only, and tells the browser what they may do.
+/// Rejects requests from other pages; adds security headers.
 async fn admit(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
     if !server.guard.admits(request.headers()) {
         return (
@@ -197,7 +193,7 @@ async fn feed(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> R
     upgrade.on_upgrade(move |socket| tell(socket, server))
 }
 
-/// Tells one page everything until it goes away. One that cannot follow begins anew.
+/// Sends all messages to one page until it closes. A page that lags too far starts over.
 async fn tell(mut socket: WebSocket, server: Arc<Server>) {
     loop {
         let (past, mut messages) = server.feed.listen();

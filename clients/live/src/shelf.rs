@@ -1,6 +1,6 @@
-//! A recording on the shelf: its moments, to be looked at in any order.
+//! Recording prepared for random access by the page.
 //!
-//! A bounded number of pictures is kept, as many a second as that allows, whatever the length of the recording.
+//! The number of pictures is bounded; the picture rate decreases with the length of the recording.
 
 use std::array;
 use std::path::PathBuf;
@@ -18,24 +18,19 @@ use crate::observe::described;
 use crate::picture::Picture;
 use crate::shown::Shown;
 
-/// Pictures that are kept, some 6 KiB each (ours: 40 MiB; 100 s at 60 a second).
+/// Most stored pictures of about 6 KiB (design choice: 40 MiB, 100 s at 60 Hz).
 const PICTURES: usize = 6000;
-/// Pictures a second at most.
 const RATE_HZ: f64 = 60.0;
-/// Events that are kept.
 const EVENTS: usize = 20_000;
 
-/// A recording, read once.
 pub(crate) struct Shelf {
     pictures: Vec<String>,
     moments: Vec<Vec<f64>>,
     events: Vec<Value>,
     period_s: f64,
-    /// Fingers of each hand that feel.
+    /// Fingertips with sensors, per hand.
     fingers: [usize; HANDS],
-    /// Faults and the ticks before them.
     pub(crate) faults: Faults,
-    /// The robot and its skin.
     pub(crate) scene: Value,
     name: String,
 }
@@ -44,7 +39,7 @@ impl Shelf {
     /// Reads the files of one run.
     ///
     /// # Errors
-    /// They cannot be read to their end.
+    /// A file cannot be read to its end.
     pub(crate) fn read(files: &[PathBuf]) -> anyhow::Result<Self> {
         let seconds = length_s(files)?;
         let rows = Rows::open(files)?;
@@ -103,7 +98,6 @@ impl Shelf {
         }
     }
 
-    /// What a page begins with.
     pub(crate) fn told(&self) -> Value {
         json!({
             "name": self.name,
@@ -115,7 +109,7 @@ impl Shelf {
         })
     }
 
-    /// So many pictures from this one on, as a list.
+    /// Returns `count` pictures from index `from`, as a JSON list.
     pub(crate) fn pictures(&self, from: usize, count: usize) -> String {
         let end = from.saturating_add(count).min(self.pictures.len());
         let found = self.pictures.get(from..end).unwrap_or_default();
@@ -123,7 +117,7 @@ impl Shelf {
     }
 }
 
-/// The recorded robot: its hands that are there, with the fingers that carried sensors.
+/// Returns the recorded robot: existing hands with their recorded fingertips.
 fn shown(rows: &Rows) -> anyhow::Result<Shown> {
     let robot = origin::robot(rows.header(), rows.robot())?;
     let known = robot.load().context("could not load the recorded robot")?;
@@ -137,7 +131,6 @@ fn shown(rows: &Rows) -> anyhow::Result<Shown> {
     })
 }
 
-/// What was last known of hands and joints.
 #[derive(Default)]
 struct Now {
     frames: [Option<HandFrame>; 2],
@@ -156,7 +149,6 @@ impl Now {
     }
 }
 
-/// From the first to the last tick, s.
 fn length_s(files: &[PathBuf]) -> anyhow::Result<f64> {
     let mut ends = None::<(u64, u64)>;
     for row in Rows::open(files)? {

@@ -1,4 +1,4 @@
-//! Which robot is shown, and what it feels with: what the daemon says it runs, unless a user says otherwise.
+//! Displayed robot and sensors: those of the daemon, unless the user selects a robot.
 
 use std::time::{Duration, Instant};
 
@@ -9,38 +9,37 @@ use shm_bus::{Bus, BusError};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Layout, RunHeader, Status};
 
-/// How long a daemon may be silent about its robot before that is said (ours).
+/// Time until a missing robot name of the daemon is reported (design choice).
 const NAMING: Duration = Duration::from_secs(1);
 
-/// A robot, as far as it is known.
+/// Displayed robot, as far as known.
 #[derive(Clone, Debug)]
 pub(crate) struct Shown {
-    /// Its files; `None` where nobody has them.
+    /// Robot files; `None` if not found.
     pub(crate) robot: Option<RobotFiles>,
-    /// What a user must know of it; empty if it is the one that runs.
+    /// Note to the user; empty if the displayed robot is the running one.
     pub(crate) note: String,
-    /// Where the elements of each hand's fingertips sit.
+    /// Element positions of each hand's fingertips.
     pub(crate) layouts: [Layout; HANDS],
-    /// Fingers of each hand that feel; none of a hand that is not there.
+    /// Fingertips with sensors per hand; 0 for a missing hand.
     pub(crate) fingers: [usize; HANDS],
 }
 
-/// What is shown, kept up with what runs.
+/// Displayed robot, kept up to date with the daemon.
 pub(crate) struct Showing<'a> {
-    /// The robot that a user named.
     told: Option<&'a RobotFiles>,
     run: Run,
     shown: Option<Shown>,
     key: Key,
-    /// When this daemon was first seen.
     since: Instant,
 }
 
-/// What decides on what is shown: the daemon's process, whether it has named its robot, and the fingers that feel.
+/// Inputs of the displayed robot: process id of the daemon, whether it has named its robot,
+/// fingertips with sensors.
 type Key = (u32, bool, [usize; HANDS]);
 
 impl<'a> Showing<'a> {
-    /// Nothing yet. `told` is the robot that a user named.
+    /// Starts without a robot. `selected` is the user's robot.
     pub(crate) fn new(told: Option<&'a RobotFiles>) -> Self {
         Self {
             told,
@@ -51,7 +50,7 @@ impl<'a> Showing<'a> {
         }
     }
 
-    /// Looks what runs; whether something else is to be shown than before.
+    /// Updates from the daemon's status; returns true if the displayed robot has changed.
     ///
     /// # Errors
     /// The shared memory of the daemon cannot be read.
@@ -77,14 +76,14 @@ impl<'a> Showing<'a> {
         self.run.header().is_some()
     }
 
-    /// What is to be shown; `None` before the daemon has said what it runs.
+    /// Returns the displayed robot; `None` before the daemon has named it.
     pub(crate) fn shown(&self) -> Option<&Shown> {
         self.shown.as_ref()
     }
 }
 
 impl Shown {
-    /// Of a run. `told` is the robot that a user named.
+    /// Determines the displayed robot of a run. `selected` is the user's robot.
     pub(crate) fn of(told: Option<&RobotFiles>, run: &Run, status: &Status) -> Self {
         let (robot, note) = match (told, run.header()) {
             (Some(told), header) => (Some(told.clone()), differs(told, header)),
@@ -113,7 +112,7 @@ impl Shown {
         }
     }
 
-    /// The layout of this hash that a hand's frames carry, if anybody knows it.
+    /// Returns the layout of this hash for the frames of a hand, if known.
     pub(crate) fn layout(&self, hand: usize, hash: u64) -> Option<Layout> {
         let own = &self.layouts[hand];
         if own.hash() == hash {
@@ -124,7 +123,7 @@ impl Shown {
     }
 }
 
-/// The robot that the daemon runs, or why it cannot be drawn here.
+/// Returns the daemon's robot, or the reason why it cannot be drawn.
 fn running(header: &RunHeader) -> Result<RobotFiles, String> {
     let name = header.robot.as_str();
     let files = RobotFiles::find(name).and_then(|files| files.load().map(|_| files));
@@ -142,7 +141,7 @@ fn running(header: &RunHeader) -> Result<RobotFiles, String> {
     Ok(files)
 }
 
-/// What a user must know who names another robot than the one that runs.
+/// Returns a note if the user's robot differs from the running one.
 fn differs(told: &RobotFiles, header: Option<&RunHeader>) -> String {
     let other = header.filter(|header| told.hash() != header.robot_hash);
     other.map_or_else(String::new, |header| {

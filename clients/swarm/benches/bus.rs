@@ -1,11 +1,15 @@
-//! 1,000 robots at 1 kHz on the bus: this process hosts 250 fields of four, `ebts agents` looks their tables up.
+//! Benchmark: 1,000 robots at 1 kHz on the bus. This process hosts 250 fields of four;
+//! `ebts agents` looks up their tables.
 //!
-//! A frame is missed if its answer is not there when the next frame is due. Prints missed frames and the time from
-//! publishing what the robots sense to holding what they shall do; every answer is checked against the table.
-//! Missed frames in which the two processes, ready to run, waited for a core for more than half of the time are told apart:
-//! an answer takes a small part of the other half, so it was the machine that was full. All others are missed by the robots.
+//! A frame is missed if its answer does not arrive before the next frame is due. The benchmark
+//! prints missed frames and the time from publishing the sensor rows to receiving the wheel
+//! commands. Every answer is compared with the table.
 //!
-//! `cargo bench -p ebts --bench bus`; with `chrt -f 50` in front, both processes are scheduled as a real robot's would be.
+//! Missed frames are attributed to other programs if both processes waited for a core for more than
+//! half of the gap. An answer takes a small part of the other half.
+//!
+//! `cargo bench -p ebts --bench bus`; with `chrt -f 50` in front, both processes run with real-time
+//! priority.
 #![expect(
     clippy::print_stdout,
     reason = "the figures are this program's product"
@@ -25,32 +29,33 @@ use shm_schemas::{AgentSensors, WheelCommands, service};
 const FIELDS: usize = 250;
 const TEAM: usize = MAX_AGENTS;
 const PERIOD_NS: u64 = 1_000_000;
-/// Thirty seconds when measured; a moment when only tested.
+/// Frames: 30 s as a benchmark, 0.2 s as a test.
 const FRAMES: [u64; 2] = [30_000, 200];
-/// Frames before the first that counts: processes that have just met map each other's memory.
+/// Frames before the measurement, in which new processes map each other's memory.
 const WARM_UP: u64 = 100;
-/// Longest wait for the agents process to come up, ns.
+/// Longest wait for the start of the agents process, ns.
 const START_NS: u64 = 20_000_000_000;
 
-/// The agents process, killed at the end.
 struct Agents(Child);
 
 impl Drop for Agents {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Frames missed in a row: why is only known after the next answer, as a process that waits for a core has not waited yet.
+/// Consecutive missed frames. Their cause is known only after the next answer, because waiting time
+/// is counted at its end.
 struct Gap {
     since_ns: u64,
     waited_before_ns: u64,
     missed: u64,
 }
 
-/// How long this process and `agents` have been ready to run without a core, ns; 0 where the kernel does not tell.
+/// Returns the time that this process and `agents` were ready to run without a core, ns; 0 if the
+/// kernel does not report it.
 fn waited_ns(agents: &Agents) -> u64 {
     let waited = |process: &str| {
         let text = std::fs::read_to_string(format!("/proc/{process}/schedstat")).ok()?;
@@ -59,7 +64,6 @@ fn waited_ns(agents: &Agents) -> u64 {
     waited("self").unwrap_or(0) + waited(&agents.0.id().to_string()).unwrap_or(0)
 }
 
-/// The fields and their place on the bus.
 struct Host {
     fields: Vec<TrialRun>,
     lookup: Lookup,
@@ -107,7 +111,6 @@ impl Host {
         self.publisher.send(&self.sensors).expect("sent");
     }
 
-    /// The time of the answer, if it comes before the deadline.
     fn answer(&mut self, deadline_ns: u64) -> Option<u64> {
         loop {
             let came = self
@@ -125,7 +128,6 @@ impl Host {
         }
     }
 
-    /// Moves every robot as it was told, after a look whether that is what its table says.
     fn drive(&mut self) {
         let mut expected = [0; FIELDS * TEAM];
         self.lookup.answer(&self.sensors.row, &mut expected);
@@ -206,7 +208,7 @@ fn main() {
     );
 }
 
-/// Sleeps, because the kernel stops real-time processes that never do.
+/// Sleeps until the deadline. The kernel throttles real-time processes that never sleep.
 fn sleep_until(deadline_ns: u64) {
     let until = Timespec {
         tv_sec: (deadline_ns / 1_000_000_000).cast_signed(),

@@ -1,4 +1,4 @@
-//! A rule of fitness of one's own, and a table evolved by it: `cargo run -p ebts --example own_fitness -- quick.toml`.
+//! Evolution with a custom fitness: `cargo run -p ebts --example own_fitness -- quick.toml`.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -13,7 +13,8 @@ use ebts::scoring::{Fitness, Judged};
 use ebts::table_file::TableFile;
 use field::{Engine, FitnessRule, Model, Preset, TRIAL_FRAMES, TeamSize};
 
-/// The sooner the object is at the goal, the better; an object that nobody brings there earns little for coming near.
+/// Rewards early delivery; an undelivered object earns up to 10 points for its distance to the
+/// goal.
 #[derive(Debug)]
 pub(crate) struct Quick;
 
@@ -27,7 +28,7 @@ impl Fitness for Quick {
     }
 }
 
-/// The best table for two agents on R3 after 300 generations: the same for the same seed, whatever the machine.
+/// Returns the best table for two agents on R3 after 300 generations; deterministic for a seed.
 pub(crate) fn evolved(seed: u64) -> Result<TableFile> {
     const GENERATIONS: u32 = 300;
     let model = Model::new(Preset::R3).map_err(Error::from_part)?;

@@ -1,23 +1,24 @@
-//! Tables that ship with the program, so that a team can be seen at work before anything was evolved.
+//! Built-in tables: examples that run without evolution.
 
 use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::table_file::{Hash, TableFile};
 
-/// Name and text of every table that ships.
+/// Name and text of the built-in tables.
 ///
-/// `r3-two-agents`: the best of seeds 1 to 80 for two agents on preset R3 by
-/// `ebts experiment fig14 --seeds 80`, again to the bit by `ebts evolve --agents 2 --seed 71`.
+/// `r3-two-agents`: the best of seeds 1 to 80 for two agents on preset R3
+/// (`ebts experiment fig14 --seeds 80`). `ebts evolve --agents 2 --seed 71` reproduces it bit for
+/// bit.
 const TABLES: [(&str, &str); 1] = [(
     "r3-two-agents",
     include_str!("../tables/r3-two-agents.toml"),
 )];
 
-/// A table that ships, by its name, or that of a file.
+/// Returns the built-in table with this name, or the table of a file.
 ///
 /// # Errors
-/// It is neither, or the file is not an intact table file.
+/// Neither exists, or the file is not an intact table file.
 pub fn table(name: &str) -> Result<TableFile> {
     match TABLES.iter().find(|(ours, _)| *ours == name) {
         Some((_, text)) => TableFile::parse(text, Hash::Required).map_err(Error::from_part),

@@ -1,4 +1,4 @@
-//! Checkpoints: a run under way, kept so that it continues to the same bits.
+//! Checkpoints: complete state of a run in progress. A resumed run continues bit for bit.
 
 use std::path::Path;
 
@@ -15,19 +15,18 @@ use crate::rng::SplitMix64;
 use crate::run::{Rise, Run};
 use crate::training::of_generation;
 
-/// Version of the layout of the file.
 const FORMAT: &str = "ebts-checkpoint-1";
 
-/// A run with all that continuing it needs.
+/// A run and everything needed to continue it.
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
-    /// What the fitness depends on.
+    /// Inputs of the fitness.
     pub condition: Condition,
-    /// The numbers of the genetic algorithm.
+    /// Settings of the genetic algorithm.
     pub settings: Settings,
     /// Islands and migration.
     pub islands: IslandSettings,
-    /// Where the run should end.
+    /// Final generation.
     pub generations: u32,
     /// The run, after at least its random population.
     pub run: Run,
@@ -73,26 +72,23 @@ struct Member {
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint in one step; nothing before the random population is evaluated.
+    /// Writes the checkpoint atomically; does nothing before the random population is evaluated.
     ///
     /// # Errors
-    /// The system refused; an older checkpoint is still there.
+    /// The file cannot be written; an older checkpoint remains.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.to_text()?;
         text.map_or(Ok(()), |text| write_atomically(path, text.as_bytes()))
     }
 
-    /// As [`Checkpoint::write`], without waiting for the disk: many of them are written in a moment, and one that a power
-    /// cut spoils is noticed by its hash.
-    ///
-    /// # Errors
-    /// As [`Checkpoint::write`].
+    /// Writes as [`Checkpoint::write`] but does not wait for the disk, because many files are
+    /// written at once. The hash detects a file damaged by a power cut.
     pub fn write_unsynced(&self, path: &Path) -> Result<()> {
         let text = self.to_text()?;
         text.map_or(Ok(()), |text| replace_unsynced(path, text.as_bytes()))
     }
 
-    /// The text of the file; `None` before the random population is evaluated.
+    /// `None` before the random population is evaluated.
     fn to_text(&self) -> Result<Option<String>> {
         let Some(generation) = self.run.generation() else {
             return Ok(None);
@@ -132,7 +128,8 @@ impl Checkpoint {
     /// Reads a checkpoint.
     ///
     /// # Errors
-    /// It is not there, is damaged, or another version of this program wrote it, whose bits might differ.
+    /// The file is missing, damaged, or from another version of this program, whose bits may
+    /// differ.
     pub fn read(path: &Path) -> Result<Self> {
         if !path.exists() {
             return Err(Error::refused(
@@ -152,7 +149,6 @@ impl Checkpoint {
         })
     }
 
-    /// Reads a checkpoint, or says what is wrong with it: "was damaged (...)".
     pub(crate) fn examine(path: &Path) -> std::result::Result<Self, String> {
         let text = std::fs::read(path).map_err(|error| format!("could not be read ({error})"))?;
         let sealed: Sealed =
@@ -178,7 +174,7 @@ impl Checkpoint {
 
 impl Content {
     fn restore(self) -> Option<Checkpoint> {
-        // Points by a rule that this program does not have cannot be true.
+        // Points of a rule that this program does not have cannot be verified.
         let condition = self.condition.build().ok()?;
         condition.fitness.is_here().then_some(())?;
         let bits = condition.genome_bits();
@@ -246,7 +242,6 @@ impl Content {
 }
 
 fn hash(content: &Content) -> String {
-    // Numbers, strings and lists always have a JSON form.
     sha256(
         serde_json::to_string(content)
             .unwrap_or_default()

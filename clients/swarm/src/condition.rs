@@ -1,4 +1,4 @@
-//! The condition of a run: which field, how many agents, how they share tables, how they are scored.
+//! Condition of a run: field, number of agents, table sharing, sensor order, scoring.
 
 use std::sync::Arc;
 
@@ -14,42 +14,42 @@ use crate::table::{Shape, Table};
 /// Goals of one evaluation (paper III.b.3).
 pub const GOALS: usize = 8;
 
-/// Whether the agents of a team share a table.
+/// Assignment of tables to the agents of a team.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sharing {
-    /// One table for all (the paper).
+    /// One table for all agents (the paper).
     Shared,
-    /// One table per agent, side by side in the genome.
+    /// One table per agent, concatenated in the genome.
     PerAgent,
 }
 
-/// Everything that a fitness depends on besides the genome.
+/// All inputs of a fitness except the genome.
 #[derive(Clone, Debug)]
 pub struct Condition {
     /// The field.
     pub model: Arc<Model>,
-    /// How many agents.
+    /// Number of agents.
     pub team: TeamSize,
-    /// How they share tables.
+    /// Assignment of tables to agents.
     pub sharing: Sharing,
-    /// What S1–S5 are.
+    /// Order of the sensors S1–S5.
     pub sensors: SensorOrder,
-    /// How trials are scored.
+    /// Scoring of trials.
     pub fitness: Scoring,
 }
 
-/// A condition as files keep it.
+/// Stored form of a condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setup {
-    /// How many agents.
+    /// Number of agents.
     pub agents: usize,
-    /// How they share tables.
+    /// Assignment of tables to agents.
     pub sharing: Sharing,
-    /// What S1–S5 are.
+    /// Order of the sensors S1–S5.
     pub sensors: SensorOrder,
-    /// How trials are scored.
+    /// Scoring of trials.
     pub fitness_rule: Scoring,
     /// The field.
     pub preset: Preset,
@@ -68,7 +68,7 @@ impl From<&Condition> for Setup {
 }
 
 impl Condition {
-    /// The paper's condition: a shared table, the default sensor order.
+    /// Returns the paper's condition: a shared table, the default sensor order.
     #[must_use]
     pub fn new(model: Arc<Model>, team: TeamSize, fitness: impl Into<Scoring>) -> Self {
         Self {
@@ -80,7 +80,7 @@ impl Condition {
         }
     }
 
-    /// The same, judged by a rule of one's own.
+    /// Replaces the scoring by a custom fitness.
     #[must_use]
     pub fn judged_by(self, fitness: impl Fitness + 'static) -> Self {
         Self {
@@ -89,13 +89,14 @@ impl Condition {
         }
     }
 
-    /// What is drawn for every generation; `None` if every generation has the preset's eight trials.
+    /// Returns the settings for drawn trials; `None` if every generation uses the eight trials of
+    /// the preset.
     #[must_use]
     pub fn training(&self) -> Option<Training> {
         self.model.preset().training
     }
 
-    /// Tables in one genome.
+    /// Returns the number of tables in one genome.
     #[must_use]
     pub fn tables(&self) -> usize {
         match self.sharing {
@@ -104,13 +105,13 @@ impl Condition {
         }
     }
 
-    /// Bits of one genome.
+    /// Returns the number of bits of one genome.
     #[must_use]
     pub fn genome_bits(&self) -> usize {
         self.tables() * Shape::MOBILE_ROBOT.genome_bits()
     }
 
-    /// The tables that a genome describes.
+    /// Returns the tables that a genome encodes.
     #[must_use]
     pub fn tables_of(&self, genome: &Genome) -> Vec<Table> {
         let shape = Shape::MOBILE_ROBOT;
@@ -119,7 +120,7 @@ impl Condition {
             .collect()
     }
 
-    /// The responses of each of the field's agents.
+    /// Returns the responses of each agent of the field.
     #[must_use]
     pub fn responses(&self, genome: &Genome) -> [Responses; MAX_AGENTS] {
         let words = genome.words();
@@ -132,8 +133,8 @@ impl Condition {
         }
     }
 
-    /// The preset's own eight layouts, goal 1 first: what tables are evolved on, unless trials are drawn (see
-    /// [`crate::training`]), and what is drawn and replayed of them.
+    /// Returns the eight layouts of the preset, goal 1 first. They are used for evolution (unless
+    /// trials are drawn, see [`crate::training`]), for plots and for replays.
     #[must_use]
     pub fn layouts(&self) -> [Layout; GOALS] {
         self.model
@@ -141,7 +142,7 @@ impl Condition {
             .map(|goal: Point| self.model.training_layout(goal))
     }
 
-    /// The points of one outcome.
+    /// Returns the points of one outcome.
     #[must_use]
     pub fn points(&self, outcome: &field::Outcome) -> f32 {
         self.fitness.points(&Judged {

@@ -1,13 +1,13 @@
-//! What can go wrong, in sentences a person can act on, and the exit codes of `ebts`.
+//! Errors of the crate and exit codes of `ebts`.
 
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a command did not do what it was asked.
+/// Error of a command.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Something that was given cannot be used; nothing was changed.
+    /// An input cannot be used; nothing was changed.
     #[error("{0}")]
     Refused(String),
     /// Another process works on the same folder.
@@ -15,31 +15,31 @@ pub enum Error {
         "could not use folder {0} because another ebts works on it, needs a folder of its own; wait for it or name another --out"
     )]
     Busy(PathBuf),
-    /// The operating system refused; what was finished before is safe.
+    /// The operating system reported an error; finished runs are safe.
     #[error(
         "could not {doing} {path} because {source}, needs a writable place with room; free some and run the same command again"
     )]
     Io {
-        /// What was attempted.
+        /// Attempted operation.
         doing: &'static str,
-        /// On which file.
+        /// File or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The bus could not be used.
     #[error(transparent)]
     Bus(#[from] shm_bus::BusError),
-    /// Somebody pressed Ctrl-C; the sentence says what was saved.
+    /// Interrupted with Ctrl-C; the text lists the saved files.
     #[error("{0}")]
     Interrupted(String),
 }
 
 impl Error {
-    /// The exit code where the system refused, a full disk for example.
+    /// Exit code of an operating system error, for example a full disk.
     pub const SYSTEM: u8 = 5;
 
-    /// A refusal in the house's form.
+    /// Builds a rejection: "could not WHAT: CAUSE, needs LIMIT; CURE".
     pub fn refused(
         what: impl Display,
         was: impl Display,
@@ -51,12 +51,12 @@ impl Error {
         ))
     }
 
-    /// A refusal by a part that already speaks in that form.
+    /// Wraps an error that already has this form.
     pub fn from_part(error: impl Display) -> Self {
         Self::Refused(error.to_string())
     }
 
-    /// What the system refused to do with a file.
+    /// Returns a function that wraps an I/O error with operation and path.
     pub fn io(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io {
@@ -66,7 +66,8 @@ impl Error {
         }
     }
 
-    /// The exit code of the process: 3 refused, 4 busy, 5 system, 6 bus, 130 interrupted. Clap uses 2 for bad usage; 0 is success.
+    /// Returns the exit code of the process: 3 rejected, 4 busy, 5 system, 6 bus, 130 interrupted.
+    /// Clap uses 2 for wrong usage.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -79,5 +80,5 @@ impl Error {
     }
 }
 
-/// What every fallible function of this crate returns.
+/// Result of the fallible functions of this crate.
 pub type Result<T> = std::result::Result<T, Error>;

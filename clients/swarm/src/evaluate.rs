@@ -1,8 +1,8 @@
-//! From genomes to fitness: paper steps 2 and 7.
+//! Fitness of genomes (paper steps 2 and 7).
 //!
-//! Trials of several runs are simulated together, because full vectors are fast vectors. Each run has a memo: a trial that
-//! was already simulated with tables that agree in every row that was read then cannot come out differently, and is not
-//! simulated again. Neither changes a bit of any fitness, nor do threads that share the trials of a large population.
+//! Trials of several runs are simulated together to fill the SIMD vectors. Each run has a memo: a
+//! trial is not simulated again if its tables equal an earlier trial's in every row that was read.
+//! Neither the memo nor the threads change a fitness.
 
 use field::{Engine, MAX_AGENTS, Outcome, Responses, Trial};
 
@@ -15,7 +15,7 @@ use crate::workers::Workers;
 /// Points per goal, goal 1 first.
 pub type GoalPoints = [f32; GOALS];
 
-/// A genome with what it is worth.
+/// A genome and its points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Individual {
     /// The genotype.
@@ -25,7 +25,7 @@ pub struct Individual {
 }
 
 impl Individual {
-    /// The fitness: the sum of the points in the order of the goals, at most 800.
+    /// Returns the fitness: the sum of the points in the order of the goals, at most 800.
     #[must_use]
     pub fn fitness(&self) -> f32 {
         self.points.iter().fold(0.0, |sum, points| sum + points)
@@ -43,7 +43,6 @@ pub struct Evaluator {
     outcomes: Vec<Outcome>,
 }
 
-/// What the genomes of one run are tried on, and what is known of it.
 #[derive(Debug)]
 struct Test {
     sets: Vec<Set>,
@@ -56,19 +55,17 @@ impl Test {
         Self { sets, memo }
     }
 
-    /// Trials per genome.
     fn places(&self) -> usize {
         GOALS * self.sets.len()
     }
 }
 
-/// A trial that has to be simulated.
 #[derive(Debug)]
 struct Pending {
     run: usize,
-    /// Among the run's points.
+    /// Index in the points of the run.
     index: usize,
-    /// Of all sets of the run: set · 8 + goal.
+    /// Index in the trials of the run: set · 8 + goal.
     place: usize,
     tables: Tables,
 }
@@ -76,7 +73,8 @@ struct Pending {
 type Tables = [u128; MAX_AGENTS];
 
 impl Evaluator {
-    /// An evaluator of `runs` independent runs, on the trials that the points of a table come from.
+    /// Creates an evaluator for `runs` independent runs on the trials that define the points of a
+    /// table.
     #[must_use]
     pub fn new(condition: Condition, workers: impl Into<Workers>, runs: usize) -> Self {
         let sets = of_choice(&condition);
@@ -91,24 +89,24 @@ impl Evaluator {
         }
     }
 
-    /// The condition it evaluates.
+    /// Returns the condition.
     #[must_use]
     pub fn condition(&self) -> &Condition {
         &self.condition
     }
 
-    /// Trials that a genome takes at most.
+    /// Returns the largest number of trials per genome.
     #[must_use]
     pub fn trials_per_genome(&self) -> usize {
         self.tests.first().map_or(0, Test::places)
     }
 
-    /// Tries the genomes of a run on other trials from now on.
+    /// Replaces the trials of a run.
     pub fn try_on(&mut self, run: usize, sets: Vec<Set>) {
         self.tests[run] = Test::on(sets);
     }
 
-    /// Evaluates the genomes of every run, `batches[run]`; nothing if the workers were stopped before the end.
+    /// Evaluates the genomes of every run, `batches[run]`; `None` if the workers were stopped.
     pub fn evaluate(&mut self, batches: Vec<Vec<Genome>>) -> Option<Vec<Vec<Individual>>> {
         let mut points: Vec<Vec<f32>> = Vec::with_capacity(batches.len());
         for (run, batch) in batches.iter().enumerate() {
@@ -130,13 +128,13 @@ impl Evaluator {
         Some(runs.map(of_run).collect())
     }
 
-    /// The points of one genome on its own.
+    /// Returns the points of one genome.
     #[must_use]
     pub fn points_of(condition: &Condition, genome: &Genome) -> GoalPoints {
         Self::points_on(condition, of_choice(condition), genome)
     }
 
-    /// The points of one genome on these trials.
+    /// Returns the points of one genome on these trials.
     #[must_use]
     pub fn points_on(condition: &Condition, sets: Vec<Set>, genome: &Genome) -> GoalPoints {
         let mut evaluator = Self {
@@ -151,7 +149,7 @@ impl Evaluator {
         evaluated.map_or([0.0; GOALS], |evaluated| evaluated[0][0].points)
     }
 
-    /// Fills in the points that the memo knows, and queues a trial for each of the others.
+    /// Fills in known points and queues the other trials.
     fn recall(&mut self, run: usize, genome: usize, bits: &Genome, points: &mut [f32]) {
         let responses = self.condition.responses(bits);
         let tables = responses.map(Responses::bits);
@@ -177,7 +175,6 @@ impl Evaluator {
         }
     }
 
-    /// Simulates what is queued, and remembers it.
     fn simulate(&mut self, points: &mut [Vec<f32>]) -> Option<()> {
         let Condition { model, team, .. } = &self.condition;
         let whole = self
@@ -204,7 +201,7 @@ impl Evaluator {
     }
 }
 
-/// The mean over the sets, in their order; of one set its points, to the bit.
+/// Returns the mean over the sets, in their order; for one set exactly its points.
 fn mean_per_goal(points: &[f32]) -> GoalPoints {
     let (sets, _) = points.as_chunks::<GOALS>();
     std::array::from_fn(|goal| {

@@ -1,4 +1,4 @@
-//! Files that are either there in full or not at all, and folders that one process at a time writes.
+//! Atomic file writes and exclusive folders.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufWriter, ErrorKind, Write};
@@ -9,33 +9,23 @@ use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
 
-/// Replaces a file in one step: whoever reads it sees the old content or the new one.
-///
-/// # Errors
-/// The system refused; the old content is still there.
+/// Replaces a file atomically: readers get the old or the new content.
 pub fn write_atomically(path: &Path, content: &[u8]) -> Result<()> {
     stream_atomically(path, |file| file.write_all(content))
 }
 
-/// Writes a value as TOML, in one step.
-///
-/// # Errors
-/// The value is none that TOML can say; the system refused.
+/// Writes a value as TOML atomically.
 pub(crate) fn write_toml(path: &Path, value: &impl Serialize) -> Result<()> {
     let text = toml::to_string(value).map_err(Error::from_part)?;
     write_atomically(path, text.as_bytes())
 }
 
-/// Whether a text is a TOML file that says that it is of this kind.
 pub(crate) fn is_of_kind(text: &str, kind: &str) -> bool {
     text.lines()
         .any(|line| line.replace(' ', "") == format!("kind=\"{kind}\""))
 }
 
-/// As [`write_atomically`], for content that is too long to be held in memory.
-///
-/// # Errors
-/// The system refused; the old content is still there.
+/// Writes as [`write_atomically`], for content that does not fit in memory.
 pub fn stream_atomically(
     path: &Path,
     content: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
@@ -51,17 +41,14 @@ pub fn stream_atomically(
         sync_folder(path)
     };
     write().map_err(|error| {
-        // The temporary file holds nothing that anybody needs; if it cannot be removed either, the error below says why.
+        // If the temporary file cannot be removed either, the error below gives the cause.
         let _ = std::fs::remove_file(&temporary);
         Error::io("write", path)(error)
     })
 }
 
-/// Replaces a file in one step without waiting for the disk: for what carries a hash of its own and may be lost in a power
-/// cut.
-///
-/// # Errors
-/// The system refused; the old content is still there.
+/// Replaces a file atomically without waiting for the disk. For files with their own hash that may
+/// be lost in a power cut.
 pub fn replace_unsynced(path: &Path, content: &[u8]) -> Result<()> {
     let temporary = sibling(path, ".tmp");
     std::fs::write(&temporary, content)
@@ -69,7 +56,7 @@ pub fn replace_unsynced(path: &Path, content: &[u8]) -> Result<()> {
         .map_err(Error::io("write", path))
 }
 
-/// The file of the same name with something added.
+/// Returns the path with a suffix appended to the file name.
 #[must_use]
 pub fn sibling(path: &Path, suffix: &str) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
@@ -77,7 +64,7 @@ pub fn sibling(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Makes a rename in the file's folder survive a power cut.
+/// A rename survives a power cut only if the folder is synced.
 fn sync_folder(path: &Path) -> std::io::Result<()> {
     let folder = path
         .parent()
@@ -86,9 +73,6 @@ fn sync_folder(path: &Path) -> std::io::Result<()> {
 }
 
 /// Reads a text file.
-///
-/// # Errors
-/// It is not there, not readable or not text.
 pub fn read_text(path: &Path) -> Result<String> {
     std::fs::read_to_string(path).map_err(|error| {
         Error::refused(
@@ -100,10 +84,7 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
-/// Removes a file that may be gone already.
-///
-/// # Errors
-/// The system refused.
+/// Removes a file if it exists.
 pub fn remove_if_there(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(error)),
@@ -111,18 +92,16 @@ pub fn remove_if_there(path: &Path) -> Result<()> {
     }
 }
 
-/// Gives a file that cannot be used the suffix `.damaged`, in place of an older one of that name; says its path.
-///
-/// # Errors
-/// The system refused.
+/// Renames an unusable file to `.damaged`, replacing an older one of that name; returns the new
+/// path.
 pub(crate) fn set_aside(path: &Path) -> Result<PathBuf> {
     let kept = sibling(path, ".damaged");
     std::fs::rename(path, &kept).map_err(Error::io("set aside", path))?;
     Ok(kept)
 }
 
-/// A name that stays inside the folder where it is used, whatever it was made from: everything but letters, digits, dots,
-/// dashes and underscores becomes an underscore, and no name begins with a dot.
+/// Returns a file name that stays inside its folder: characters other than letters, digits, dots,
+/// dashes and underscores become underscores, and a leading dot is escaped.
 #[must_use]
 pub fn plain_name(text: &str) -> String {
     let plain = |c: char| match c {
@@ -136,15 +115,15 @@ pub fn plain_name(text: &str) -> String {
     }
 }
 
-/// A folder that only this process writes; the lock ends with the process, however it ends.
+/// Exclusive lock of a folder; the system releases it when the process ends.
 #[derive(Debug)]
 pub struct FolderLock(#[expect(dead_code, reason = "held for its lock")] File);
 
 impl FolderLock {
-    /// Creates the folder if need be and locks it.
+    /// Creates the folder if necessary and locks it.
     ///
     /// # Errors
-    /// [`Error::Busy`] if another process holds it.
+    /// [`Error::Busy`] if another process holds the lock.
     pub fn take(folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(Error::io("create folder", folder))?;
         let path = folder.join(".lock");
@@ -162,7 +141,7 @@ impl FolderLock {
     }
 }
 
-/// SHA-256 in hexadecimal.
+/// Returns the SHA-256 in hexadecimal.
 #[must_use]
 pub fn sha256(content: &[u8]) -> String {
     Sha256::digest(content)

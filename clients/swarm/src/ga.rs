@@ -1,7 +1,8 @@
-//! The simple genetic algorithm of paper III.b.1, steps 1–10.
+//! Simple genetic algorithm of paper III.b.1, steps 1–10.
 //!
-//! A generation is two calls: [`Population::propose`] makes genomes (step 1, or steps 3–6), somebody evaluates them (steps 2
-//! and 7), [`Population::select`] keeps the best (step 8). A population never looks at a clock or a simulator.
+//! A generation is two calls: [`Population::propose`] makes genomes (step 1, or steps 3–6), the
+//! caller evaluates them (steps 2 and 7), [`Population::select`] keeps the best (step 8). A
+//! population uses neither clock nor simulator.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,15 +10,16 @@ use crate::evaluate::Individual;
 use crate::genome::Genome;
 use crate::rng::{Probability, SplitMix64};
 
-/// The numbers of the algorithm.
+/// Settings of the algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Individuals, an even number.
+    /// Number of individuals, even.
     pub population: usize,
-    /// Individuals that survive whatever their children do: 1 or more, fewer than the population.
+    /// Number of individuals that survive regardless of their children: 1 or more, fewer than the
+    /// population.
     pub elite: usize,
-    /// Probability of a flip per bit of a child.
+    /// Flip probability per bit of a child.
     pub mutation_rate: f64,
 }
 
@@ -32,7 +34,7 @@ impl Default for Settings {
     }
 }
 
-/// Settings that make no algorithm.
+/// Invalid settings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("could not use {key} because it was {value}, needs {needs}; correct it")]
 pub struct SettingsError {
@@ -42,10 +44,11 @@ pub struct SettingsError {
 }
 
 impl Settings {
-    /// Checks the numbers; returns the mutation rate as a probability.
+    /// Validates the settings; returns the mutation rate as a probability.
     ///
     /// # Errors
-    /// An odd or empty population, no elite or one that leaves no room, a rate that is no probability.
+    /// The population is odd or out of range, the elite is zero or fills the population, or the
+    /// rate is not a probability.
     pub fn check(&self) -> Result<Probability, SettingsError> {
         let refuse = |key, value, needs| Err(SettingsError { key, value, needs });
         if !(2..=10_000).contains(&self.population) || self.population % 2 == 1 {
@@ -71,7 +74,7 @@ impl Settings {
     }
 }
 
-/// One population with its stream of random numbers.
+/// One population with its random number stream.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Population {
     settings: Settings,
@@ -83,10 +86,7 @@ pub struct Population {
 }
 
 impl Population {
-    /// A population about to be born.
-    ///
-    /// # Errors
-    /// See [`Settings::check`].
+    /// Creates a population without members.
     pub fn new(
         settings: Settings,
         genome_bits: usize,
@@ -101,10 +101,8 @@ impl Population {
         })
     }
 
-    /// A population as it was after a selection, to continue from a checkpoint. `members` in their order then.
-    ///
-    /// # Errors
-    /// See [`Settings::check`].
+    /// Restores a population from a checkpoint. `members` keep the order that they had after the
+    /// selection.
     pub fn resume(
         settings: Settings,
         rng: SplitMix64,
@@ -120,19 +118,20 @@ impl Population {
         })
     }
 
-    /// The individuals, best first.
+    /// Returns the individuals, best first.
     #[must_use]
     pub fn members(&self) -> &[Individual] {
         &self.members
     }
 
-    /// The state of the random numbers.
+    /// Returns the state of the random number stream.
     #[must_use]
     pub fn rng(&self) -> &SplitMix64 {
         &self.rng
     }
 
-    /// The genomes to evaluate next: random ones at first (step 1), then children (steps 3–6).
+    /// Returns the genomes to evaluate next: random ones at first (step 1), then children (steps
+    /// 3–6).
     pub fn propose(&mut self) -> Vec<Genome> {
         let Settings { population, .. } = self.settings;
         if self.members.is_empty() {
@@ -148,8 +147,8 @@ impl Population {
         (0..population / 2).flat_map(|_| self.pair(total)).collect()
     }
 
-    /// The genomes to evaluate next where every generation is judged on other trials: the elites, whose fitness was measured
-    /// on other ones, then as [`Population::propose`].
+    /// Returns the genomes to evaluate next if every generation uses other trials: the elites,
+    /// whose fitness must be evaluated again, then those of [`Population::propose`].
     pub fn propose_with_elites(&mut self) -> Vec<Genome> {
         let elites = self.members.iter().take(self.settings.elite);
         let mut genomes: Vec<Genome> = elites.map(|elite| elite.genome.clone()).collect();
@@ -168,7 +167,7 @@ impl Population {
         children
     }
 
-    /// Step 4: a member with probability proportional to its fitness, in population order.
+    /// Step 4: returns a member with probability proportional to its fitness, in population order.
     fn roulette(&mut self, total: f64) -> usize {
         let mut left = self.rng.unit() * total;
         let spent = |member: &Individual| {
@@ -181,13 +180,15 @@ impl Population {
             .unwrap_or(self.members.len() - 1)
     }
 
-    /// Step 8: elites and children in descending order of fitness; ties keep the elite first, then the earlier child.
+    /// Step 8: keeps the best of elites and children. Among equals the elite comes first, then the
+    /// earlier child.
     pub fn select(&mut self, children: Vec<Individual>) {
         self.members.truncate(self.settings.elite);
         self.keep_best(children);
     }
 
-    /// Step 8 with the proposals of [`Population::propose_with_elites`]: the elites as they are judged now.
+    /// Step 8 for the proposals of [`Population::propose_with_elites`]: elites count with their new
+    /// fitness.
     pub fn select_among(&mut self, judged: Vec<Individual>) {
         self.members.clear();
         self.keep_best(judged);
@@ -200,7 +201,8 @@ impl Population {
         self.members.truncate(self.settings.population);
     }
 
-    /// Replaces the worst individual by an immigrant and restores the order; the immigrant stands behind its equals.
+    /// Replaces the worst individual by an immigrant and restores the order; the immigrant is
+    /// placed behind its equals.
     pub fn admit(&mut self, immigrant: Individual) {
         self.members.pop();
         let place = self

@@ -1,4 +1,4 @@
-//! One population from its random beginning on: what the evolution of a hand's tables and of a base's share.
+//! Evolution of one population, used for the tables of a hand and the tables of a base.
 
 use std::ops::ControlFlow;
 
@@ -9,11 +9,12 @@ use crate::genome::Genome;
 use crate::rng::SplitMix64;
 use crate::run::Rise;
 
-/// Evolves genomes of so many bits; `watch` hears of every generation and its best fitness, and may stop the run, of which
-/// `kept` then says what is left. Returns the best individual, and when the best fitness rose.
+/// Evolves genomes of a number of bits. `watch` receives every generation and its best fitness and
+/// may stop the run; the error then includes `saved_text`. Returns the best individual and the
+/// generations in which the best fitness rose.
 ///
 /// # Errors
-/// The settings make no algorithm; the run was stopped.
+/// The settings are invalid, or the run was stopped.
 pub(crate) fn evolve(
     settings: Settings,
     (bits, rng): (usize, SplitMix64),

@@ -1,11 +1,10 @@
-//! The genotype: a one-dimensional array of bits (paper Fig. 9) and the two operators on it.
+//! Genotype: a one-dimensional array of bits (paper Fig. 9), with crossover and mutation.
 
 use crate::rng::{Probability, SplitMix64};
 
-/// Bits of one word of a genome.
 const WORD: usize = u128::BITS as usize;
 
-/// A genotype array. Bit g lives in word g / 128, counted from its lowest bit; bits beyond the length are zero.
+/// Genotype array. Bit g is in word g / 128, lowest bit first; bits beyond the length are zero.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Genome {
     words: Box<[u128]>,
@@ -13,7 +12,7 @@ pub struct Genome {
 }
 
 impl Genome {
-    /// All bits zero.
+    /// Returns a genome with all bits zero.
     #[must_use]
     pub fn zero(bits: usize) -> Self {
         Self {
@@ -22,7 +21,7 @@ impl Genome {
         }
     }
 
-    /// Every bit drawn evenly (paper step 1).
+    /// Draws every bit uniformly (paper step 1).
     pub fn random(bits: usize, rng: &mut SplitMix64) -> Self {
         let mut genome = Self::zero(bits);
         for word in &mut genome.words {
@@ -31,19 +30,19 @@ impl Genome {
         genome.cleared_beyond_length()
     }
 
-    /// Number of bits.
+    /// Returns the number of bits.
     #[must_use]
     pub fn len(&self) -> usize {
         self.bits
     }
 
-    /// Whether there are no bits at all.
+    /// Returns whether the genome has no bits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.bits == 0
     }
 
-    /// Bit `index`; false beyond the length.
+    /// Returns bit `index`; false beyond the length.
     #[must_use]
     pub fn get(&self, index: usize) -> bool {
         self.words
@@ -51,7 +50,7 @@ impl Genome {
             .is_some_and(|word| word >> (index % WORD) & 1 == 1)
     }
 
-    /// Sets bit `index`, if there is one.
+    /// Sets bit `index`; ignored beyond the length.
     pub fn set(&mut self, index: usize, value: bool) {
         if index < self.bits {
             let word = &mut self.words[index / WORD];
@@ -59,20 +58,20 @@ impl Genome {
         }
     }
 
-    /// `count` ≤ 32 bits from `first` on, the first lowest.
+    /// Returns `count` ≤ 32 bits from `first` on, the first lowest.
     #[must_use]
     pub fn field(&self, first: usize, count: usize) -> u32 {
         (0..count).fold(0, |value, k| value | u32::from(self.get(first + k)) << k)
     }
 
-    /// The bits in words of 128, the first bit lowest.
+    /// Returns the bits in words of 128, the first bit lowest.
     #[must_use]
     pub fn words(&self) -> &[u128] {
         &self.words
     }
 
-    /// Uniform crossover (paper step 5): one random mask says from which parent each bit of the first child comes; the
-    /// second child has the other one.
+    /// Uniform crossover (paper step 5): a random mask selects the parent of each bit; the second
+    /// child is complementary.
     pub fn crossover(&self, other: &Self, rng: &mut SplitMix64) -> [Self; 2] {
         let mut children = [self.clone(), other.clone()];
         for (word, (a, b)) in self.words.iter().zip(&other.words).enumerate() {
@@ -94,7 +93,7 @@ impl Genome {
         }
     }
 
-    /// The bits in hexadecimal, 32 digits per word, word 0 first.
+    /// Returns the bits in hexadecimal, 32 digits per word, word 0 first.
     #[must_use]
     pub fn to_hex(&self) -> String {
         self.words
@@ -103,7 +102,8 @@ impl Genome {
             .collect()
     }
 
-    /// Reads back [`Genome::to_hex`]; `None` if the text is not a genome of that many bits.
+    /// Parses the output of [`Genome::to_hex`]; `None` if the text is not a genome of this number
+    /// of bits.
     #[must_use]
     pub fn from_hex(bits: usize, text: &str) -> Option<Self> {
         let mut genome = Self::zero(bits);
@@ -128,8 +128,8 @@ impl Genome {
     }
 }
 
-/// The part of bits in which two genomes differ, mean over all pairs: bit by bit, a set and b unset ones make a·b pairs that
-/// differ. 0 of fewer than two genomes.
+/// Returns the share of differing bits, averaged over all pairs of genomes. Per bit, a set and b
+/// unset values make a·b differing pairs. 0 for fewer than two genomes.
 #[must_use]
 pub fn diversity(genomes: &[&Genome]) -> f64 {
     let (count, bits) = (

@@ -1,5 +1,5 @@
-//! Islands: several populations that evolve apart and now and then send their best to each other (ours, beyond the paper).
-//! One island is the paper's algorithm.
+//! Islands: several populations that evolve separately and exchange their best individuals at
+//! intervals (design choice, not in the paper). One island is the paper's algorithm.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,11 +8,11 @@ use crate::ga::{Population, Settings, SettingsError};
 use crate::genome::Genome;
 use crate::rng::SplitMix64;
 
-/// How many islands and how often they exchange.
+/// Number of islands and interval of exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IslandSettings {
-    /// Populations, each of the full size.
+    /// Number of populations, each of the full size.
     pub islands: usize,
     /// Generations between two migrations; unused with one island.
     pub migrate_every: u32,
@@ -27,12 +27,12 @@ impl Default for IslandSettings {
     }
 }
 
-/// Whether the fitness of elites still holds in the next generation.
+/// Validity of the elites' fitness in the next generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Elites {
-    /// It does: every generation has the same trials.
+    /// Valid: every generation has the same trials.
     Known,
-    /// Every generation has other trials.
+    /// Invalid: every generation has other trials, so elites are evaluated again.
     JudgedAgain,
 }
 
@@ -42,15 +42,12 @@ pub struct Archipelago {
     islands: Vec<Population>,
     settings: IslandSettings,
     population: usize,
-    /// Draws the routes of migrants.
     routes: SplitMix64,
 }
 
 impl Archipelago {
-    /// Islands about to be settled. `stream(i)` is the random stream of island i; `stream(islands)` that of migration.
-    ///
-    /// # Errors
-    /// See [`Settings::check`].
+    /// Creates islands without members. `stream(i)` is the random stream of island i;
+    /// `stream(islands)` is that of migration.
     pub fn new(
         settings: Settings,
         islands: IslandSettings,
@@ -68,7 +65,7 @@ impl Archipelago {
         })
     }
 
-    /// Islands as they were after a generation.
+    /// Restores islands from a checkpoint.
     #[must_use]
     pub fn resume(
         islands: Vec<Population>,
@@ -84,25 +81,25 @@ impl Archipelago {
         }
     }
 
-    /// The populations.
+    /// Returns the populations.
     #[must_use]
     pub fn islands(&self) -> &[Population] {
         &self.islands
     }
 
-    /// Individuals of all islands.
+    /// Returns the number of individuals of all islands.
     #[must_use]
     pub fn size(&self) -> usize {
         self.population * self.islands.len()
     }
 
-    /// The state of the routes' random numbers.
+    /// Returns the state of the migration stream.
     #[must_use]
     pub fn routes(&self) -> &SplitMix64 {
         &self.routes
     }
 
-    /// The best individual of all islands; of equals, the one on the first island.
+    /// Returns the best individual of all islands; among equals, that of the first island.
     #[must_use]
     pub fn best(&self) -> Option<&Individual> {
         let firsts = self
@@ -118,7 +115,7 @@ impl Archipelago {
         })
     }
 
-    /// The genomes of all islands to evaluate next, island by island.
+    /// Returns the genomes of all islands to evaluate next, island by island.
     pub fn propose(&mut self, elites: Elites) -> Vec<Genome> {
         let propose = match elites {
             Elites::Known => Population::propose,
@@ -127,7 +124,8 @@ impl Archipelago {
         self.islands.iter_mut().flat_map(propose).collect()
     }
 
-    /// Ends generation `generation` with the evaluated proposals, in the order of [`Archipelago::propose`].
+    /// Completes generation `generation` with the evaluated proposals, in the order of
+    /// [`Archipelago::propose`].
     pub fn select(&mut self, evaluated: Vec<Individual>, generation: u32, elites: Elites) {
         let select = match elites {
             Elites::Known => Population::select,
@@ -147,7 +145,7 @@ impl Archipelago {
         }
     }
 
-    /// The best of every island goes to the next one on a ring whose order is drawn anew.
+    /// Sends the best of every island to the next one on a ring with a random order.
     fn migrate(&mut self) {
         let n = self.islands.len();
         let mut ring: Vec<usize> = (0..n).collect();

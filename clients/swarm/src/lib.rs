@@ -1,24 +1,33 @@
-//! EBTS: behaviour tables for teams of mobile robots, evolved by a genetic algorithm (paper section III).
+//! EBTS: behaviour tables for teams of mobile robots, evolved by a genetic algorithm (paper section
+//! III).
 //!
-//! **In**: a [`condition::Condition`] (field preset, team size, [`scoring`]), a seed. **Out**: the best table found, with its
-//! provenance ([`table_file`]), and, over many seeds, what of the paper holds ([`experiment`], [`analysis`], [`plot`]).
+//! Inputs: a [`condition::Condition`] (field preset, team size, [`scoring`]) and a seed. Outputs:
+//! the best table found with its provenance ([`table_file`]); over many seeds, the findings of the
+//! paper that hold ([`experiment`], [`analysis`], [`plot`]).
 //!
-//! From the inside out: [`genome`] and [`table`] are the genotype and what it means; [`ga`] and [`islands`] propose and
-//! select; [`training`] says on which trials, [`evaluate`] turns genomes into fitness with the `field` crate's simulators, on as many threads as [`workers`]
-//! has; [`run`] puts these together for one seed; [`checkpoint`] and [`experiment`] keep runs on disk; [`analysis`] looks at
-//! what evolved, [`results`] and [`plot`] write it down; [`search`] looks for fields ([`variation`]) on which all of it holds; [`agents`] drives the robots of a field on the bus. The same algorithm
-//! evolves tables for other agents: a hand ([`grasp`]), and the base of a robot with hands ([`course`]).
+//! Layers, innermost first:
+//!
+//! * [`genome`] and [`table`]: genotype and its meaning.
+//! * [`ga`] and [`islands`]: proposal and selection. [`training`]: choice of trials.
+//! * [`evaluate`]: fitness of genomes from the simulators of the `field` crate, on the threads of
+//!   [`workers`].
+//! * [`run`]: one seed. [`checkpoint`] and [`experiment`]: runs on disk.
+//! * [`analysis`]: behaviour of evolved tables. [`results`] and [`plot`]: output files.
+//! * [`search`]: search for fields ([`variation`]) on which chosen findings hold.
+//! * [`agents`]: controllers of the robots of a field on the bus.
+//! * [`grasp`] and [`course`]: the same algorithm for a hand and for the base of a robot with
+//!   hands.
 //!
 //! Invariants:
 //!
-//! * A run's bits depend on its condition, settings and seed alone: not on SIMD width, threads, the runs beside it,
-//!   interruption or sharding (tests `tests/same_bits.rs` and `tests/commands/`).
-//! * A run that finished is on the disk before anybody is told so, and nothing finished is ever lost or overwritten.
-//! * Nothing from outside is believed: files carry hashes, numbers are checked, genomes are evaluated again, and what is
-//!   wrong is said.
+//! * The bits of a run depend only on condition, settings and seed, not on SIMD width, threads,
+//!   parallel runs, interruption or sharding (tests `tests/same_bits.rs` and `tests/commands/`).
+//! * A finished run is on disk before it is reported. Finished runs are never lost or overwritten.
+//! * Input is verified: files carry hashes, numbers are range-checked, genomes are evaluated again.
+//!   Errors name the fault.
 //!
-//! Deliberately absent: unseeded randomness, and clocks but for when to save; the field itself; anything the agents would
-//! have to share besides their table.
+//! Not part of this crate: unseeded randomness, clocks (except for save intervals), the field
+//! itself, and any state that agents share other than their table.
 
 pub mod agents;
 pub mod analysis;

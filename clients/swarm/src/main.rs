@@ -1,7 +1,8 @@
-//! `ebts`: evolves behaviour tables, repeats the paper's experiment, shows what came out.
+//! `ebts`: evolves behaviour tables, repeats the paper's experiment and reports the results.
 //!
-//! Exit codes, stable: 0 done; 2 wrong usage; 3 something given was refused; 4 the output folder is in use; 5 the system
-//! refused (disk full, no permission); 6 the bus could not be used; 130 interrupted, with everything finished saved.
+//! Exit codes, stable: 0 success; 2 wrong usage; 3 input rejected; 4 output folder in use; 5
+//! operating system error (disk full, no permission); 6 bus error; 130 interrupted, with every
+//! finished run saved.
 
 mod cli;
 

@@ -1,12 +1,13 @@
-//! What was tried already: a trial of a goal with tables that agree in every row that was read then cannot come out
-//! differently.
+//! Memo of simulated trials: a trial is skipped if its tables equal a stored one's in every row
+//! that the stored trial read.
 //!
-//! A goal is whatever points are given for: a goal of the field, in every set of trials another; an object to grasp; a group
-//! of courses.
+//! A goal here is any unit that earns points: a goal of the field (per set of trials), an object to
+//! grasp, or a group of courses.
 
 use crate::condition::GOALS;
 
-/// Trials remembered per goal: enough for a population, its parents and their near kin (measured: more finds little more).
+/// Trials stored per goal: enough for a population, its parents and close relatives. Measurements
+/// show few more hits above it.
 const MEMO_TRIALS: usize = 64;
 
 /// The last trials of every goal, each with the tables of `N` agents.
@@ -21,9 +22,9 @@ struct Ring<const N: usize> {
 
 #[derive(Debug)]
 struct Known<const N: usize> {
-    /// The bits of the rows that were read.
+    /// Bits of the rows that the trial read.
     mask: u128,
-    /// Those bits, per agent.
+    /// Values of those bits, per agent.
     tables: [u128; N],
     points: f32,
 }
@@ -35,7 +36,6 @@ impl<const N: usize> Default for Memo<N> {
 }
 
 impl<const N: usize> Memo<N> {
-    /// A memo of so many goals that remembers nothing yet.
     pub(crate) fn of(goals: usize) -> Self {
         let empty = || Ring {
             known: Vec::new(),
@@ -44,7 +44,7 @@ impl<const N: usize> Memo<N> {
         Self((0..goals).map(|_| empty()).collect())
     }
 
-    /// The points of a trial that is known to come out so.
+    /// Returns the points of a matching trial.
     pub(crate) fn recall(&self, goal: usize, tables: &[u128; N]) -> Option<f32> {
         let agrees = |known: &&Known<N>| {
             known
@@ -60,7 +60,6 @@ impl<const N: usize> Memo<N> {
             .map(|known| known.points)
     }
 
-    /// Remembers a trial in which the bits of `mask` were read.
     pub(crate) fn learn(&mut self, goal: usize, tables: &[u128; N], mask: u128, points: f32) {
         let known = Known {
             mask,

@@ -1,4 +1,4 @@
-//! Replay: a web page that shows a team at work, in one file that needs nothing else.
+//! Replay: a self-contained web page with an animation of a team.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ use crate::condition::{Condition, GOALS};
 use crate::error::{Error, Result};
 use crate::table_file::TableFile;
 
-/// The page; the data go where the marker is.
+/// Page template; the marker is replaced by the data.
 const PAGE: &str = include_str!("replay.html");
 const MARKER: &str = "/*DATA*/null";
 
@@ -36,7 +36,7 @@ struct Trial {
     frames: Vec<Vec<f32>>,
 }
 
-/// Follows the team of a table file through its eight trials, goal 1 first.
+/// Simulates the eight trials of a table file, goal 1 first.
 #[must_use]
 pub fn traces(file: &TableFile) -> [Trace; GOALS] {
     let condition = &file.condition;
@@ -47,9 +47,6 @@ pub fn traces(file: &TableFile) -> [Trace; GOALS] {
 }
 
 /// Builds the page of a table file.
-///
-/// # Errors
-/// As [`replay`].
 pub fn page(file: &TableFile) -> Result<String> {
     let condition = &file.condition;
     let title = format!(
@@ -63,9 +60,6 @@ pub fn page(file: &TableFile) -> Result<String> {
 }
 
 /// Builds the page of any trials.
-///
-/// # Errors
-/// A coordinate was not finite; the simulator produces none.
 pub fn replay(
     condition: &Condition,
     title: &str,
@@ -91,7 +85,7 @@ pub fn replay(
             .collect(),
     };
     let json = serde_json::to_string(&data).map_err(Error::from_part)?;
-    // A script ends at the first "</", wherever it stands.
+    // A script ends at the first "</", even in a string.
     Ok(PAGE.replace(MARKER, &json.replace("</", "<\\/")))
 }
 

@@ -1,20 +1,21 @@
-//! Random numbers: SplitMix64, one stream per run, so that a run's bits depend on its seed alone.
+//! Random numbers: SplitMix64, one stream per run. The bits of a run depend only on its seed.
 //!
-//! Ten lines of our own rather than a crate's, because a checkpoint keeps the generator's state and every table on record
-//! depends on its bits: neither may change with somebody's next version.
+//! The generator is implemented here because checkpoints store its state and published tables
+//! depend on its bits. An external crate could change either with a new version.
 
 use serde::{Deserialize, Serialize};
 
-/// Increment of the counter (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators").
+/// Increment of the counter (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number
+/// generators").
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// A SplitMix64 generator. Its whole state is one number, which a checkpoint keeps.
+/// SplitMix64 generator. Its state is one number, which a checkpoint stores.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// The stream that a list of numbers names: a run's seed, its condition, its island.
+    /// Returns the stream with a name: a list of numbers such as condition, seed and island.
     #[must_use]
     pub fn stream(name: &[u64]) -> Self {
         Self(
@@ -31,34 +32,34 @@ impl SplitMix64 {
         z ^ z >> 31
     }
 
-    /// 128 random bits, the high half drawn first.
+    /// Returns 128 random bits; the high half is drawn first.
     pub fn next_u128(&mut self) -> u128 {
         let high = u128::from(self.next_u64());
         high << 64 | u128::from(self.next_u64())
     }
 
-    /// Uniform in [0, 1): the top 53 bits.
+    /// Returns a uniform value in [0, 1) from the top 53 bits.
     pub fn unit(&mut self) -> f64 {
         (self.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Uniform in 0..n, for n that is small against 2⁵³.
+    /// Returns a uniform value in 0..n, for n small against 2⁵³.
     pub fn below(&mut self, n: usize) -> usize {
         (self.unit() * n as f64) as usize
     }
 
-    /// Whether an event of this probability happens; one draw, the same as `unit() < probability`.
+    /// Draws an event with this probability; one draw, equal to `unit() < probability`.
     pub fn happens(&mut self, probability: Probability) -> bool {
         self.next_u64() >> 11 < probability.0
     }
 }
 
-/// A probability as a number of 2⁻⁵³, so that drawing it compares integers.
+/// A probability in units of 2⁻⁵³, so that a draw compares integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Probability(u64);
 
 impl Probability {
-    /// `None` if the value is not a number from 0 to 1.
+    /// Returns `None` unless the value is from 0 to 1.
     #[must_use]
     pub fn new(value: f64) -> Option<Self> {
         (0.0..=1.0)

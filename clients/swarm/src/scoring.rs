@@ -1,8 +1,9 @@
-//! Who says what a trial is worth: a rule that files can name, or a type of one's own.
+//! Scoring of trials: a built-in rule, or a custom type.
 //!
-//! A rule of one's own implements [`Fitness`] and goes into [`crate::condition::Condition::judged_by`]; everything else, from
-//! evolution to table files, stays as it is (`examples/own_fitness.rs`). Files keep its name. A program that does not have the
-//! type drives robots with such tables and shows what they earned, but judges nothing by it.
+//! A custom rule implements [`Fitness`] and is set with
+//! [`crate::condition::Condition::judged_by`]; evolution and table files work unchanged
+//! (`examples/own_fitness.rs`). Files store its name. A program without the type can drive robots
+//! with such tables and show their stored points, but cannot evaluate them.
 
 use std::fmt;
 use std::path::Path;
@@ -13,69 +14,70 @@ use serde::{Deserialize, Serialize, Serializer, de::Deserializer};
 
 use crate::error::{Error, Result};
 
-/// What happened in a trial, for who judges it.
+/// Result of a trial, the input of a fitness.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged<'a> {
-    /// The numbers of the field.
+    /// Parameters of the field.
     pub preset: &'a Preset,
-    /// How many agents there were.
+    /// Number of agents.
     pub team: TeamSize,
-    /// Distances after execution and after evaluation, when the object was first at the goal, which rows were read.
+    /// Distances after execution and after evaluation, first frame with the object at the goal,
+    /// rows read.
     pub outcome: &'a Outcome,
 }
 
 impl Judged<'_> {
-    /// See [`field::accuracy`]: E1 of the distance in the end.
+    /// Returns E1 of the final distance, see [`field::accuracy`].
     #[must_use]
     pub fn accuracy(&self) -> f32 {
         field::accuracy(self.outcome.evaluated.goal_px)
     }
 
-    /// See [`field::efficiency`]: E2 of the first frame at the goal.
+    /// Returns E2 of the first frame at the goal, see [`field::efficiency`].
     #[must_use]
     pub fn efficiency(&self) -> f32 {
         field::efficiency(self.outcome.reached_frame)
     }
 
-    /// See [`field::delivered`].
+    /// Returns whether the object was delivered, see [`field::delivered`].
     #[must_use]
     pub fn delivered(&self) -> bool {
         field::delivered(self.preset, self.team, self.outcome)
     }
 
-    /// See [`field::accompanied`].
+    /// Returns whether the object was accompanied, see [`field::accompanied`].
     #[must_use]
     pub fn accompanied(&self) -> bool {
         field::accompanied(self.preset, self.team, self.outcome)
     }
 }
 
-/// A rule of one's own.
+/// A custom fitness.
 pub trait Fitness: fmt::Debug + Send + Sync {
-    /// The points of one trial, a function of what happened in it and of nothing else: points are remembered, and tables that
-    /// read the same rows are not tried again. Below 0 and what is no number count as 0, above 100 as 100.
+    /// Returns the points of one trial, clamped to 0–100; NaN counts as 0. Must depend on `trial`
+    /// only, because the memo reuses points.
     fn points(&self, trial: &Judged<'_>) -> f32;
 
-    /// How files and reports call it: the name of the type, if it does not say otherwise.
+    /// Returns the name for files and reports; by default the name of the type.
     fn name(&self) -> String {
         let path = std::any::type_name::<Self>();
         path.rsplit("::").next().unwrap_or(path).to_owned()
     }
 }
 
-/// How trials are scored.
+/// Scoring of trials.
 #[derive(Clone, Debug)]
 pub enum Scoring {
-    /// By a rule that files can name.
+    /// A built-in rule.
     Rule(FitnessRule),
-    /// By a rule of one's own.
+    /// A custom rule.
     Own(Arc<dyn Fitness>),
-    /// By a rule of somebody's own that this program does not have; a file named it.
+    /// A custom rule that a file names and this program does not have.
     Elsewhere(String),
 }
 
 impl Scoring {
-    /// The points of one trial, 0 to 100; 0 by a rule that this program does not have.
+    /// Returns the points of one trial, 0 to 100; 0 for a missing rule.
     #[must_use]
     pub fn points(&self, trial: &Judged<'_>) -> f32 {
         let Judged {
@@ -87,14 +89,14 @@ impl Scoring {
             Self::Rule(rule) => rule.points(preset, team, outcome),
             Self::Own(own) => match own.points(trial) {
                 points if points > 0.0 => points.min(GOAL_POINTS),
-                // NaN included.
+                // Includes NaN.
                 _ => 0.0,
             },
             Self::Elsewhere(_) => 0.0,
         }
     }
 
-    /// Its name without numbers, where there is little room.
+    /// Returns the short name, without parameters.
     #[must_use]
     pub fn word(&self) -> String {
         match self {
@@ -103,16 +105,13 @@ impl Scoring {
         }
     }
 
-    /// Whether this program has the rule.
+    /// Returns whether this program has the rule.
     #[must_use]
     pub fn is_here(&self) -> bool {
         !matches!(self, Self::Elsewhere(_))
     }
 
-    /// Refuses to judge a table by a rule that this program does not have.
-    ///
-    /// # Errors
-    /// [`Error::Refused`] with this cure.
+    /// Rejects the evaluation of a table whose rule this program does not have.
     pub fn check_here(&self, table: &Path, cure: &str) -> Result<()> {
         if self.is_here() {
             return Ok(());
@@ -133,7 +132,7 @@ impl From<FitnessRule> for Scoring {
 }
 
 impl PartialEq for Scoring {
-    /// Rules of one's own are what they are called.
+    /// Custom rules are compared by name.
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Rule(a), Self::Rule(b)) => a == b,
@@ -153,7 +152,7 @@ impl fmt::Display for Scoring {
     }
 }
 
-/// A scoring as files have it: the rules' own form, or `{ own = "NAME" }`.
+/// Stored form of a scoring: the form of the built-in rule, or `{ own = "NAME" }`.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Written {

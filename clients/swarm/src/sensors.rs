@@ -1,5 +1,5 @@
-//! Which sensor each column S1–S5 of a table stands for. The paper says that S4 and S5 are the photo sensors and does not say
-//! more; the order is therefore part of a condition.
+//! Assignment of sensors to the columns S1–S5 of a table. The paper only defines S4 and S5 as the
+//! photo sensors, so the order is part of a condition.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use field::{ROWS, Responses, SENSORS};
 
-/// A sensor of the mobile robot (paper Fig. 10). The number is the field's bit of that sensor.
+/// Sensor of the mobile robot (paper Fig. 10). The number is its bit in a row of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the names say it")]
@@ -20,13 +20,13 @@ pub enum Sensor {
     PhotoRight = 4,
 }
 
-/// The sensor of every column, S1 first; each sensor once.
+/// Sensor of every column, S1 first; each sensor once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "[Sensor; SENSORS]", into = "[Sensor; SENSORS]")]
 pub struct SensorOrder([Sensor; SENSORS]);
 
 impl Default for SensorOrder {
-    /// Left to right, IR before photo.
+    /// Left to right, infrared before photo.
     fn default() -> Self {
         Self([
             Sensor::IrLeft,
@@ -38,7 +38,7 @@ impl Default for SensorOrder {
     }
 }
 
-/// An order that leaves a sensor out or names one twice.
+/// Error: the order omits or repeats a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "could not use the sensor order because it was not a permutation, needs each of ir-left, ir-front, ir-right, photo-left, \
@@ -70,7 +70,6 @@ impl From<SensorOrder> for [Sensor; SENSORS] {
 impl FromStr for SensorOrder {
     type Err = SensorOrderError;
 
-    /// Five names separated by commas.
     fn from_str(text: &str) -> Result<Self, SensorOrderError> {
         let sensor = |name: &str| {
             Ok(match name.trim() {
@@ -103,7 +102,7 @@ impl fmt::Display for SensorOrder {
 }
 
 impl SensorOrder {
-    /// The table row that the field's row selects.
+    /// Returns the table row of a field row.
     #[must_use]
     pub fn table_row(self, field_row: u8) -> usize {
         (0..SENSORS).fold(0, |row, column| {
@@ -111,7 +110,7 @@ impl SensorOrder {
         })
     }
 
-    /// The set of table rows that a set of the field's rows selects, one bit per row.
+    /// Returns the table rows of a set of field rows, one bit per row.
     #[must_use]
     pub fn table_rows(self, field_rows: u32) -> u32 {
         (0..32)
@@ -119,7 +118,7 @@ impl SensorOrder {
             .fold(0, |rows, row| rows | 1 << self.table_row(row))
     }
 
-    /// The mobile robot's table whose 128 bits these are, as the field's simulators look it up.
+    /// Converts the 128 bits of a mobile robot's table to the form that the field's simulators use.
     #[must_use]
     pub fn responses(self, table_bits: u128) -> Responses {
         if self == Self::default() {

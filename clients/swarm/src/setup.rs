@@ -1,5 +1,5 @@
-//! From a condition as files keep it ([`Setup`]) to one that runs, checked whole: its field, and whether the trials that it asks for
-//! can be drawn there.
+//! Converts a stored condition ([`Setup`]) to a validated [`Condition`]: its field, and whether its
+//! training trials can be drawn there.
 
 use std::sync::Arc;
 
@@ -10,10 +10,7 @@ use crate::error::{Error, Result};
 use crate::training;
 
 impl Setup {
-    /// Checks everything.
-    ///
-    /// # Errors
-    /// The first value that is out of range.
+    /// Validates all values.
     pub fn build(self) -> Result<Condition> {
         let condition = Condition {
             team: TeamSize::new(self.agents).map_err(Error::from_part)?,

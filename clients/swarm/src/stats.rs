@@ -1,13 +1,13 @@
 //! Statistics over runs: quartiles, probabilities of orderings, bootstrap intervals.
 //!
-//! Of our own: the statistics crates that are kept well have neither a bootstrap nor the probability of an ordering with
-//! ties, and the same runs have to give the same interval, bit for bit.
+//! Implemented here because maintained statistics crates lack the bootstrap and the probability of
+//! an ordering with ties, and because equal runs must give the same interval bit for bit.
 
 use serde::Serialize;
 
 use crate::rng::SplitMix64;
 
-/// The q-quantile of sorted values, linear between neighbours; 0 if there are none.
+/// Returns the q-quantile of sorted values, linear between neighbours; 0 for an empty slice.
 #[must_use]
 pub fn quantile(sorted: &[f32], q: f64) -> f32 {
     let Some(last) = sorted.len().checked_sub(1) else {
@@ -21,7 +21,7 @@ pub fn quantile(sorted: &[f32], q: f64) -> f32 {
     below + (above - below) * (place - place.floor()) as f32
 }
 
-/// The values in ascending order.
+/// Returns the values in ascending order.
 #[must_use]
 pub fn sorted(values: &[f32]) -> Vec<f32> {
     let mut sorted = values.to_vec();
@@ -29,13 +29,13 @@ pub fn sorted(values: &[f32]) -> Vec<f32> {
     sorted
 }
 
-/// The median; 0 of nothing.
+/// Returns the median; 0 for an empty slice.
 #[must_use]
 pub fn median(values: &[f32]) -> f32 {
     quantile(&sorted(values), 0.5)
 }
 
-/// The mean; 0 of nothing.
+/// Returns the mean; 0 for an empty slice.
 #[must_use]
 pub fn mean(values: &[f32]) -> f32 {
     let sum: f64 = values.iter().map(|&value| f64::from(value)).sum();
@@ -46,7 +46,8 @@ pub fn mean(values: &[f32]) -> f32 {
     }
 }
 
-/// The probability that a value of `a` exceeds one of `b`, ties counting half; ½ if either is empty.
+/// Returns the probability that a value of `a` exceeds one of `b`; ties count half. ½ if either is
+/// empty.
 #[must_use]
 pub fn p_greater(a: &[f32], b: &[f32]) -> f64 {
     if a.is_empty() || b.is_empty() {
@@ -63,18 +64,20 @@ pub fn p_greater(a: &[f32], b: &[f32]) -> f64 {
 /// An estimate with its 95 % percentile bootstrap interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// From the values themselves.
+    /// Estimate from the original values.
     pub value: f64,
-    /// 2.5 % of the resampled estimates lie below.
+    /// Lower end: the 2.5 % quantile of the resampled estimates.
     pub low: f64,
-    /// 2.5 % lie above.
+    /// Upper end: the 97.5 % quantile.
     pub high: f64,
 }
 
-/// Resamples of a bootstrap: the ends of the interval settle to about 1 % of its width (ours).
+/// Resamples of a bootstrap. Design choice: at this number the ends of the interval vary by about 1
+/// % of its width.
 const RESAMPLES: usize = 2000;
 
-/// Estimates a quantity of several groups of runs; each group is resampled on its own. The same groups give the same bits.
+/// Estimates a quantity of several groups of runs. Each group is resampled independently.
+/// Deterministic.
 pub fn bootstrap<T: Clone>(groups: &[&[T]], quantity: impl Fn(&[Vec<T>]) -> f64) -> Estimate {
     let mut rng = SplitMix64::stream(&[RESAMPLES as u64]);
     let own: Vec<Vec<T>> = groups.iter().map(|group| group.to_vec()).collect();

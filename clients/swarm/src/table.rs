@@ -1,47 +1,49 @@
-//! The behaviour table: sensor truth values in, motor states out (paper III.a, Table 1), for any number of sensors, motors
-//! and bits per motor.
+//! Behaviour table: sensor truth values in, motor states out (paper III.a, Table 1), for any number
+//! of sensors, motors and bits per motor.
 
 use crate::genome::Genome;
 
-/// What a table has columns for.
+/// Dimensions of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shape {
     /// Boolean sensors, at most 16.
     pub sensors: usize,
     /// Motors.
     pub motors: usize,
-    /// Bits of output gradation per motor.
+    /// Output bits per motor.
     pub bits: usize,
 }
 
 impl Shape {
-    /// The paper's agent: five sensors, two wheel motors of two bits: 128 bits (paper III.a).
+    /// The paper's agent: five sensors, two wheel motors of two bits, 128 bits in total (paper
+    /// III.a).
     pub const MOBILE_ROBOT: Self = Self {
         sensors: 5,
         motors: 2,
         bits: 2,
     };
 
-    /// Rows: one per combination of the sensors.
+    /// Returns the number of rows: one per combination of the sensors.
     #[must_use]
     pub const fn rows(self) -> usize {
         1 << self.sensors
     }
 
-    /// Output bits of one row.
+    /// Returns the output bits of one row.
     #[must_use]
     pub const fn row_bits(self) -> usize {
         self.motors * self.bits
     }
 
-    /// Length of the genotype array, Eq. (1): G = 2^S · Σ Mⱼ Eⱼ.
+    /// Returns the length of the genotype array, Eq. (1): G = 2^S · Σ Mⱼ Eⱼ.
     #[must_use]
     pub const fn genome_bits(self) -> usize {
         self.rows() * self.row_bits()
     }
 }
 
-/// A behaviour table. Row r = S1 + 2·S2 + 4·S3 + …; within a row, motor by motor, bit by bit (L1 L2 R1 R2).
+/// Behaviour table. Row r = S1 + 2·S2 + 4·S3 + …; within a row, motor by motor, bit by bit (L1 L2
+/// R1 R2).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Table {
     shape: Shape,
@@ -49,7 +51,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// The table that this stretch of a genome describes, from bit `first` on.
+    /// Returns the table that a genome encodes from bit `first` on.
     #[must_use]
     pub fn from_genome(shape: Shape, genome: &Genome, first: usize) -> Self {
         let mut own = Genome::zero(shape.genome_bits());
@@ -59,8 +61,8 @@ impl Table {
         Self { shape, genome: own }
     }
 
-    /// A table given row by row: the level of every motor. A level sets that many of the motor's bits, the last ones first,
-    /// as the paper writes medium speed in Table 1 (0 1).
+    /// Builds a table from the level of every row and motor. A level sets that number of the
+    /// motor's bits, the last ones first, as the paper writes medium speed in Table 1 (0 1).
     #[must_use]
     pub fn from_levels(shape: Shape, mut level: impl FnMut(usize, usize) -> usize) -> Self {
         let mut genome = Genome::zero(shape.genome_bits());
@@ -74,13 +76,14 @@ impl Table {
         Self { shape, genome }
     }
 
-    /// What the table has columns for.
+    /// Returns the dimensions.
     #[must_use]
     pub fn shape(&self) -> Shape {
         self.shape
     }
 
-    /// The output bits of a row, the first motor's first bit lowest: L1, L2, R1, R2 for the mobile robot.
+    /// Returns the output bits of a row, the first motor's first bit lowest: L1, L2, R1, R2 for the
+    /// mobile robot.
     #[must_use]
     pub fn output(&self, row: usize) -> u32 {
         self.genome.field(
@@ -89,22 +92,23 @@ impl Table {
         )
     }
 
-    /// The level of one motor in a row: how many of its bits are set (paper Table 1: 0 stop, 1 medium, 2 high).
+    /// Returns the level of one motor in a row: the number of its set bits (paper Table 1: 0 stop,
+    /// 1 medium, 2 high).
     #[must_use]
     pub fn level(&self, row: usize, motor: usize) -> usize {
         let first = row * self.shape.row_bits() + motor * self.shape.bits;
         self.genome.field(first, self.shape.bits).count_ones() as usize
     }
 
-    /// The table as a genotype array.
+    /// Returns the table as a genotype array.
     #[must_use]
     pub fn genome(&self) -> &Genome {
         &self.genome
     }
 }
 
-/// A two-wheel behaviour in the paper's words (table after Fig. 15): both wheels alike go straight, the faster right wheel
-/// turns left.
+/// Returns a two-wheel behaviour in the paper's words (table after Fig. 15). Equal levels go
+/// straight; a faster right wheel turns left.
 #[must_use]
 pub fn behaviour(left: usize, right: usize) -> &'static str {
     match (left, right) {

@@ -1,9 +1,9 @@
-//! Table files: TOML that a person reads and edits and that no program takes for what it is not.
+//! Table files: human-readable, editable TOML with an integrity hash.
 //!
-//! A file holds everything its fitness depends on — rows, sensor order, preset, scoring — and where it comes from. Its last
-//! line is a SHA-256 over all of that, so a truncated, damaged or edited file is refused. Whoever edits rows by hand runs
-//! `ebts show FILE --rehash`, which evaluates the edited table, so that the fitness in the file is true again, marks it as
-//! edited and writes a new hash. Comments and the order of rows are free.
+//! A file contains all inputs of its fitness (rows, sensor order, preset, scoring) and its origin.
+//! Its last line is a SHA-256 over all of that, so truncated, damaged or edited files are rejected.
+//! After a manual edit, `ebts show FILE --rehash` evaluates the table, updates its points, marks it
+//! as edited and writes a new hash. Comments and row order are free.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -18,35 +18,33 @@ use crate::genome::Genome;
 use crate::run::Record;
 use crate::table::{Shape, Table, behaviour};
 
-/// Version of the layout of the file.
 const FORMAT: &str = "ebts-table-1";
 
 /// The tables of one team with their provenance.
 #[derive(Clone, Debug)]
 pub struct TableFile {
-    /// What the fitness depends on.
+    /// Inputs of the fitness.
     pub condition: Condition,
-    /// The run that evolved it; `None` for a table made by hand.
+    /// Run that evolved the table; `None` for a table made by hand.
     pub origin: Option<Origin>,
-    /// Whether a person changed rows since.
+    /// True if rows were edited by hand.
     pub edited: bool,
-    /// Version of this crate that evaluated it.
+    /// Version of this crate that evaluated the table.
     pub code_version: String,
-    /// The rows and what they are worth.
+    /// Rows and their points.
     pub individual: Individual,
 }
 
-/// The run that a table comes from.
+/// Origin of an evolved table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Origin {
     /// Seed of the run.
     pub seed: u64,
-    /// Generations it took.
+    /// Number of generations.
     pub generations: u32,
 }
 
-/// The file as it is written, without its rows' layout and its hash.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Content {
@@ -80,10 +78,7 @@ struct Integrity {
 }
 
 impl TableFile {
-    /// The best table of a finished run.
-    ///
-    /// # Errors
-    /// The record's genome does not fit the condition.
+    /// Returns the best table of a finished run.
     pub fn from_record(condition: &Condition, record: &Record, generations: u32) -> Result<Self> {
         let genome =
             Genome::from_hex(condition.genome_bits(), &record.genome).ok_or_else(|| {
@@ -110,7 +105,8 @@ impl TableFile {
         })
     }
 
-    /// Points per goal in the preset's own eight trials: what evolution saw, unless it saw trials drawn anew.
+    /// Returns the points per goal in the preset's eight trials. They differ from the stored ones
+    /// if evolution drew its trials.
     #[must_use]
     pub fn points_on_field(&self) -> GoalPoints {
         let Self {
@@ -126,26 +122,17 @@ impl TableFile {
         }
     }
 
-    /// Reads a file and checks everything, the hash included.
-    ///
-    /// # Errors
-    /// What is wrong with it.
+    /// Reads a file and validates it, including its hash.
     pub fn read(path: &Path) -> Result<Self> {
         Self::parse(&read_text(path)?, Hash::Required).map_err(|why| refuse(path, &why))
     }
 
-    /// Reads a file that a person has edited: everything is checked but the hash.
-    ///
-    /// # Errors
-    /// What is wrong with it.
+    /// Reads a file edited by hand: validates everything except the hash.
     pub fn read_edited(path: &Path) -> Result<Self> {
         Self::parse(&read_text(path)?, Hash::Ignored).map_err(|why| refuse(path, &why))
     }
 
-    /// Reads the text of a file.
-    ///
-    /// # Errors
-    /// What is wrong with it, as "X was Y, needs Z".
+    /// Parses the text of a file.
     pub fn parse(text: &str, hash: Hash) -> std::result::Result<Self, String> {
         let sealed: Sealed = toml::from_str(text)
             .map_err(|error| format!("it is no table file: {}", error.message()))?;
@@ -171,18 +158,16 @@ impl TableFile {
         Ok(file)
     }
 
-    /// Writes the file in one step.
-    ///
-    /// # Errors
-    /// The system refused.
+    /// Writes the file atomically.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_atomically(path, self.to_text().as_bytes())
     }
 
-    /// The hash of everything but comments and layout.
+    /// Returns the hash of the content without comments and layout.
     #[must_use]
     pub fn hash(&self) -> String {
-        // A struct of strings, numbers and enums always has a JSON form; its field order is that of its declaration.
+        // Strings, numbers and enums always serialise to JSON; fields keep the order of
+        // declaration.
         sha256(
             serde_json::to_string(&self.content())
                 .unwrap_or_default()
@@ -190,7 +175,7 @@ impl TableFile {
         )
     }
 
-    /// The text of the file.
+    /// Returns the text of the file.
     #[must_use]
     pub fn to_text(&self) -> String {
         let content = self.content();
@@ -264,12 +249,12 @@ impl TableFile {
     }
 }
 
-/// Whether a file's hash has to match.
+/// Treatment of the hash of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hash {
-    /// It has to.
+    /// The hash must match.
     Required,
-    /// A person has edited the file and asks for a new hash.
+    /// The file was edited by hand and receives a new hash.
     Ignored,
 }
 
@@ -315,7 +300,7 @@ impl Content {
     }
 }
 
-/// Rows as the paper's Table 1 counts them: S1 is the most significant.
+/// Returns the rows in the order of the paper's Table 1: S1 is the most significant bit.
 fn paper_order(shape: Shape) -> impl Iterator<Item = usize> {
     (0..shape.rows()).map(move |number| {
         (0..shape.sensors).fold(0, |row, s| {
@@ -324,7 +309,7 @@ fn paper_order(shape: Shape) -> impl Iterator<Item = usize> {
     })
 }
 
-/// `S1…S5 L1L2 R1R2` as bits.
+/// Formats a row as `S1…S5 L1L2 R1R2` bits.
 fn row_text(table: &Table, row: usize) -> String {
     let shape = table.shape();
     let mut text: String = (0..shape.sensors)
@@ -402,12 +387,11 @@ fn quoted(text: &str) -> String {
     toml::Value::from(text).to_string()
 }
 
-/// A value in TOML.
 fn value(value: &impl Serialize) -> String {
     toml::Value::try_from(value).map_or_else(|_| String::new(), |value| inline(&value))
 }
 
-/// The entries of a struct, one per line; inner structs inline.
+/// Formats the entries of a struct, one per line; nested structs inline.
 fn entries(fields: &impl Serialize) -> String {
     let table = toml::Table::try_from(fields).unwrap_or_default();
     table.iter().fold(String::new(), |text, (key, value)| {
@@ -415,7 +399,8 @@ fn entries(fields: &impl Serialize) -> String {
     })
 }
 
-/// A TOML value on one line; every number of a preset is an f32 and is written as short as that allows.
+/// Formats a TOML value on one line. Numbers are written as the shortest f32 representation, as in
+/// presets.
 #[must_use]
 pub fn inline(value: &toml::Value) -> String {
     let list = |values: Vec<String>| values.join(", ");

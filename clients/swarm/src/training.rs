@@ -1,8 +1,9 @@
-//! Which trials a table is judged on: the preset's eight goals, or sets of eight drawn for every generation.
+//! Trials that a table is evaluated on: the eight goals of the preset, or sets of eight drawn for
+//! every generation.
 //!
-//! **In**: a condition, and who asks: a run in a generation, the choice of a run's table, the test of what it learned. **Out**:
-//! sets of eight layouts. Each asker has a stream of its own: no trial of one is a trial of another. Without
-//! [`field::Training`] everybody gets the preset's eight.
+//! Inputs: a condition and a purpose (a generation of a run, the choice of a run's table, a
+//! held-out test). Output: sets of eight layouts. Each purpose has its own random stream, so no two
+//! purposes share a trial. Without [`field::Training`] every purpose uses the eight of the preset.
 
 use field::{Layout, MAX_AGENTS, Model, Places, Point, Pose, Training};
 
@@ -13,25 +14,27 @@ use crate::rng::SplitMix64;
 /// Eight layouts, goal 1 first.
 pub type Set = [Layout; GOALS];
 
-/// Names of streams; the seed of a run follows the first.
+/// Names of random streams. [`GENERATION`] is followed by the seed of the run.
 const GENERATION: u64 = 0x6765_6e65;
 const CHOICE: u64 = 0x6368_6f69;
 const UNSEEN: u64 = 0x756e_7365;
 
-/// Sets on which a run's table is chosen among the best of its generations: the standard error of its fitness is then about
-/// 13 of 800 points, and with eight draws a generation they take two fifths of a run's time (both measured on R3).
+/// Sets used to choose the table of a run among the best of its generations. Measured on R3: the
+/// standard error of the fitness is about 13 of 800 points, and with eight draws per generation the
+/// choice takes two fifths of the run time.
 const CHOICE_SETS: usize = 64;
-/// Attempts to place one agent before the field counts as too crowded.
+/// Attempts to place one agent before the field is rejected as too crowded.
 const ATTEMPTS: usize = 1000;
 
-/// The sets that all individuals of a run are judged on in this generation.
+/// Returns the sets for all individuals of a run in this generation.
 #[must_use]
 pub fn of_generation(condition: &Condition, seed: u64, generation: u32) -> Vec<Set> {
     let name = [GENERATION, seed, u64::from(generation)];
     sets(condition, |training| training.draws.into(), &name)
 }
 
-/// The sets that decide which table a run ends with; the points of a table are those that it earns here.
+/// Returns the sets that decide the final table of a run. The points of a table refer to these
+/// sets.
 #[must_use]
 pub fn of_choice(condition: &Condition) -> Vec<Set> {
     sets(condition, |_| CHOICE_SETS, &[CHOICE])
@@ -44,7 +47,7 @@ fn sets(condition: &Condition, count: impl Fn(Training) -> usize, name: &[u64]) 
     )
 }
 
-/// Sets that no table was evolved or chosen on.
+/// Returns held-out sets: no table was evolved or chosen on them.
 #[must_use]
 pub fn unseen(condition: &Condition, starts: Places, goals: Places, count: usize) -> Vec<Set> {
     let training = Training {
@@ -62,10 +65,7 @@ fn drawn(condition: &Condition, training: Training, count: usize, name: &[u64]) 
         .collect()
 }
 
-/// Whether the field has room for starts anywhere.
-///
-/// # Errors
-/// It is too crowded to draw them.
+/// Checks that the field has room for drawn starts.
 pub fn check(condition: &Condition) -> Result<()> {
     let Some(Training {
         starts: Places::Drawn,
@@ -86,7 +86,8 @@ pub fn check(condition: &Condition) -> Result<()> {
     })
 }
 
-/// One set of eight. A start that finds no place on a crowded field is the preset's.
+/// Draws one set of eight. A start without room on a crowded field falls back to that of the
+/// preset.
 fn set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
     let model = &condition.model;
     let mut layout = |preset: Layout, eighth: usize| {
@@ -99,7 +100,7 @@ fn set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
             Places::Preset => preset.goal(),
             Places::Drawn => goal_at,
         };
-        // Starts and goals that are valid one by one are valid together.
+        // Valid starts and valid goals always form a valid layout.
         let layout = model.layout(starts, goal).unwrap_or(preset);
         layout.with_noise(rng.next_u64() as u32)
     };
@@ -109,7 +110,8 @@ fn set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
         .map(|preset| layout(preset, eighth.next().unwrap_or(0)))
 }
 
-/// Anywhere in an eighth of the circle or square, the preset's goal in its middle, where no obstacle is in the object's way.
+/// Draws a goal in an eighth of the circle or square around the preset's goal, without an obstacle
+/// in the object's way.
 fn goal(model: &Model, eighth: usize, rng: &mut SplitMix64) -> Point {
     let mut anywhere = || {
         let steps = 8 * eighth + 60 + rng.below(8);
@@ -121,7 +123,8 @@ fn goal(model: &Model, eighth: usize, rng: &mut SplitMix64) -> Point {
     free.next().unwrap_or(model.training_goals()[eighth])
 }
 
-/// Four starts anywhere on the field that touch neither the object nor an obstacle nor each other, any heading.
+/// Draws four starts on the field with random headings. They touch neither the object nor an
+/// obstacle nor each other.
 fn starts(model: &Model, rng: &mut SplitMix64) -> Option<[Pose; MAX_AGENTS]> {
     let preset = model.preset();
     let limit = f64::from(preset.half_side_px - preset.agent_radius_px);
@@ -207,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Valid starts, and every goal in its own eighth, on the preset's circle or square.
+    /// Starts are valid, and every goal is in its own eighth of the preset's circle or square.
     #[test]
     fn what_is_drawn_can_be_simulated() {
         for preset in Preset::ALL {

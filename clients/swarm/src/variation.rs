@@ -1,18 +1,18 @@
-//! A preset in which some keys are others: what sweeps and searches try.
+//! Variations of a preset for sweeps and searches.
 
 use field::{Model, Preset};
 
 use crate::error::{Error, Result};
 use crate::table_file::inline;
 
-/// The preset with these keys changed, called by their values, checked. A dot leads into a table, as in
-/// `starts.distance_px`.
+/// Returns the validated preset with these keys changed; its name lists their values. A dot selects
+/// a nested key, such as `starts.distance_px`.
 ///
 /// # Errors
-/// A key or a value that no preset has.
+/// A key or a value is invalid for a preset.
 pub fn varied(base: &Preset, chosen: &[(&str, &toml::Value)]) -> Result<Preset> {
     let mut table = toml::Table::try_from(base).map_err(Error::from_part)?;
-    // Of two fitted numbers and one law, the one that is varied stays.
+    // Fitted push factors and the friction law exclude each other: the varied one stays.
     let named = |key: &str| chosen.iter().any(|(varied, _)| *varied == key);
     if named("friction_per_stall_force") {
         table.remove("solo_push");
@@ -40,7 +40,7 @@ pub fn varied(base: &Preset, chosen: &[(&str, &toml::Value)]) -> Result<Preset> 
     Ok(model.preset().clone())
 }
 
-/// Sets a key; a dot leads into a table.
+/// Sets a key; a dot selects a nested table.
 fn set(table: &mut toml::Table, key: &str, value: &toml::Value) {
     match key.split_once('.') {
         None => {

@@ -1,4 +1,4 @@
-//! Who simulates: an engine, threads, and a flag that stops them. None of these changes a bit.
+//! Simulation resources: an engine, threads and a stop flag. None of them changes a result.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -11,13 +11,14 @@ use field::{Engine, Model, Outcome, TeamSize, Trial};
 
 use crate::error::{Error, Result};
 
-/// Trials between two looks at the flag: a tenth of a second on the slowest engine with SIMD, under a second without.
+/// Trials between two checks of the stop flag: 0.1 s on the slowest SIMD engine, less than 1 s
+/// without SIMD.
 const TRIALS_UNTIL_LOOK: usize = 16_384;
-/// Trials below which handing them to another thread takes longer than simulating them (measured: a paper-sized generation
-/// has 80).
+/// Trials below which the hand-over to another thread costs more than the simulation (measured; a
+/// generation of the paper has 80).
 const TRIALS_PER_THREAD: usize = 256;
 
-/// Simulates many trials on an engine and one or more threads.
+/// Simulates trials on an engine and one or more threads.
 #[derive(Clone, Debug)]
 pub struct Workers {
     engine: Engine,
@@ -26,7 +27,7 @@ pub struct Workers {
 }
 
 impl From<Engine> for Workers {
-    /// One thread that nobody stops.
+    /// One thread; never stopped.
     fn from(engine: Engine) -> Self {
         Self {
             engine,
@@ -37,10 +38,7 @@ impl From<Engine> for Workers {
 }
 
 impl Workers {
-    /// Workers on so many threads, which stop when the flag is set.
-    ///
-    /// # Errors
-    /// The system has no such threads.
+    /// Creates workers on a number of threads, with a stop flag.
     pub fn new(engine: Engine, threads: usize, stop: Arc<AtomicBool>) -> Result<Self> {
         let pool = match threads {
             0 | 1 => None,
@@ -49,7 +47,7 @@ impl Workers {
         Ok(Self { engine, pool, stop })
     }
 
-    /// The same engine and flag on the calling thread alone.
+    /// Returns workers with the same engine and flag on the calling thread only.
     #[must_use]
     pub fn alone(&self) -> Self {
         Self {
@@ -58,24 +56,24 @@ impl Workers {
         }
     }
 
-    /// Whether the flag is set.
+    /// Returns whether the stop flag is set.
     #[must_use]
     pub fn stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Sets the flag.
+    /// Sets the stop flag.
     pub fn stop(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Whether so many trials may be broken off half-way.
+    /// Returns whether the simulation of this number of trials can be interrupted.
     #[must_use]
     pub fn may_break_off(&self, trials: usize) -> bool {
         trials > TRIALS_UNTIL_LOOK
     }
 
-    /// Simulates every trial, in order; breaks off when stopped, with `outcomes` incomplete.
+    /// Simulates the trials in order. Breaks when stopped; `outcomes` is then incomplete.
     pub fn simulate(
         &self,
         model: &Model,
@@ -112,10 +110,7 @@ impl Workers {
     }
 }
 
-/// Threads of our own, so that their number is what was asked for.
-///
-/// # Errors
-/// The system has no such threads.
+/// Creates a thread pool with exactly this number of threads.
 pub fn pool(threads: usize) -> Result<ThreadPool> {
     let builder = ThreadPoolBuilder::new().num_threads(threads);
     builder.build().map_err(Error::from_part)

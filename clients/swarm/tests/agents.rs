@@ -1,4 +1,4 @@
-//! `ebts agents` as a process: what it refuses to begin with, and what it says.
+//! `ebts agents` as a process: rejected starts and status lines.
 
 use std::io::{BufRead, BufReader, Lines};
 use std::process::{Child, ChildStdout, Command, Output, Stdio};
@@ -17,7 +17,6 @@ fn agents(bus: &BusName, tables: &[&str]) -> Command {
     command
 }
 
-/// A process that answers; killed at the end.
 struct Running {
     child: Child,
     said: Lines<BufReader<ChildStdout>>,
@@ -43,7 +42,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It may have ended already.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

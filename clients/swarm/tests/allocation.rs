@@ -1,4 +1,5 @@
-//! Answering a frame allocates once, inside the transport, also when tables are exchanged; looking tables up never does.
+//! Allocations: answering a frame allocates once, inside the transport, even when tables are
+//! exchanged. Lookup never allocates.
 
 use allocation_counter::measure;
 use ebts::agents::{Exchange, Fields, Lookup, TeamController, field_hash};
@@ -46,7 +47,7 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
         assert_eq!(answer.frame, frame);
         hashes.push(answer.table_hash);
         hashes.dedup();
-        // The peers map each other's memory with the first frame.
+        // The first frame maps the shared memory of the peers.
         if frame > 0 {
             allocations += cost.count_total;
             kept += cost.count_current;

@@ -1,4 +1,4 @@
-//! Tables that feel: what they share with the controller, that runs repeat, and that files are not believed.
+//! Grasp tables: agreement with the controller, deterministic runs, verification of files.
 
 use std::ops::ControlFlow;
 

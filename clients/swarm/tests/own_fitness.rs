@@ -1,4 +1,4 @@
-//! A rule of one's own, as the example has it, evolves the same table again; files name it, and nobody takes it for another.
+//! Custom fitness: the example evolves the same table again, and files store the name of the rule.
 
 #[path = "../examples/own_fitness.rs"]
 #[expect(dead_code, reason = "the example's main")]
@@ -14,7 +14,7 @@ fn the_example_evolves_the_same_table_again_and_its_file_names_the_rule() {
     let file = example::evolved(1).expect("a table");
     assert_eq!(file.hash(), example::evolved(1).expect("a table").hash());
     let fitness = file.individual.fitness();
-    // An object that nobody moves earns some 30.
+    // An object that is not moved earns about 30.
     assert!(fitness > 100.0, "nothing was learned: {fitness}");
     let points = Evaluator::points_of(&file.condition, &file.individual.genome);
     assert_eq!(points, file.individual.points);
@@ -66,7 +66,6 @@ fn scorings_read_back_and_are_called_what_they_are() {
     }
 }
 
-/// Whatever a rule of one's own says, a trial is worth 0 to 100 points.
 #[test]
 fn points_stay_inside_their_range() {
     #[derive(Debug)]

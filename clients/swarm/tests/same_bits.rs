@@ -1,4 +1,4 @@
-//! A run's bits depend on its condition, settings and seed alone.
+//! The bits of a run depend only on condition, settings and seed.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -26,8 +26,8 @@ const ISLANDS: IslandSettings = IslandSettings {
     migrate_every: 4,
 };
 
-/// Conditions that take every path: presets, team sizes, sharing, scoring, sensor order, noise, trials drawn anew,
-/// obstacles.
+/// Conditions that cover every path: presets, team sizes, sharing, scoring, sensor order, noise,
+/// drawn trials, obstacles.
 fn conditions() -> Vec<Condition> {
     let paper_team = |preset: Preset, agents| Setup {
         agents,
@@ -196,7 +196,8 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
     }
 }
 
-/// A population so large that its trials are shared among threads and broken off in the middle of a generation.
+/// A population so large that its trials are distributed over threads and interrupted within a
+/// generation.
 #[test]
 fn threads_and_stopping_half_way_change_no_bit() {
     let condition = conditions().remove(7);

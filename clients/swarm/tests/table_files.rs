@@ -1,4 +1,4 @@
-//! Table files: what is written reads back; what is damaged is refused.
+//! Table files: intact files round-trip, damaged files are rejected.
 
 use std::ops::ControlFlow;
 
@@ -60,7 +60,6 @@ fn a_file_reads_back_whatever_its_comments_and_row_order() {
     }
 }
 
-/// The layout of the file is a promise to every file that exists.
 #[test]
 fn the_layout_is_the_one_on_record() {
     let text = table_file(Sharing::Shared).to_text();

@@ -1,32 +1,33 @@
-//! Arbitration: merges the proposals of all modules into one intent, by rules that do not depend on their order.
+//! Arbitration: merges the proposals of all modules into one [`Intent`], independent of their
+//! order.
 //!
-//! 1. Fingers close at the highest speed that any module wants; if none wants to close, they open at the highest speed
-//!    that any wants,
-//! 2. but no faster than the lowest ceiling that any module sets; a negative ceiling opens.
-//! 3. The hand goes where the carrying module wants it, at the lowest speed factor that any module tolerates.
-//! 4. A refusal outweighs every other verdict, and the end of a step outweighs a stiffness.
+//! 1. Each grasp side closes at the highest proposed closing speed, or else opens at the highest
+//!    proposed opening speed.
+//! 2. The lowest closing ceiling limits that speed; a negative one opens.
+//! 3. The hand moves to the carrying module's pose, at the lowest speed factor of all modules.
+//! 4. A refusal outranks every other verdict; the end of a step outranks a stiffness.
 //!
-//! Speeds are slewed so that switching modules does not jerk the joints: slowly up, quickly down.
+//! Speeds are slew-limited against jerks: slow increase, fast decrease.
 
 use crate::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
 use crate::modules::{Finding, PoseCommand, Proposal, Verdict};
 use robot_model::VIRTUAL_FINGERS;
 
-/// What one hand shall do in this tick.
+/// Merged command for one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Intent {
-    /// Where the hand shall be; `None` keeps it.
+    /// Target pose; `None` keeps the current one.
     pub pose: Option<PoseCommand>,
-    /// Closing speed of each virtual finger, m/s, negative opens; not used while the path includes the fingers.
+    /// Closing speed per grasp side, m/s, negative opens; ignored while the path moves the fingers.
     pub closing_m_s: [f64; VIRTUAL_FINGERS],
-    /// What the modules conclude.
+    /// Highest-ranked verdict.
     pub verdict: Verdict,
-    /// What any of them has found out.
+    /// Union of all findings.
     pub finding: Finding,
 }
 
-/// The speeds of the tick before, which limit those of this one.
+/// Merges proposals; keeps the previous speeds for the slew limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arbiter {
@@ -44,7 +45,7 @@ impl Default for Arbiter {
 }
 
 impl Arbiter {
-    /// Merges the proposals.
+    /// Merges the proposals of one tick.
     pub fn merge(&mut self, proposals: &[Proposal], step_s: f64) -> Intent {
         for finger in 0..VIRTUAL_FINGERS {
             let wishes = || proposals.iter().map(|p| p.closing_m_s[finger]);
@@ -75,24 +76,24 @@ impl Arbiter {
         }
     }
 
-    /// Factor on the hand's speed that the modules tolerate now.
+    /// Returns the hand's speed factor, 0 to 1.
     #[must_use]
     pub fn carry_scale(&self) -> f64 {
         self.carry_scale
     }
 
-    /// Closing speed of each virtual finger, as merged last, m/s.
+    /// Returns the merged closing speed per grasp side, m/s.
     #[must_use]
     pub fn closing_m_s(&self) -> [f64; VIRTUAL_FINGERS] {
         self.closing_m_s
     }
 
-    /// Another task begins: the fingers stand still, and a path begins at rest by itself.
+    /// Resets for a new task: no closing, full hand speed, because its path starts at rest.
     pub fn rest(&mut self) {
         *self = Self::default();
     }
 
-    /// The hand was stopped on its way: it takes up its speed from nothing.
+    /// Resets after a stop on the way: the hand accelerates from rest.
     pub fn halt(&mut self) {
         *self = Self {
             closing_m_s: [0.0; VIRTUAL_FINGERS],
@@ -101,7 +102,6 @@ impl Arbiter {
     }
 }
 
-/// Closing may only grow slowly; stopping and opening must come at once.
 fn slew_closing(before: f64, target: f64, step_s: f64) -> f64 {
     if target > before && target > 0.0 {
         approach(before, target, CLOSING_SPEED_UP_M_S2 * step_s)
@@ -138,7 +138,7 @@ fn weightiest(proposals: &[Proposal]) -> Verdict {
     weightiest
 }
 
-/// What decides between two verdicts of equal weight: what they say, and not who was asked first.
+/// Tie-breaker between verdicts of equal weight, so that order has no effect.
 fn content(verdict: &Verdict) -> [u64; 5] {
     match verdict {
         Verdict::None | Verdict::Done => [0; 5],

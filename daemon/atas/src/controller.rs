@@ -1,5 +1,4 @@
-//! The controller: [`Controller::step`] is the whole real-time path, one call per tick. The goal and the mode have rooms
-//! of their own.
+//! Controller: [`Controller::step`] is the whole real-time path, once per tick.
 
 mod goals;
 mod modes;
@@ -26,10 +25,10 @@ use shm_schemas::{
     TickReport,
 };
 
-/// The pure heart: state that only [`Controller::step`] changes, and only as a function of its inputs.
+/// Controller; only [`Controller::step`] changes its state, as a function of its inputs.
 ///
-/// A fifth of a megabyte of plain data: keep it in a `Box`. What it is made of is `Copy`, so that a copy of it is one of memory;
-/// copied field by field it would need three times its size of the stack.
+/// About 200 kB of plain data: keep it in a `Box`. All parts are `Copy`, so that a clone is one
+/// memory copy; field by field it needs three times that size on the stack.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Controller {
@@ -47,17 +46,17 @@ pub struct Controller {
     stall: Reason,
     told_to_hold: Reason,
     step_s: f64,
-    /// The robot was just anchored: a hand that presses already has something in it.
+    /// Set by synchronisation: a hand that presses may already hold an object.
     looks_for_grip: bool,
-    /// What the gate refused in the tick before, if anything that the robot must be held for.
+    /// Refusal of the gate in the previous tick, if it requires HOLD.
     refused: Reason,
-    /// What was warned of in the tick before: what lasts is told once.
+    /// Last warning, so that a lasting cause is reported once.
     warned: Cause,
     outputs: Outputs,
 }
 
 impl Controller {
-    /// A controller for this robot. `settings` must have passed [`Settings::check`].
+    /// Creates a controller for this robot. `settings` must have passed [`Settings::check`].
     #[must_use]
     pub fn new(robot: &RobotModel, wiring: Wiring, settings: Settings) -> Self {
         let hand =
@@ -74,7 +73,7 @@ impl Controller {
             stall_watch: StallWatch::new(wiring.tick_s),
             stall: Reason::default(),
             told_to_hold: Reason::default(),
-            // Motion advances by one period per tick: a late tick does not jerk, and a missed one is not caught up.
+            // One period per tick: a late tick causes no jump, a missed one is not made up.
             step_s: wiring.tick_s,
             looks_for_grip: false,
             refused: Reason::default(),
@@ -90,13 +89,12 @@ impl Controller {
         }
     }
 
-    /// One tick: intake → perception → modules → arbitration → kinematics → safety.
+    /// Runs one tick: intake → perception → modules → arbitration → kinematics → safety.
     pub fn step(&mut self, inputs: &Inputs<'_>) -> &Outputs {
         self.step_timed(inputs, |_| {})
     }
 
-    /// [`Controller::step`] that tells `passed` when each stage has ended, so that the caller, who has a clock, can
-    /// time the stages.
+    /// Runs [`Controller::step`] and calls `passed` after each stage, for timing by the caller.
     pub fn step_timed(&mut self, inputs: &Inputs<'_>, mut passed: impl FnMut(Stage)) -> &Outputs {
         self.begin(inputs.tick);
         self.joints
@@ -138,13 +136,13 @@ impl Controller {
         &self.outputs
     }
 
-    /// The settings in force.
+    /// Returns the active settings.
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// What a goal is to be checked against now.
+    /// Returns the context of a goal check.
     #[must_use]
     pub fn circumstances<'a>(
         &'a self,
@@ -160,25 +158,26 @@ impl Controller {
         }
     }
 
-    /// What the controller is wired to.
+    /// Returns the sensor set-up.
     #[must_use]
     pub fn wiring(&self) -> &Wiring {
         &self.wiring
     }
 
-    /// Mode and the reason for it.
+    /// Returns the mode and its reason.
     #[must_use]
     pub fn mode(&self) -> (Mode, Reason) {
         (self.mode.mode(), self.mode.reason())
     }
 
-    /// The active goal, or the last one.
+    /// Returns the active goal, or the last one.
     #[must_use]
     pub fn goal(&self) -> Option<&ActiveGoal> {
         self.goal.as_ref().or(self.last_goal.as_ref())
     }
 
-    /// Name of the present step of the active or last goal's hand, or of a hand that keeps what it was found gripping.
+    /// Returns the name of the present step, of the goal's hand or else of a hand that keeps a grip
+    /// found at start-up.
     #[must_use]
     pub fn step_name(&self) -> &str {
         let of_goal = self
@@ -188,13 +187,13 @@ impl Controller {
         runner.map_or("", |r| r.step().name.as_str())
     }
 
-    /// Counts and readings of one hand.
+    /// Returns counts and readings of one hand.
     #[must_use]
     pub fn hand_status(&self, side: Side) -> HandStatus {
         self.hands[side.index()].status(self.tick)
     }
 
-    /// Counts of the joint feedback.
+    /// Returns the counts of the joint feedback.
     #[must_use]
     pub fn joint_status(&self) -> JointStatus {
         self.joints.status(self.tick)
@@ -222,7 +221,7 @@ impl Controller {
                     self.warn(Reason::of(Cause::NOT_NOW));
                 }
                 Some(parameter) => {
-                    // The supervisor checked the value; one that is wrong all the same changes nothing.
+                    // The supervisor checked the value; an invalid one has no effect.
                     let _unchanged = self.settings.set(parameter.name, *value);
                 }
                 None => {}
@@ -238,7 +237,8 @@ impl Controller {
         }
     }
 
-    /// Begins to command from where the joints are told to be: what they are commanded beyond where they are is the grip.
+    /// Synchronises gate and hands to the commanded joint positions; their offset from the measured
+    /// ones is the grip.
     fn anchor(&mut self, measured_rad: &RobotVector) {
         let anchor_rad = self.anchor_rad(measured_rad);
         self.gate.anchor(&anchor_rad);
@@ -250,8 +250,8 @@ impl Controller {
         self.looks_for_grip = true;
     }
 
-    /// The last command, as the robot tells it or else as the gate remembers it; for an arm or a finger that does not follow
-    /// it, where that is.
+    /// Returns the last command, as reported by the robot or stored in the gate; measured positions
+    /// for limbs that do not track it.
     fn anchor_rad(&self, measured_rad: &RobotVector) -> RobotVector {
         let remembered_rad = self.gate.is_anchored().then(|| self.gate.position_rad());
         let Some(last_rad) = self.joints.commanded_rad().or(remembered_rad) else {
@@ -274,7 +274,6 @@ impl Controller {
         anchor_rad
     }
 
-    /// Positions of each hand's joints in a vector of the robot.
     fn joint_ranges(&self) -> [Range<usize>; HANDS] {
         let [left, right] = self
             .hands
@@ -301,12 +300,10 @@ impl Controller {
         self.warned = finding.cause;
     }
 
-    /// Whether nothing moves the robot: what bounds its motion may be changed.
     fn stands(&self) -> bool {
         matches!(self.mode.mode(), Mode::INIT | Mode::SAFE_STOP)
     }
 
-    /// Notes what is wrong and was tolerated.
     fn warn(&mut self, reason: Reason) {
         self.outputs.events.push(ModuleEvent {
             kind: EventKind::WARNING,

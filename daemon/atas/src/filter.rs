@@ -1,7 +1,7 @@
-//! The first-order low-pass of everything that is read too noisily to be judged by single readings.
+//! First-order low-pass for noisy readings.
 
-/// What a low-passed value comes to after a step of `step_s`, s, with a time constant of `filter_s`, s (backward Euler: stable for
-/// any step).
+/// Returns the low-passed value after `step_s`, s, with time constant `filter_s`, s (backward
+/// Euler: stable for any step).
 pub(crate) fn low_pass(before: f64, now: f64, step_s: f64, filter_s: f64) -> f64 {
     before + (now - before) * step_s / (filter_s + step_s)
 }

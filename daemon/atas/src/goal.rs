@@ -1,13 +1,13 @@
-//! Goals: what is asked, and what of it is being pursued.
+//! Goals: resolution of requests, and state of the active goal.
 //!
-//! A [`GoalRequest`] is whatever a client sent. A [`Goal`] has a known hand, policy and turn, and its task with it: it can
-//! be started whatever becomes of the configuration, and recorded as it was.
+//! A [`GoalRequest`] is unchecked. A [`Goal`] has a valid hand, policy and turn, and a copy of its
+//! task, so that configuration changes do not affect it and it can be recorded.
 
 use crate::tasks::{self, Demands, Task};
 use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Reason};
 
-/// A goal that can be started.
+/// Goal that can be started.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     request: GoalRequest,
@@ -18,8 +18,8 @@ pub struct Goal {
 }
 
 impl Goal {
-    /// Looks up the codes of a request, and its task among the built-in ones or, for [`GoalKind::CUSTOM`], by
-    /// its name: among the user's own, then among the built-in ones. Says nothing about numbers and reach: that is [`crate::check`]'s.
+    /// Resolves the codes of a request and its task; [`GoalKind::CUSTOM`] by name, user tasks
+    /// first. [`crate::check`] checks numbers and reach.
     ///
     /// # Errors
     /// The [`Reason`] for the refusal.
@@ -55,44 +55,44 @@ impl Goal {
         }
     }
 
-    /// The same, with how far its ways were found to be from what is beside them, m.
+    /// Sets the clearance margin of the path check, m.
     #[must_use]
     pub(crate) fn with_spare(self, spare_m: f64) -> Self {
         Self { spare_m, ..self }
     }
 
-    /// How far each hand may grasp beside where it was told, m: as far as the arms then keep their distance. Zero until the ways
-    /// were checked.
+    /// Returns the lateral offset from the given grasp position within which the arms keep their
+    /// clearance, m. Zero before the path check.
     #[must_use]
     pub fn spare_m(&self) -> f64 {
         self.spare_m
     }
 
-    /// What the client asked.
+    /// Returns the client's request.
     #[must_use]
     pub fn request(&self) -> &GoalRequest {
         &self.request
     }
 
-    /// Which hand acts.
+    /// Returns the acting hand.
     #[must_use]
     pub fn side(&self) -> Side {
         self.side
     }
 
-    /// What the hands do.
+    /// Returns the task.
     #[must_use]
     pub fn task(&self) -> &Task {
         &self.task
     }
 
-    /// What the task asks of the goal.
+    /// Returns the task's requirements.
     #[must_use]
     pub fn demands(&self) -> Demands {
         self.demands
     }
 
-    /// Where the object stands afterwards, m, and the direction of the closing axis there, rad.
+    /// Returns the object's final position, m, and closing yaw, rad.
     #[must_use]
     pub fn destination(&self) -> ([f64; 3], f64) {
         let request = &self.request;
@@ -103,7 +103,8 @@ impl Goal {
         }
     }
 
-    /// Height of the grasp while the object is carried, m: `lift_m` over the higher of its places.
+    /// Returns the grasp height during transport, m: `lift_m` above the higher of start and
+    /// destination.
     #[must_use]
     pub fn travel_height_m(&self) -> f64 {
         let ([.., to_m], _) = self.destination();
@@ -113,26 +114,26 @@ impl Goal {
     }
 }
 
-/// The goal that is being pursued.
+/// State of the active goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ActiveGoal {
-    /// What was asked.
+    /// Request of the client.
     pub request: GoalRequest,
-    /// Which hand acts.
+    /// Acting hand.
     pub side: Side,
     /// Whether the other hand takes part.
     pub both_hands: bool,
-    /// Where it stands.
+    /// Current state.
     pub state: GoalState,
-    /// Why, if it ended without success.
+    /// Reason of an end without success.
     pub reason: Reason,
-    /// How long it has been paused in HOLD, s.
+    /// Time paused in HOLD, s.
     pub paused_s: f64,
 }
 
 impl ActiveGoal {
-    /// A goal that begins.
+    /// Creates the initial state.
     #[must_use]
     pub fn begin(goal: &Goal) -> Self {
         Self {
@@ -145,13 +146,14 @@ impl ActiveGoal {
         }
     }
 
-    /// Whether this hand takes part.
+    /// Returns whether this hand takes part.
     #[must_use]
     pub fn involves(&self, side: Side) -> bool {
         side == self.side || self.both_hands
     }
 
-    /// Whether the goal ends when its client goes away. Nobody else can lead a hand that a client leads.
+    /// Returns whether the goal ends when its client disconnects. Teleoperation always does: no
+    /// other client can command the hand.
     #[must_use]
     pub fn is_attached(&self) -> bool {
         self.request.policy == GoalPolicy::ATTACHED || self.request.kind.is_stream()

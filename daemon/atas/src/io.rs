@@ -1,4 +1,4 @@
-//! What one tick takes in and gives out.
+//! Inputs and outputs of one tick.
 
 use crate::goal::Goal;
 use crate::settings::Settings;
@@ -8,22 +8,22 @@ use shm_schemas::{
     GoalUpdate, GraspTarget, HandFrame, JointCommand, JointState, ModuleEvent, Reason, TickReport,
 };
 
-/// Everything that one tick is a function of, besides the controller's own state. Recording these replays the run.
+/// All inputs of one tick; a recording of them replays the run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inputs<'a> {
-    /// The tick.
+    /// Tick index and time.
     pub tick: Tick,
-    /// Per hand, the frames that arrived since the tick before, oldest first, as they came (nothing checked).
+    /// Unchecked new tactile frames per hand, oldest first.
     pub frames: [&'a [HandFrame]; HANDS],
-    /// The newest joint state, if one arrived since the tick before (nothing checked).
+    /// Unchecked newest joint state, if new.
     pub joints: Option<&'a JointState>,
-    /// The targets that arrived since the tick before, oldest first, as they came (nothing checked).
+    /// Unchecked new teleoperation targets, oldest first.
     pub targets: &'a [GraspTarget],
-    /// What the supervisor asks, if anything.
+    /// Request of the supervisor, if any.
     pub order: Option<&'a Order>,
 }
 
-/// What the supervisor asks of the controller. At most one per tick, so that the order of effects is defined.
+/// Request of the supervisor; at most one per tick, so that the order of effects is defined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,
@@ -32,59 +32,59 @@ pub struct Inputs<'a> {
 pub enum Order {
     /// Start a goal.
     Start(Goal),
-    /// The client wants its goal to end; the hand stays as it is.
+    /// End a goal at its client's request.
     Cancel {
-        /// Which goal.
+        /// Goal id.
         goal_id: u64,
     },
-    /// The client of a goal went away; attached goals are held.
+    /// Report a disconnected client; its goal fails if attached.
     ClientGone {
-        /// Which goal.
+        /// Goal id.
         goal_id: u64,
     },
-    /// Stop and latch, for the given reason (`atas estop`, shutdown, a fault that the wiring saw).
+    /// Stop and latch SAFE_STOP (`atas estop`, shutdown, a fault detected by the daemon).
     Stop(Reason),
-    /// Hold in this tick, for the given reason; the wiring says it again as long as it lasts.
+    /// Hold in this tick; repeated by the daemon while the reason lasts.
     Hold(Reason),
     /// Leave SAFE_STOP if its cause is gone.
     Recover,
-    /// Set the parameter with this index of [`crate::settings::PARAMETERS`]; checked before by the supervisor.
+    /// Set a parameter, checked by the supervisor.
     SetParameter {
-        /// Index.
+        /// Index in [`crate::settings::PARAMETERS`].
         index: usize,
-        /// Value.
+        /// New value.
         value: f64,
     },
-    /// Replace all settings at once; checked before by the supervisor.
+    /// Replace all settings, checked by the supervisor.
     Configure(Settings),
-    /// Take the present reading of this hand as zero force.
+    /// Take the present tactile reading as zero force.
     Bias {
         /// 0 left, 1 right.
         hand: usize,
     },
 }
 
-/// Most targets that one tick can take in; more wait for the next tick, which makes the drain bounded.
+/// Maximum number of targets per tick; the rest waits, so that the tick time is bounded.
 pub const TARGETS_PER_TICK: usize = 16;
 
-/// Events that one tick can raise; more than this in one tick are counted, not kept.
+/// Maximum number of events per tick; the rest is dropped and counted.
 pub const EVENTS_PER_TICK: usize = 24;
 
-/// Everything that one tick gives out.
+/// All outputs of one tick.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outputs {
-    /// The command to publish, sealed by the safety gate.
+    /// Sealed command to publish.
     pub command: JointCommand,
-    /// What the tick saw and did; the wiring adds its timings.
+    /// Report of the tick; the daemon adds the timings.
     pub report: TickReport,
-    /// News of the goal, if any.
+    /// Goal update, if any.
     pub goal_update: Option<GoalUpdate>,
-    /// What happened.
+    /// Events of the tick.
     pub events: Events,
 }
 
-/// A bounded list of events.
+/// Bounded list of events.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Events {
@@ -108,14 +108,13 @@ impl Default for Events {
 }
 
 impl Events {
-    /// Forgets the events of the tick before.
+    /// Clears the events of the previous tick.
     pub(crate) fn begin(&mut self, tick: Tick) {
         self.count = 0;
         self.tick = tick;
     }
 
-    /// Adds an event; its stamp and tick are filled in here. A full list counts it as dropped, which shows as a gap in
-    /// the sequence.
+    /// Adds an event with stamp and tick. A full list drops it, which leaves a sequence gap.
     pub(crate) fn push(&mut self, mut event: ModuleEvent) {
         event.stamp.sequence = self.next_sequence;
         event.stamp.captured_ns = self.tick.now_ns;
@@ -130,13 +129,13 @@ impl Events {
         }
     }
 
-    /// The events of this tick, in the order in which they happened.
+    /// Returns the events of this tick in order.
     #[must_use]
     pub fn as_slice(&self) -> &[ModuleEvent] {
         &self.list[..self.count]
     }
 
-    /// Events dropped since the start because one tick raised too many.
+    /// Returns the number of dropped events.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.dropped

@@ -1,4 +1,4 @@
-//! Joint feedback: decides which joint states are believed.
+//! Joint intake: validation of joint states.
 
 use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD, WRITER_SILENT_NS};
 use crate::settings::Intake as Limits;
@@ -8,7 +8,7 @@ use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Cause, JointState, JointStatus, Reason};
 
-/// The gatekeeper of joint states, and the newest that it believed.
+/// Validates joint states and keeps the newest valid one.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointIntake {
@@ -16,9 +16,9 @@ pub struct JointIntake {
     joint_count: usize,
     required: bool,
     newest: Option<Newest>,
-    /// Sequence of the newest state, believed or not: what lock-step waits for.
+    /// Newest sequence number, valid or not; lock-step waits for it.
     seen_sequence: u64,
-    /// Whether the state of this tick came from another process than the one before.
+    /// Whether this tick's state comes from a new process.
     restarted: bool,
     fault: Reason,
     status: JointStatus,
@@ -38,7 +38,7 @@ struct Newest {
 }
 
 impl JointIntake {
-    /// An intake for this robot.
+    /// Creates an intake for this robot.
     #[must_use]
     pub fn new(robot: &RobotModel, required: bool) -> Self {
         Self {
@@ -53,7 +53,7 @@ impl JointIntake {
         }
     }
 
-    /// Takes in the newest state, if one arrived.
+    /// Processes a new state, if any.
     pub fn take(&mut self, state: Option<&JointState>, tick: Tick, limits: &Limits) {
         self.fault = Reason::default();
         self.restarted = false;
@@ -84,39 +84,40 @@ impl JointIntake {
         }
     }
 
-    /// Measured positions, rad, if any were ever believed.
+    /// Returns the measured positions, rad.
     #[must_use]
     pub fn position_rad(&self) -> Option<&RobotVector> {
         self.newest.as_ref().map(|n| &n.position_rad)
     }
 
-    /// The same, unless they have become too old to compare a command with.
+    /// Returns the measured positions unless they are too old to compare with a command, rad.
     #[must_use]
     pub fn fresh_rad(&self, tick: Tick, limits: &Limits) -> Option<&RobotVector> {
         let stopped = self.hold_reason(tick, limits).is_some();
         self.position_rad().filter(|_| !stopped)
     }
 
-    /// What the robot says that its servos are commanded to, rad, if it tells and it can be.
+    /// Returns the reported servo commands, rad, if within the joint limits.
     #[must_use]
     pub fn commanded_rad(&self) -> Option<&RobotVector> {
         self.newest.as_ref()?.commanded_rad.as_ref()
     }
 
-    /// What the robot was told of F_2 of each hand's grip, N, as it came; zero if it tells nothing.
+    /// Returns the reported F_2 per hand, N, unchecked; zero if none.
     #[must_use]
     pub fn grip_limit_n(&self) -> [f64; HANDS] {
         self.newest
             .map_or([0.0; HANDS], |newest| newest.grip_limit_n)
     }
 
-    /// Torques of the servos, N·m, if the robot tells them.
+    /// Returns the servo torques, N·m, if measured.
     #[must_use]
     pub fn effort_n_m(&self) -> Option<&RobotVector> {
         self.newest.as_ref()?.effort_n_m.as_ref()
     }
 
-    /// Whether the state of this tick came from another process than the one before: where the robot was is no longer known.
+    /// Returns whether this tick's state comes from a new process, which makes the robot's position
+    /// unknown.
     #[must_use]
     pub fn restarted(&self) -> bool {
         self.restarted
@@ -137,7 +138,7 @@ impl JointIntake {
         believable.then(|| RobotVector::from_slice(told_rad))
     }
 
-    /// A robot that does not measure torques tells zeros.
+    /// A robot without torque measurement reports zeros.
     fn effort_of(&self, state: &JointState) -> Option<RobotVector> {
         let told_n_m = &state.effort_n_m[..self.joint_count];
         let believable = told_n_m.iter().all(|effort| effort.is_finite());
@@ -145,19 +146,19 @@ impl JointIntake {
         (believable && measured).then(|| RobotVector::from_slice(told_n_m))
     }
 
-    /// Sequence of the newest state, believed or not.
+    /// Returns the newest sequence number, valid or not.
     #[must_use]
     pub fn sequence(&self) -> u64 {
         self.seen_sequence
     }
 
-    /// What needs SAFE_STOP: feedback that is present and wrong.
+    /// Returns the reason for SAFE_STOP: invalid feedback.
     #[must_use]
     pub fn fault(&self) -> Reason {
         self.fault
     }
 
-    /// What needs HOLD: feedback that is missing.
+    /// Returns the reason for HOLD: missing feedback.
     #[must_use]
     pub fn hold_reason(&self, tick: Tick, limits: &Limits) -> Reason {
         if !self.required {
@@ -173,7 +174,7 @@ impl JointIntake {
         }
     }
 
-    /// Counts and age, as [`shm_schemas::Status`] shows them.
+    /// Returns counts and age for [`shm_schemas::Status`].
     #[must_use]
     pub fn status(&self, tick: Tick) -> JointStatus {
         let age_ns = self
@@ -185,8 +186,8 @@ impl JointIntake {
         }
     }
 
-    /// The checks; `Ok` carries the number of states lost before this one. Old or repeated states are refused without
-    /// a fault: their absence of news shows as age.
+    /// Checks a state; returns the number of states lost before it. Old or repeated states are
+    /// rejected without a fault; they show as age.
     fn admit(&self, state: &JointState, tick: Tick, limits: &Limits) -> Result<u64, Reason> {
         if !state.is_intact() {
             return Err(Reason::default());
@@ -199,7 +200,7 @@ impl JointIntake {
             ));
         }
         let positions_rad = &state.position_rad[..self.joint_count];
-        // The comparisons are false for NaN, so a NaN is out of range.
+        // False for NaN, so a NaN is out of range.
         let believable = |(joint, &q_rad): (&Joint, &f64)| {
             let margin_rad = FEEDBACK_MARGIN_RAD * joint.radian();
             q_rad >= joint.lower_rad - margin_rad && q_rad <= joint.upper_rad + margin_rad
@@ -221,7 +222,7 @@ impl JointIntake {
         let Some(newest) = self.newest else {
             return Ok(0);
         };
-        // A writer that has fallen silent may be followed by another, or have miscounted; nobody else is believed.
+        // Another writer or a restarted counter is accepted only after silence.
         let silent = tick.now_ns.saturating_sub(newest.received_ns) >= WRITER_SILENT_NS;
         if newest.epoch != state.stamp.writer_epoch {
             return if silent {
@@ -230,7 +231,7 @@ impl JointIntake {
                 Err(Reason::default())
             };
         }
-        // Wrapping: a counter that begins again at 0 after its last value is no gap.
+        // Wrapping: a counter overflow is not a gap.
         let ahead = state.stamp.sequence.wrapping_sub(newest.sequence);
         let rises = (1..=u64::MAX / 2).contains(&ahead);
         if (!rises && !silent) || state.stamp.captured_ns <= newest.captured_ns {

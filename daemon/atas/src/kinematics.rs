@@ -1,8 +1,9 @@
-//! Kinematics: from one hand's intent to joint positions. Intent in, [`HandCommand`] out; one inverse-kinematics step
-//! per tick, warm-started on what was last commanded.
+//! Kinematics of one hand: [`Intent`] in, [`HandCommand`] out. One inverse-kinematics step per
+//! tick, warm-started at the last command.
 //!
-//! Squeezing bends the fingers and moves the tips up or down by more than the rim of a patch can bear without slipping;
-//! the known compliance C = J·K⁻¹·Jᵀ is corrected ahead: z −= (C·F)_z.
+//! Grip force bends the fingers and shifts the fingertips vertically, by more than the rim of a
+//! contact patch tolerates without slip. The feed-forward correction is z −= (C·F)_z with the
+//! compliance C = J·K⁻¹·Jᵀ.
 
 use crate::arbitration::Intent;
 use crate::limits::{
@@ -17,53 +18,54 @@ use robot_model::{
     VIRTUAL_FINGERS,
 };
 
-/// How far the wanted opening of a finger may be ahead of what its joints were allowed, m (ours: ten times what a finger that
-/// closes at 2 mm/s and conveys at 50 mm/s lags behind).
+/// Largest lead of a side's commanded over its actual opening, m. Derivation: ten times the lag at
+/// 2 mm/s closing and 50 mm/s transport.
 const AHEAD_MAX_M: f64 = 0.0005;
 
-/// How far the hand may be asked to shift between its fingers beyond what it does, m (ours: half of the above and a little more, so
-/// that one finger that is held back alone is not taken for a hand that cannot shift).
+/// Largest lead of the commanded over the actual shift between the sides, m. Design choice:
+/// slightly above half of `AHEAD_MAX_M`, so that one blocked side does not count as a hand
+/// that cannot shift.
 const SHIFT_AHEAD_MAX_M: f64 = 0.0003;
 
-/// Joint positions that kinematics asks for, before the safety gate.
+/// Joint positions from kinematics, before the safety gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandCommand {
-    /// Wanted positions, rad. May be anything; the gate checks.
+    /// Requested positions, rad; unchecked.
     pub(crate) q_rad: HandVector,
-    /// Closing speed of each virtual finger, m/s: the one that it is asked for or the one that its joints will have, whichever closes
-    /// more.
+    /// Closing speed per grasp side, m/s: maximum of the requested speed and that of the joints.
     pub(crate) closing_m_s: [f64; VIRTUAL_FINGERS],
 }
 
 impl HandCommand {
-    /// Wanted positions of one hand, rad, and the closing speed they stand for, m/s.
+    /// Creates a command from requested positions, rad, and closing speed per grasp side, m/s.
     #[must_use]
     pub fn new(q_rad: HandVector, closing_m_s: [f64; VIRTUAL_FINGERS]) -> Self {
         Self { q_rad, closing_m_s }
     }
 
-    /// Closing speed of each virtual finger, m/s: negative only if it is asked to open and its joints open it.
+    /// Returns the closing speed per grasp side, m/s; negative only if request and joint motion
+    /// both open.
     #[must_use]
     pub fn closing_m_s(&self) -> [f64; VIRTUAL_FINGERS] {
         self.closing_m_s
     }
 }
 
-/// The commanded pose of one hand.
+/// Commanded pose of one hand.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandServo {
     frame: GraspFrame,
     q_rad: HandVector,
-    /// Low-passed force of the squeeze: the mean over the virtual fingers, N.
+    /// Low-passed mean grip force of the sides, N.
     squeeze_n: f64,
-    /// Share of the secondary gain that has built up since the hand was anchored, 0 to 1.
+    /// Share of the secondary gain since synchronisation, 0 to 1.
     secondary: f64,
     sharing: Sharing,
 }
 
 impl HandServo {
-    /// A hand that stands at these joint positions, rad.
+    /// Creates a servo at these joint positions, rad.
     #[must_use]
     pub fn at(hand: &HandModel, q_rad: HandVector) -> Self {
         let pose = hand.forward(&q_rad);
@@ -77,32 +79,34 @@ impl HandServo {
         }
     }
 
-    /// How far the hand has closed only so that every fingertip touches, m: no closing that presses.
+    /// Returns the closing travel that brought every fingertip into contact, m; it adds no grip
+    /// force.
     #[must_use]
     pub fn looked_m(&self) -> f64 {
         self.sharing.looked_m()
     }
 
-    /// The closing axis as the hand stands, base frame, unit length: that of the pose, turned by what the wrist does for the
-    /// fingertips.
+    /// Returns the present closing axis, base frame, unit length, including the wrist's rotation
+    /// for the fingertips.
     #[must_use]
     pub fn closing_axis(&self, hand: &HandModel) -> Vector3<f64> {
         self.frame.as_done_by(hand).closing_axis()
     }
 
-    /// The commanded pose, without the compliance correction.
+    /// Returns the commanded pose, without the compliance correction.
     #[must_use]
     pub fn frame(&self) -> &GraspFrame {
         &self.frame
     }
 
-    /// What was last wanted and let through, rad.
+    /// Returns the last accepted request, rad.
     #[must_use]
     pub fn q_rad(&self) -> &HandVector {
         &self.q_rad
     }
 
-    /// The joints stand as they do because the hand grips: the correction of what the grip bends is in them already.
+    /// Initialises the correction from an existing grip, whose bending the joint positions already
+    /// include.
     pub fn take_grip(&mut self, hand: &HandModel, percept: &Percept) {
         let (pose, n) = (hand.forward(&self.q_rad), self.closing_axis(hand));
         let jacobian = hand.jacobian(&pose);
@@ -113,14 +117,13 @@ impl HandServo {
         }
     }
 
-    /// Takes over what the safety gate let through of the wish, before it smoothed it: where it refuses, the next wish begins at
-    /// what is commanded; where the joints only lag, at the wish. Begun at joints that lag, each wish would make up for the
-    /// whole lag at once, and the hand would swing about its path.
+    /// Takes over the request that the gate accepted, before motion limiting. Lagging joints as the
+    /// start would demand the whole lag at once and make the hand oscillate.
     pub fn adopt(&mut self, q_rad: HandVector) {
         self.q_rad = q_rad;
     }
 
-    /// Keeps still.
+    /// Returns a command that keeps the hand still.
     #[must_use]
     pub fn rest(&self) -> HandCommand {
         HandCommand {
@@ -129,7 +132,7 @@ impl HandServo {
         }
     }
 
-    /// One step towards the intent.
+    /// Returns the command of one step towards the intent.
     pub fn follow(
         &mut self,
         hand: &HandModel,
@@ -171,10 +174,10 @@ impl HandServo {
         HandCommand { q_rad, closing_m_s }
     }
 
-    /// How far the present grip bends the surface of each dome upwards where it touches, m: J·K⁻¹·Jᵀ·F over both fingers
-    /// at once, because their forces cancel in the arm. Bending also turns the domes, and a turned dome drags its
-    /// surface along: most of the effect. What one finger presses more than the other is not grip but sways the object, and
-    /// to answer that would feed the swaying.
+    /// Returns the upward shift of the fingertip surfaces at the contact due to the grip, m:
+    /// J·K⁻¹·Jᵀ·F of both sides, because their forces cancel in the arm. Most of it is fingertip
+    /// rotation. The force difference between the sides is excluded: correcting it would amplify
+    /// the object's swaying.
     fn bend_m(
         &mut self,
         hand: &HandModel,
@@ -184,7 +187,7 @@ impl HandServo {
     ) -> [f64; VIRTUAL_FINGERS] {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
         self.squeeze_n += (mean_normal_n(percept) - self.squeeze_n) * share;
-        // The first side is pressed along +n, the second along −n, each fingertip with its share.
+        // Side 0 is pressed along +n, side 1 along −n.
         let mut force_n = [Vector3::zeros(); FINGERS_MAX];
         for side in 0..VIRTUAL_FINGERS {
             let share_n = self.squeeze_n / hand.fingers_of(side).count() as f64;
@@ -205,8 +208,8 @@ impl HandServo {
         core::array::from_fn(|side| hand.mean_of_side(side, bend_m))
     }
 
-    /// The posture in which a hand is found need not be the one that inverse kinematics prefers. The pull towards that
-    /// one builds up slowly, else the first tick would jump.
+    /// Returns the weights. The gain towards the preferred posture builds up slowly; otherwise the
+    /// first tick would jump.
     fn weights(&mut self, step_s: f64) -> IkWeights {
         self.secondary = (self.secondary + step_s / SECONDARY_BUILD_UP_S).min(1.0);
         let step_share = (step_s / SECONDARY_STEP_S).min(SECONDARY_STEPS_MAX);
@@ -217,9 +220,8 @@ impl HandServo {
         }
     }
 
-    /// What the joints do not follow must not pile up: the wish to close while the gate lets no finger close would have to be
-    /// undone before the hand opens, and the wish to close one finger alone, of a hand that can neither do that nor shift,
-    /// would keep it from closing both.
+    /// Anti-windup of the commanded opening. Otherwise a blocked closing request delays opening,
+    /// and a request to close one side blocks both on a hand that cannot shift.
     fn unwind(&mut self, hand: &HandModel, pose: &HandPose, n: &Vector3<f64>) {
         let radius_m = hand.tip_radius_m();
         let is_m: [f64; VIRTUAL_FINGERS] = core::array::from_fn(|finger| {
@@ -243,7 +245,7 @@ impl HandServo {
         }
     }
 
-    /// Moves the commanded pose; returns the closing speed it stands for.
+    /// Integrates the commanded pose; returns its closing speed per side, m/s.
     fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; VIRTUAL_FINGERS] {
         let before_m = self.frame.half_opening_m;
         let carried_fingers = match intent.pose {
@@ -261,8 +263,8 @@ impl HandServo {
     }
 }
 
-/// How far the joints of each side's fingers move its tips towards the other side, along the closing axis n, m. What the arm does is no
-/// closing: but where fingers share a drive, one can be closed by what the other is asked for.
+/// Returns the closing travel of each side along the axis n due to finger joints only, m; a shared
+/// drive can close the other side.
 fn closed_m(
     hand: &HandModel,
     jacobian: &HandJacobian,
@@ -279,19 +281,18 @@ fn closed_m(
     })
 }
 
-/// Normal force of the squeeze, N: the mean over the virtual fingers.
 fn mean_normal_n(percept: &Percept) -> f64 {
     let fingers = percept.virtual_fingers.iter();
     fingers.map(|f| f.normal_n).sum::<f64>() / VIRTUAL_FINGERS as f64
 }
 
-/// Distance between the middles of both sides' tips, m: what the measured closing is made of.
+/// Returns the distance between the sides' fingertip centres, m; basis of the measured closing.
 #[must_use]
 pub fn gap_m(pose: &HandPose) -> f64 {
     (pose.side_m(0) - pose.side_m(1)).norm()
 }
 
-/// The grasp pose in which a hand stands.
+/// Returns the grasp pose of a hand.
 #[must_use]
 pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
     let (tip1_m, tip2_m) = (pose.side_m(0), pose.side_m(1));
@@ -315,7 +316,7 @@ pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
     }
 }
 
-/// The measured yaw, unwound so that it agrees with the wrist's actual turn.
+/// Returns the yaw plus the full turns that match the wrist, rad.
 fn unwound_yaw_rad(
     hand: &HandModel,
     q_rad: &HandVector,

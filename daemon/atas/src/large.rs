@@ -1,9 +1,9 @@
-//! Large arrays within others, in a saved state.
+//! Serde helpers for large nested arrays in a saved state.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_big_array::Array;
 
-/// An array of arrays.
+/// Array of large arrays.
 pub(crate) mod each {
     use super::*;
 
@@ -30,7 +30,7 @@ pub(crate) mod each {
     }
 }
 
-/// An array that may not be there.
+/// Optional large array.
 pub(crate) mod maybe {
     use super::*;
 

@@ -1,20 +1,24 @@
-//! The pure heart of ATAS, the artificial tactile affordance system: what fingertips feel induces the next movement.
+//! Core of ATAS, the artificial tactile affordance system: a tactile robot controller as a pure
+//! function.
 //!
-//! One call of [`Controller::step`] per tick takes [`Inputs`] (frames, joint state, an order) and gives [`Outputs`] (a
-//! joint command, a report, events). In between, data climbs a ladder of types, each of which can only be made in its
-//! own file:
+//! [`Controller::step`] runs once per tick. It takes [`Inputs`] (tactile frames, joint state,
+//! operator request) and returns [`Outputs`] (joint command, report, events). Data passes through a
+//! chain of types, each constructed in one file only:
 //!
 //! ```text
-//! HandFrame ─ intake ─▶ CheckedFrame ─ perception ─▶ Percept ─ modules ─▶ [Proposal] ─ arbitration ─▶ Intent
-//!                                                                                                       │
-//!                     JointCommand ◀─ publish ─ SafeCommand ◀─ safety ─ HandCommand ◀─ kinematics ──────┘
+//! HandFrame ─ intake ─▶ ValidatedFrame ─ perception ─▶ Percept ─ modules ─▶ [Proposal] ─┐
+//!                                                                                       │
+//!    HandCommand ◀─ kinematics ─ Intent ◀─ arbitration ─────────────────────────────────┘
+//!         │
+//!         └─ safety ─▶ SafeCommand ─ publish ─▶ JointCommand
 //! ```
 //!
-//! * **Invariants:** the outputs are a function of the inputs so far, bit for bit. No clock, no allocation, no lock, no
-//!   I/O, no `unsafe`. Nothing reaches a robot but through the gate in [`safety`]. Modules stand in parallel without
-//!   priority: [`arbitration`] does not depend on their order. Doubt leads to HOLD; opening the hand never does.
-//! * **Absent on purpose:** threads, time, transport, configuration files (the daemon's), and any knowledge of whether
-//!   a robot is real or simulated.
+//! * **Invariants:** outputs depend bit for bit on past and present inputs only. No clock,
+//!   allocation, lock, I/O or `unsafe`. Every command passes the gate in [`safety`]. Modules run in
+//!   parallel without priority: [`arbitration`] does not depend on their order. Faults lead to
+//!   HOLD; opening the hand is never a fault reaction.
+//! * **Out of scope:** threads, time, transport and configuration files (the daemon's part), and
+//!   the difference between a real and a simulated robot.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,78 +1,84 @@
-//! Numbers that nobody tunes: each with its unit, its source, and what breaks at the extremes.
+//! Fixed constants, with unit, source and the effect of extreme values.
 
-/// Longest step the perception filters take, s. After a pause a longer step would throw away the whole filter state.
+/// Longest step of the perception filters, s; a longer one would discard their state.
 pub const FILTER_STEP_MAX_S: f64 = 0.05;
-/// Slowest and fastest tick rate, Hz: windows and filters are in seconds, the bounds are what was tried.
+/// Lowest and highest tested tick rate, Hz.
 pub const TICK_RATE_HZ: (u32, u32) = (100, 10_000);
 
-/// Acceleration of every joint that the gate allows, rad/s² (ours: ten times what the tasks use).
+/// Joint acceleration limit of the gate, rad/s². Design choice: ten times what the tasks use.
 pub const JOINT_ACCELERATION_RAD_S2: f64 = 60.0;
-/// Jerk of every joint that the gate allows, rad/s³ (ours: a full stop from the largest acceleration takes 4 ms).
+/// Joint jerk limit of the gate, rad/s³. Design choice: the largest acceleration decays in 4 ms.
 pub const JOINT_JERK_RAD_S3: f64 = 30_000.0;
-/// Position step of one command, as a multiple of what the joint's top speed allows in one tick, above which the
-/// command counts as a jump and is refused (ours; below 1 the gate would refuse what it could have limited).
+/// Largest position step of one command, in multiples of top speed × tick period. Design choice;
+/// below 1 the gate would refuse commands that it could limit.
 pub const STEP_FACTOR: f64 = 8.0;
-/// Joint feedback that moved faster than this multiple of the top speed since the last one is a jump (ours).
+/// Largest joint motion between two feedback samples, in multiples of top speed × time (design
+/// choice).
 pub const FEEDBACK_JUMP_FACTOR: f64 = 5.0;
-/// How far outside its limits a joint may be measured, rad (ours: sag and encoder noise at the stop; beyond it the
-/// reading is wrong).
+/// Largest measured excess over the joint limits, rad. Design choice: covers sag and encoder noise
+/// at the end stop.
 pub const FEEDBACK_MARGIN_RAD: f64 = 0.05;
 
-/// How fast the closing speed of a finger may grow, m/s² (ours: 2 mm/s within 20 ms keeps finger jerk low).
+/// Largest increase of a closing speed, m/s². Design choice: 2 mm/s within 20 ms; keeps finger jerk
+/// low.
 pub const CLOSING_SPEED_UP_M_S2: f64 = 0.1;
-/// How fast it may fall, m/s² (ours: Module 3 stops 2 mm/s within 2 ms).
+/// Largest decrease of a closing speed, m/s². Design choice: Module 3 stops 2 mm/s within 2 ms.
 pub const CLOSING_SLOW_DOWN_M_S2: f64 = 1.0;
-/// How fast the speed of lowering builds up, m/s² (ours: 10 mm/s within 0.1 s; the step it makes in the load is 1 %).
+/// Acceleration of lowering, m/s². Design choice: 10 mm/s within 0.1 s; changes the load by 1 %.
 pub const LOWERING_ACCELERATION_M_S2: f64 = 0.1;
-/// How fast the slip gate may change the speed of the hand, 1/s (ours: full range within 20 ms).
+/// Largest change of the hand's speed factor, 1/s. Design choice: full range within 20 ms.
 pub const CARRY_SCALE_PER_S: f64 = 50.0;
 
-/// Time constant of the force that feeds the compliance correction, s (robot design: 5 ms).
+/// Time constant of the force for the compliance correction, s (robot design: 5 ms).
 pub const COMPLIANCE_FILTER_S: f64 = 0.005;
-/// Largest compliance correction, m (ours: four times what 8 N bends, a broken force reading must not move the hand).
+/// Largest compliance correction, m. Design choice: four times the bending at 8 N; bounds the
+/// effect of a wrong force.
 pub const COMPLIANCE_MAX_M: f64 = 0.001;
 
-/// Time without doubt after which HOLD ends by itself, s (fault catalogue F20: at most 50 ticks of 1 ms).
+/// Fault-free time after which HOLD ends, s (fault catalogue F20: at most 50 ticks of 1 ms).
 pub const REARM_S: f64 = 0.02;
-/// Tick periods without a tick that never count as a stall, so that slow ticks may miss one (ours).
+/// Tick periods without a tick that never count as a stall. Design choice: slow ticks may miss one.
 pub const STALL_PERIODS: f64 = 2.5;
-/// Farthest that a servo which grips is commanded beyond where it is, rad (ours: a finger at the grip ceiling of 15 N bends by
-/// 0.02). What is farther off does not follow its command.
+/// Largest offset of a gripping servo's command, rad; more means that it does not track. Design
+/// choice: a finger bends by 0.02 rad at the grip ceiling of 15 N.
 pub const PRELOAD_MAX_RAD: f64 = 0.03;
-/// Frames that may be lost between two before the second counts as another writer's (ours: ten seconds of a 1 kHz sensor).
+/// Largest frame gap of one writer; more means another writer. Design choice: ten seconds at 1 kHz.
 pub const FRAMES_AHEAD_MAX: u64 = 10_000;
-/// Time constant with which an element that reports nothing is forgotten, s (ours: what an object presses with changes within it; a load
-/// that vanishes faster is taken for a fall).
+/// Decay time constant of a silent element's contribution, s. Design choice: a load that vanishes
+/// faster counts as a drop.
 pub const MASKED_FADE_S: f64 = 1.0;
-/// Time after which a second writer may take over from a silent one, ns (ours: 20 frames of a 1 kHz sensor).
+/// Silence of a writer after which another may take over, ns. Design choice: 20 frames at 1 kHz.
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 
-/// Farthest from where it was told that an object is believed to stand when the fingertips feel it there, m (ours: what a place may
-/// be wrong by on both axes, and a little more).
+/// Largest accepted offset of an object from its given position, m. Design choice: the tolerated
+/// placement error on both axes, plus a margin.
 pub const DISPLACED_MAX_M: f64 = 0.009;
-/// Farthest that its faces are believed to be turned, rad (ours: 25°; a dome feels within a cone of 33°).
+/// Largest accepted yaw error of an object's faces, rad. Design choice: 25°; a fingertip senses
+/// within a cone of 33°.
 pub const TURNED_MAX_RAD: f64 = 0.44;
 
-/// Weakest patch for which a contact normal is computed, N; below it the dome axis stands in (prototype: 0.1 N).
+/// Weakest patch with a computed contact normal, N; below it the fingertip axis is used (prototype:
+/// 0.1 N).
 pub const PATCH_FLOOR_N: f64 = 0.1;
-/// Weakest element that takes part in the contact normal, N (prototype: 10 mN, three times the noise).
+/// Weakest element in the contact normal, N (prototype: 10 mN, three times the noise).
 pub const NORMAL_FLOOR_N: f64 = 0.01;
-/// Weakest tangential force for which a friction utilisation is meaningful, N (prototype: 40 mN).
+/// Weakest tangential force for a friction utilisation, N (prototype: 40 mN).
 pub const TANGENTIAL_FLOOR_N: f64 = 0.04;
-/// Smallest normal force that F_t is divided by, N.
+/// Smallest divisor of F_t, N.
 pub(crate) const NORMAL_MIN_N: f64 = 0.01;
-/// Largest friction ratio an element may report (prototype: 1.2; higher values are noise on weak elements).
+/// Largest friction ratio of an element (prototype: 1.2; more is noise).
 pub const FRICTION_CLIP: f64 = 1.2;
-/// Smallest friction estimate that is divided by (prototype: 0.05).
+/// Smallest friction estimate as a divisor (prototype: 0.05).
 pub const FRICTION_FLOOR: f64 = 0.05;
-/// Time constant with which the friction estimate follows F_t/F_n during gross slip, s (prototype: 2 % per 1 ms).
+/// Time constant of the friction estimate during gross slip, s (prototype: 2 % per 1 ms).
 pub const FRICTION_RELAX_S: f64 = 0.05;
-/// Longest slip window in samples; longer windows are thinned out.
+/// Largest number of samples in the slip window; longer windows are decimated.
 pub const INCREMENT_SAMPLES: usize = 100;
-/// Time in which the pull towards the preferred posture builds up after anchoring, s (ours: 2° off then start at about
-/// 3 rad/s², well below what the gate allows).
+/// Build-up time of the gain towards the preferred posture, s. Design choice: a 2° offset starts at
+/// about 3 rad/s², well below the gate's limit.
 pub const SECONDARY_BUILD_UP_S: f64 = 0.5;
-/// Step for which that pull is tuned, s: at another tick rate it takes the same time, not the same number of ticks.
+/// Step for which that gain is tuned, s; makes it independent of the tick rate.
 pub const SECONDARY_STEP_S: f64 = 1e-3;
-/// Most of these steps that one tick makes up for (ours: half of the way in one tick of 100 Hz; more would overshoot).
+/// Largest number of such steps per tick. Design choice: half of the way per tick at 100 Hz; more
+/// would overshoot.
 pub const SECONDARY_STEPS_MAX: f64 = 10.0;

@@ -1,22 +1,23 @@
-//! The mode machine. The most severe reaction wins; every change carries its reason.
+//! Mode machine. The most severe reaction wins; every mode change has a reason.
 //!
 //! ```text
-//!            sensors and joints believed                goal started
-//!   INIT ───────────────────────────────▶ READY ◀───────────────────────▶ RUN
-//!                                           │ ▲        goal ended           │ ▲
-//!                                    doubt  │ │ no doubt for REARM_S        │ │ no doubt for REARM_S
-//!                                           ▼ │                     doubt   ▼ │ (goal paused, not ended)
-//!                                           HOLD ◀────────────────────────────┘
-//!        estop, shutdown, joint fault         │
-//!   any ─────────────────────────────▶ SAFE_STOP ── recover ──▶ HOLD            any ── panic ──▶ FAULT (latched)
+//!               all checks pass                    goal started
+//!   INIT ───────────────────────────▶ READY ◀───────────────────────▶ RUN
+//!                                       │ ▲         goal ended         │ ▲
+//!                                fault  │ │ no fault            fault  │ │ no fault for REARM_S
+//!                                       ▼ │ for REARM_S                ▼ │ (goal paused)
+//!                                       HOLD ◀─────────────────────────┘
+//!       estop, shutdown, joint fault
+//!   any ─────────────────────────▶ SAFE_STOP ── recover ──▶ HOLD
+//!   any ── panic ──▶ FAULT (latched)
 //! ```
 //!
-//! HOLD keeps position and grip. Opening the hand is never a reaction to doubt.
+//! HOLD keeps position and grip. Opening the hand is never a fault reaction.
 
 use crate::limits::REARM_S;
 use shm_schemas::{Mode, Reason};
 
-/// The mode and why it is so.
+/// Mode and its reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ModeMachine {
@@ -36,19 +37,20 @@ impl Default for ModeMachine {
 }
 
 impl ModeMachine {
-    /// The mode.
+    /// Returns the mode.
     #[must_use]
     pub fn mode(&self) -> Mode {
         self.mode
     }
 
-    /// Why the mode is INIT, HOLD, SAFE_STOP or FAULT.
+    /// Returns the reason for INIT, HOLD, SAFE_STOP or FAULT.
     #[must_use]
     pub fn reason(&self) -> Reason {
         self.reason
     }
 
-    /// One tick of `step_s`: `hold_reason` is what must be held for, `has_goal` whether a goal is active or paused.
+    /// Runs one tick of `step_s`. A `hold_reason` requires HOLD; `has_goal`: a goal is active or
+    /// paused.
     pub fn update(&mut self, hold_reason: Reason, has_goal: bool, step_s: f64) {
         self.calm_ticks = if hold_reason.is_some() {
             0
@@ -70,21 +72,21 @@ impl ModeMachine {
         }
     }
 
-    /// Stops and latches.
+    /// Latches SAFE_STOP.
     pub fn stop(&mut self, reason: Reason) {
         if self.mode != Mode::SAFE_STOP && self.mode != Mode::FAULT {
             self.enter(Mode::SAFE_STOP, reason);
         }
     }
 
-    /// Latches a failure of the daemon itself.
+    /// Latches FAULT after a failure of the daemon.
     pub fn fail(&mut self, reason: Reason) {
         if self.mode != Mode::FAULT {
             self.enter(Mode::FAULT, reason);
         }
     }
 
-    /// Leaves SAFE_STOP; the machine then waits in HOLD until nothing is in doubt.
+    /// Leaves SAFE_STOP for HOLD.
     pub fn recover(&mut self) {
         if self.mode == Mode::SAFE_STOP {
             self.calm_ticks = 0;

@@ -1,38 +1,39 @@
-//! Paths: how a hand gets from one pose to another.
+//! Paths of a hand between two grasp poses.
 //!
-//! Every coordinate of the [`GraspFrame`] follows the same minimum-jerk profile s(τ) = τ³(10 − 15τ + 6τ²), so a path
-//! begins and ends at rest with bounded jerk, and its shape does not depend on its speed. What stands on the table is not
-//! known, so a free way over it has two legs, each of this profile: it rises before it crosses, and sinks after it has crossed.
+//! Every coordinate of the [`GraspFrame`] follows the minimum-jerk profile s(τ) = τ³(10 − 15τ +
+//! 6τ²): rest to rest, bounded jerk, shape independent of speed. Obstacles on the table are
+//! unknown, so a path over it has two legs: up before across, or across before down.
 
 use core::f64::consts::PI;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel, VIRTUAL_FINGERS};
 
-/// Shortest path, s (ours): even a zero-length path gives the loop time to settle.
+/// Shortest duration, s. Design choice: lets the loop settle on a zero-length path.
 const DURATION_MIN_S: f64 = 0.05;
-/// Rise, or way across, below which a path over is straight, m (ours: less than any gap that a hand keeps).
+/// Rise or lateral distance below which a path is straight, m. Design choice: less than any
+/// clearance.
 const LEVEL_M: f64 = 0.001;
 
-/// Peak speed of a minimum-jerk profile over its mean.
+/// Peak/mean speed of the minimum-jerk profile.
 pub(crate) const PEAK_OF_MEAN: f64 = 1.875;
 
-/// Mean speeds that no coordinate of a path exceeds.
+/// Largest mean speeds of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
-    /// Of the centre, m/s.
+    /// Centre, m/s.
     pub move_m_s: f64,
-    /// Of yaw, azimuth, pitch and roots, rad/s.
+    /// Yaw, azimuth, pitch and roots, rad/s.
     pub turn_rad_s: f64,
-    /// Of each finger's opening, m/s.
+    /// Opening of each side, m/s.
     pub open_m_s: f64,
 }
 
-/// One path between two poses.
+/// Path between two poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Path {
     from: GraspFrame,
-    /// Where the second leg begins, and when, s; a straight path has no first one.
+    /// Start pose of the second leg, at `corner_s`; a straight path has only this leg.
     corner: GraspFrame,
     corner_s: f64,
     to: GraspFrame,
@@ -41,7 +42,7 @@ pub struct Path {
 }
 
 impl Path {
-    /// A path that keeps the hand where it is.
+    /// Creates a path that keeps the hand at its pose.
     #[must_use]
     pub fn stay(at: GraspFrame) -> Self {
         Self {
@@ -54,7 +55,7 @@ impl Path {
         }
     }
 
-    /// A path that carries hand and fingers to a pose.
+    /// Creates a path that moves hand and fingers to a pose.
     #[must_use]
     pub fn free(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
         Self {
@@ -66,7 +67,7 @@ impl Path {
         }
     }
 
-    /// A free path that passes over whatever is not higher than its higher end: it rises first, or sinks last.
+    /// Creates a path over obstacles up to its higher end: rises first or descends last.
     #[must_use]
     pub fn over(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
         let way_m = to.centre_m - from.centre_m;
@@ -88,7 +89,7 @@ impl Path {
         }
     }
 
-    /// A path that carries the hand and leaves the fingers to the modules.
+    /// Creates a path that leaves the fingers to the modules.
     #[must_use]
     pub fn gripping(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
         let to = GraspFrame {
@@ -101,31 +102,31 @@ impl Path {
         }
     }
 
-    /// How long the path takes at full speed, s.
+    /// Returns the duration at full speed, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
-    /// Where the path ends.
+    /// Returns the end pose.
     #[must_use]
     pub fn end(&self) -> &GraspFrame {
         &self.to
     }
 
-    /// Where its legs end, in order; the first may be where it begins.
+    /// Returns the end poses of both legs; the first may equal the start pose.
     #[must_use]
     pub fn ends(&self) -> [GraspFrame; 2] {
         [self.corner, self.to]
     }
 
-    /// Whether the path includes the opening of the fingers.
+    /// Returns whether the path moves the fingers.
     #[must_use]
     pub fn moves_fingers(&self) -> bool {
         self.moves_fingers
     }
 
-    /// The pose after some time on the path, s.
+    /// Returns the pose at a time, s.
     #[must_use]
     pub fn at(&self, time_s: f64) -> GraspFrame {
         if time_s >= self.duration_s {
@@ -139,12 +140,12 @@ impl Path {
     }
 }
 
-/// Share of a leg after this share of its time.
+/// Minimum-jerk profile s(τ).
 fn eased(tau: f64) -> f64 {
     tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau)
 }
 
-/// The same pose at another height, m.
+/// Returns the pose at another height, m.
 #[must_use]
 pub fn at_height(frame: &GraspFrame, height_m: f64) -> GraspFrame {
     let mut frame = *frame;
@@ -152,7 +153,7 @@ pub fn at_height(frame: &GraspFrame, height_m: f64) -> GraspFrame {
     frame
 }
 
-/// The pose at a share of the straight way between two, 0 to 1.
+/// Interpolates linearly between two poses, `s` from 0 to 1.
 #[must_use]
 pub fn blend(a: &GraspFrame, b: &GraspFrame, s: f64) -> GraspFrame {
     let mix = |a: f64, b: f64| a + (b - a) * s;
@@ -193,8 +194,8 @@ fn duration_s(from: &GraspFrame, to: &GraspFrame, speeds: &Speeds) -> f64 {
     .fold(0.0, f64::max)
 }
 
-/// The yaw, equivalent to `yaw_rad` for the grasp, that the hand reaches from `from` without turning its wrist beyond
-/// a quarter turn; unwound so that the path to it turns the short way.
+/// Returns the equivalent grasp yaw within a quarter turn of the wrist, unwound for the shortest
+/// rotation from `from`, rad.
 #[must_use]
 pub fn reachable_yaw_rad(
     hand: &HandModel,
@@ -203,7 +204,8 @@ pub fn reachable_yaw_rad(
     yaw_rad: f64,
 ) -> f64 {
     let yaw_rad = hand.closing_yaw_rad(centre_m, yaw_rad);
-    // The wrist roll is bearing + what is constant − yaw: with both rolls within a quarter turn the yaw change is unambiguous.
+    // Wrist roll = bearing + constant − yaw: with both rolls within a quarter turn, the yaw change
+    // is unambiguous.
     let bearing_change = hand.bearing_rad(centre_m) - hand.bearing_rad(&from.centre_m);
     let ahead = yaw_rad - from.closing_yaw_rad - bearing_change;
     from.closing_yaw_rad + bearing_change + ahead - 2.0 * PI * libm::round(ahead / (2.0 * PI))

@@ -1,10 +1,10 @@
-//! Record and replay: what the controller was made from and what it took in, as words for the bus, and back again.
+//! Recording and replay: conversion of controller set-up and inputs to bus records and back.
 //!
-//! [`Replay`] is fed the recorded ticks in order, runs the controller on them, and compares every command bit for bit.
+//! [`Replay`] runs the controller on recorded ticks and compares every command bit for bit.
 //!
-//! * **Invariants:** writing and reading back changes no bit. What cannot be read back (another table of parameters, an
-//!   unknown order) is an error, never a guess.
-//! * **Absent on purpose:** files. And the ticks after a panic: there the daemon held without the controller.
+//! * **Invariants:** a round trip changes no bit; an unknown record is an error.
+//! * **Out of scope:** files, and the ticks after a panic, which the daemon holds without the
+//!   controller.
 
 mod replay;
 mod task;
@@ -23,26 +23,26 @@ use shm_schemas::{HandWiringRecord, Layout, OrderKind, OrderRecord, RunHeader, S
 
 const _: () = assert!(PARAMETERS.len() <= SETTINGS);
 
-/// Why a record could not be read back.
+/// Decoding error of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unreadable {
-    /// The settings follow another table of parameters.
+    /// Settings of another parameter table.
     OtherParameters,
-    /// A setting is out of its range.
+    /// Setting out of range.
     SettingOutOfRange {
-        /// Which one.
+        /// Parameter name.
         name: &'static str,
     },
-    /// Settings contradict each other.
+    /// Contradictory settings.
     Contradiction,
-    /// The order is of a kind that this version does not know.
+    /// Unknown request kind.
     UnknownOrder {
-        /// Its number.
+        /// Kind code.
         kind: u32,
     },
-    /// A goal's hand or task is none that this version knows.
+    /// Unknown hand or task of a goal.
     UnknownGoal,
-    /// A hand is wired to more elements or fingers than there can be, or to none.
+    /// Invalid number of elements or fingertips of a hand.
     ImpossibleHand,
 }
 
@@ -77,7 +77,7 @@ impl core::fmt::Display for Unreadable {
 
 impl core::error::Error for Unreadable {}
 
-/// All settings as a record.
+/// Converts all settings to a record.
 #[must_use]
 pub fn write_settings(settings: &Settings) -> SettingsRecord {
     let mut record = SettingsRecord {
@@ -104,21 +104,21 @@ pub fn read_settings(record: &SettingsRecord) -> Result<Settings, Unreadable> {
         let name = parameter.name;
         let checked = parameter.check(*value);
         checked.map_err(|_| Unreadable::SettingOutOfRange { name })?;
-        // One by one they may contradict each other on the way.
+        // No cross-checks here: intermediate states may be contradictory.
         (parameter.set)(&mut settings, *value);
     }
     settings.check().map_err(|_| Unreadable::Contradiction)?;
     Ok(settings)
 }
 
-/// FNV-1a 64 of the names of all parameters, in order.
+/// FNV-1a 64 hash of all parameter names in order, each as `name_of` returns it.
 fn names_hash() -> u64 {
     PARAMETERS.iter().fold(FNV_OFFSET, |hash, parameter| {
         fnv1a(fnv1a(hash, parameter.name.as_bytes()), b"\n")
     })
 }
 
-/// What a tick was ordered, as a record.
+/// Converts a tick's request to a record.
 #[must_use]
 pub fn write_order(order: Option<&Order>) -> OrderRecord {
     let mut record = OrderRecord::default();
@@ -164,15 +164,15 @@ pub fn write_order(order: Option<&Order>) -> OrderRecord {
     record
 }
 
-/// An index that does not fit names nothing, before and after.
+/// An index that does not fit becomes an invalid one.
 fn index_word(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
-/// What a tick was ordered.
+/// Converts a record to a tick's request.
 ///
 /// # Errors
-/// [`Unreadable`] if the kind is unknown or its settings cannot be read.
+/// [`Unreadable`] for unknown or invalid content.
 pub fn read_order(record: &OrderRecord) -> Result<Option<Order>, Unreadable> {
     let (goal_id, index) = (record.goal_id, record.index as usize);
     Ok(Some(match record.kind {
@@ -199,7 +199,7 @@ fn read_goal(record: &OrderRecord) -> Result<Goal, Unreadable> {
     Ok(Goal::of(record.goal, Side::BOTH[hand], task).with_spare(record.value))
 }
 
-/// Writes what the controller is made from into the header of a run; the header's other fields are the daemon's.
+/// Writes the controller's set-up into a run header; the daemon sets the other fields.
 pub fn write_origin(
     header: &mut RunHeader,
     robot: &RobotModel,
@@ -216,10 +216,10 @@ pub fn write_origin(
     header.settings = write_settings(settings);
 }
 
-/// A controller in the state in which the recorded one began. `robot` must be the one that the header names.
+/// Creates a controller in the recorded initial state, for the robot named in the header.
 ///
 /// # Errors
-/// [`Unreadable`] if the header is of another version or damaged.
+/// [`Unreadable`] for a damaged header or another version.
 pub fn read_origin(header: &RunHeader, robot: &RobotModel) -> Result<Controller, Unreadable> {
     let [left, right] = &header.hands;
     let wiring = Wiring {
@@ -232,7 +232,6 @@ pub fn read_origin(header: &RunHeader, robot: &RobotModel) -> Result<Controller,
     Ok(Controller::new(robot, wiring, settings))
 }
 
-/// The robot's first hand.
 fn hand_of(robot: &RobotModel) -> &HandModel {
     robot.hand(robot.sides().next().unwrap_or(Side::Left))
 }

@@ -1,8 +1,9 @@
-//! The last gate. Nothing reaches the robot but through [`Gate::pass`]; a [`SafeCommand`] cannot be made elsewhere.
+//! Safety gate: last stage before the robot. Every command passes [`Gate::pass`], the only
+//! constructor of [`SafeCommand`].
 //!
-//! In this order, visible in `pass`: finite, mode, grip ceiling, step, position → velocity → acceleration → jerk with
-//! braking distance, following error, stamp and seal. Every check comes before any arithmetic that could swallow a NaN.
-//! The gate publishes something in every mode: the command is the robot's heartbeat.
+//! Order of checks: finite, mode, grip ceiling, step size, motion limits with braking distance,
+//! following error, stamp and seal. Each runs before any arithmetic that could hide a NaN. The gate
+//! publishes in every mode, as a heartbeat for the robot.
 
 use crate::kinematics::HandCommand;
 use crate::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3, STEP_FACTOR};
@@ -13,33 +14,33 @@ use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector, Side, VIRTUA
 use shm_schemas::capacity::{HANDS, JOINTS};
 use shm_schemas::{Cause, JointCommand, Mode, Reason, Stamp};
 
-/// What kinematics wants of the whole robot.
+/// Unchecked commands of both hands.
 pub type RawCommand = [HandCommand; HANDS];
 
-/// What the gate knows of the hands' grip.
+/// Grip state of one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
-    /// Measured normal force per virtual finger, N.
+    /// Measured normal force per grasp side, N.
     pub normal_n: [f64; VIRTUAL_FINGERS],
-    /// F_2 of the object in the hand, if known, N.
+    /// F_2 of the held object, if known, N.
     pub f2_n: Option<f64>,
 }
 
-/// A command that passed the gate.
+/// Command that passed the gate.
 #[derive(Clone, Copy, Debug)]
 pub struct SafeCommand {
     command: JointCommand,
 }
 
 impl SafeCommand {
-    /// The words to publish.
+    /// Returns the command to publish.
     #[must_use]
     pub fn command(&self) -> &JointCommand {
         &self.command
     }
 }
 
-/// The gate and what it last let through.
+/// Safety gate.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gate {
@@ -48,7 +49,7 @@ pub struct Gate {
     position_rad: RobotVector,
     velocity_rad_s: RobotVector,
     acceleration_rad_s2: RobotVector,
-    /// What was wanted a tick ago and not refused, rad.
+    /// Accepted request of the previous tick, rad.
     wanted_rad: RobotVector,
     anchored: bool,
     sequence: u64,
@@ -58,7 +59,7 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// A gate for this robot; it lets nothing through before [`Gate::anchor`].
+    /// Creates a gate; it passes nothing before [`Gate::anchor`].
     #[must_use]
     pub fn new(robot: &RobotModel, writer_epoch: u64) -> Self {
         let rest = RobotVector::zeros(robot.joint_count());
@@ -77,8 +78,8 @@ impl Gate {
         }
     }
 
-    /// Takes measured positions as the commanded ones, at rest: at the start, and when the robot was moved while it was
-    /// not under command. What is measured beyond a limit is commanded at the limit.
+    /// Takes the measured positions, clamped to the limits, as commanded ones at rest: at the
+    /// start, and after the robot moved without command.
     pub fn anchor(&mut self, measured_rad: &RobotVector) {
         let rest = RobotVector::zeros(self.position_rad.len());
         self.position_rad = RobotVector::from_fn(rest.len(), |i| {
@@ -91,36 +92,37 @@ impl Gate {
         self.off_course_ticks = 0;
     }
 
-    /// Lets nothing through before it is anchored again.
+    /// Passes nothing until the next [`Gate::anchor`].
     pub fn release(&mut self) {
         self.anchored = false;
     }
 
-    /// Whether the gate has a position to command.
+    /// Returns whether the gate has a position to command.
     #[must_use]
     pub fn is_anchored(&self) -> bool {
         self.anchored
     }
 
-    /// Commanded positions, rad.
+    /// Returns the commanded positions, rad.
     #[must_use]
     pub fn position_rad(&self) -> &RobotVector {
         &self.position_rad
     }
 
-    /// What it let through in the last pass, before the limits of motion, rad: what the next wish goes on from.
+    /// Returns the last accepted request, before motion limiting, rad; the next one continues from
+    /// it.
     #[must_use]
     pub fn wanted_rad(&self) -> &RobotVector {
         &self.wanted_rad
     }
 
-    /// What the gate had to refuse in the last pass, if anything. The mode machine answers with HOLD or SAFE_STOP.
+    /// Returns the refusal of the last pass, if any; it leads to HOLD or SAFE_STOP.
     #[must_use]
     pub fn finding(&self) -> Reason {
         self.finding
     }
 
-    /// Lets a command through, limited; or holds the last one.
+    /// Limits and passes a command, or holds the last one.
     pub fn pass(
         &mut self,
         raw: &RawCommand,
@@ -149,7 +151,7 @@ impl Gate {
         }
     }
 
-    /// Takes back the whole vector: no joint moves on a command that is partly wrong.
+    /// Rejects the whole vector, so that no joint moves on a partly invalid command.
     fn refuse(&mut self, reason: Reason, wanted_rad: &mut RobotVector) {
         if !self.finding.is_some() {
             self.finding = reason;
@@ -158,8 +160,7 @@ impl Gate {
         self.wanted_rad = self.position_rad;
     }
 
-    /// A finger that presses harder than its ceiling may only open, and its arm may not press on: neither by its own motion
-    /// nor by a correction of the finger that is no closing.
+    /// Above its force ceiling a side may only open, and its arm must not move.
     fn cap_grip(
         &mut self,
         raw: &RawCommand,
@@ -173,7 +174,7 @@ impl Gate {
             });
             for finger in 0..VIRTUAL_FINGERS {
                 let normal_n = grip.normal_n[finger];
-                // A force that is not a number counts as above the ceiling.
+                // NaN counts as above the ceiling.
                 let below = normal_n <= ceiling_n;
                 if below {
                     continue;
@@ -192,8 +193,8 @@ impl Gate {
         }
     }
 
-    /// A step far beyond what the joint can do is a fault of the sender, not something to be smoothed over; so is a wish that
-    /// runs away from the joint faster than the limits of motion explain.
+    /// Rejects a step far beyond the joint's capability, or a request too far ahead of the joint,
+    /// as a sender fault; smoothing would hide it.
     fn refuse_jump(&mut self, step_s: f64, wanted_rad: &mut RobotVector) {
         for (joint, &wanted) in wanted_rad.iter().enumerate() {
             let speed_rad_s = self.joints[joint].velocity_max_rad_s;
@@ -212,15 +213,14 @@ impl Gate {
         }
     }
 
-    /// How far a joint falls behind a wish that starts at its top speed, rad: v²/2A to take the speed up, and as much to make
-    /// up for it, at half of the acceleration ([`brake_rad_s`]).
+    /// Returns the largest lag behind a request that starts at top speed, rad: v²/2A to accelerate,
+    /// v²/2A to catch up at half the acceleration ([`brake_rad_s`]).
     fn lag_max_rad(&self, joint: usize) -> f64 {
         let (joint, unit) = (&self.joints[joint], self.joints[joint].radian());
         let speed_rad_s = joint.velocity_max_rad_s / unit;
         speed_rad_s * speed_rad_s / JOINT_ACCELERATION_RAD_S2 * unit
     }
 
-    /// The wanted positions of both hands, in the robot's order.
     fn flatten(&self, raw: &RawCommand) -> RobotVector {
         let mut wanted_rad = self.position_rad;
         let hands = raw.iter().flat_map(|hand| hand.q_rad.iter());
@@ -232,7 +232,7 @@ impl Gate {
 
     fn limit(&mut self, wanted_rad: &RobotVector, step_s: f64) {
         for (index, &wanted_rad) in wanted_rad.iter().enumerate() {
-            // What bounds acceleration and jerk is written for radians.
+            // Acceleration and jerk limits are in radians.
             let unit = self.joints[index].radian();
             let joint = in_radians(&self.joints[index]);
             let state = Motion {
@@ -248,7 +248,7 @@ impl Gate {
         }
     }
 
-    /// A joint that stays behind its command is blocked or dead: pushing on would only wind up force.
+    /// Detects a blocked or dead joint; further motion would only build up force.
     fn check_following(&mut self, ctx: &GateContext<'_>) {
         let Some(measured_rad) = ctx.measured_rad.filter(|_| self.anchored) else {
             return;
@@ -303,33 +303,31 @@ impl Gate {
     }
 }
 
-/// What the gate needs to know of the tick.
+/// Tick data for the gate.
 #[derive(Clone, Copy, Debug)]
 pub struct GateContext<'a> {
-    /// The tick.
+    /// Tick index and time.
     pub tick: Tick,
-    /// Time since the tick before, s.
+    /// Period, s.
     pub step_s: f64,
-    /// Mode of this tick: only RUN moves.
+    /// Mode; only RUN moves.
     pub mode: Mode,
-    /// Measured positions, if believed and fresh, rad: a robot that is not heard of is no robot that does not follow.
+    /// Valid, fresh measured positions, rad; `None` skips the following-error check.
     pub measured_rad: Option<&'a RobotVector>,
-    /// Sequence of the joint state that the tick used.
+    /// Sequence number of the joint state.
     pub joint_sequence: u64,
-    /// F_2 of what each hand holds, N, for the next daemon; zero for an empty hand.
+    /// F_2 per hand, N, for a restarted daemon; zero for an empty hand.
     pub grip_limit_n: [f64; HANDS],
     /// Limits.
     pub settings: &'a Settings,
 }
 
-/// What a joint is of.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Limb {
     hand: usize,
-    /// It is one of the arm.
     arm: bool,
-    /// It moves fingertips of these sides against the palm.
+    /// Grasp sides whose fingertips the joint moves relative to the palm.
     drives: [bool; VIRTUAL_FINGERS],
 }
 
@@ -348,7 +346,7 @@ impl Limb {
     }
 }
 
-/// The same joint with its limits in what counts as radians for it.
+/// Converts the joint's limits to its radian equivalent ([`Joint::radian`]).
 fn in_radians(joint: &Joint) -> Joint {
     let unit = joint.radian();
     Joint {
@@ -363,7 +361,6 @@ fn within(joint: &Joint, q_rad: f64) -> f64 {
     q_rad.clamp(joint.lower_rad, joint.upper_rad)
 }
 
-/// One joint's commanded motion.
 #[derive(Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Motion {
@@ -373,11 +370,11 @@ struct Motion {
 }
 
 impl Motion {
-    /// The next motion towards `wanted_rad`, which was `wanted_before_rad` a tick ago, within every limit of the joint.
-    /// Both are finite.
+    /// Returns the next motion towards `wanted_rad` within all joint limits. Both requests, now and
+    /// a tick ago, are finite.
     ///
-    /// A wanted motion within the limits is followed without lag. Where the limits made the joint fall behind, it catches
-    /// up at a speed from which it can still brake, so that it does not swing about the wanted motion.
+    /// Requests within the limits are tracked without lag. After a lag the joint catches up at a
+    /// speed from which it can brake, so that it does not oscillate.
     fn towards(self, wanted_rad: f64, wanted_before_rad: f64, joint: &Joint, step_s: f64) -> Self {
         let (wanted_rad, wanted_before_rad) =
             (within(joint, wanted_rad), within(joint, wanted_before_rad));
@@ -399,8 +396,8 @@ impl Motion {
         }
     }
 
-    /// The acceleration towards a wanted speed: within its own limit, within the jerk limit, and never so high that the
-    /// jerk limit could not take it back before the top speed.
+    /// Returns the acceleration towards a speed, within its limit and the jerk limit, and low
+    /// enough to vanish before the top speed.
     fn accelerate_rad_s2(&self, wanted_rad_s: f64, speed_rad_s: f64, step_s: f64) -> f64 {
         let (now_rad_s, now_rad_s2) = (self.velocity_rad_s, self.acceleration_rad_s2);
         let change_rad_s2 = JOINT_JERK_RAD_S3 * step_s;
@@ -425,19 +422,19 @@ impl Motion {
     }
 }
 
-/// Steps of the exponential with which a joint comes to rest: fewer, and the jerk limit makes it swing.
+/// Smallest settling time constant, in steps; with fewer the jerk limit causes oscillation.
 const SETTLE_STEPS: f64 = 4.0;
-/// Shortest time constant of it, s (ours: twice the time in which the jerk limit builds up the largest acceleration).
-/// Shorter, and a joint at a high tick rate swings, because its acceleration cannot follow.
+/// Smallest settling time constant, s. Derivation: twice the build-up time of the largest
+/// acceleration under the jerk limit. Smaller values oscillate at high tick rates.
 const SETTLE_MIN_S: f64 = 0.004;
-/// Shortest time in which a joint takes up another speed, s (ours: a quarter of the above, as at 1 kHz).
+/// Shortest time for a speed change, s. Design choice: a quarter of `SETTLE_MIN_S`, as at 1 kHz.
 const SPEED_UP_MIN_S: f64 = 0.001;
-/// Change of speed that is taken up at once, rad/s (ours: so small that it comes to rest instead of fading away).
+/// Speed change applied at once, rad/s. Design choice: small; ends the exponential decay.
 const SPEED_STEP_RAD_S: f64 = 1e-6;
 
-/// Highest speed from which the joint still stops within a distance, rad/s: the v of d = v²/A + v·T. Far away it slows
-/// down at half the acceleration; the other half is kept in reserve for the time that the jerk limit needs to build it
-/// up. Near the end it settles with the time constant T.
+/// Returns the highest speed from which the joint stops within a distance, rad/s: v from d = v²/A +
+/// v·T. It brakes at half the acceleration; the other half covers the jerk-limited build-up. T is
+/// the settling time constant near the end.
 fn brake_rad_s(distance_rad: f64, step_s: f64) -> f64 {
     if distance_rad <= 0.0 {
         return 0.0;

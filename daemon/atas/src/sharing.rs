@@ -1,37 +1,38 @@
-//! Sharing: the fingertips that press from one side share what the side presses.
+//! Load sharing between the fingertips of one grasp side.
 //!
-//! A side closes as one. Where an object is turned, or round, one of its fingertips meets it first: the others go on by themselves
-//! until each touches, and from then on every one gives way to what it presses more than the mean, as the bar of a whiffletree or
-//! the differential of an underactuated hand does (Birglen, Laliberté and Gosselin 2008). In: what each fingertip feels. Out:
-//! how far each is ahead of its side's middle, and how far the middle goes along.
+//! On a rotated or round object one fingertip touches first. The others close until all are in
+//! contact. Then each yields in proportion to its force above the mean, like a whiffletree or an
+//! underactuated hand's differential (Birglen, Laliberté and Gosselin 2008).
 //!
-//! A side of one fingertip has nothing to share: nothing here touches its numbers.
+//! * **Input:** contact and force per fingertip. **Output:** offset per fingertip from its side's
+//!   mean, motion of that mean.
+//! * Sides with one fingertip are unaffected.
 
 use crate::perception::Percept;
 use robot_model::{FINGERS_MAX, GraspFrame, HandModel, HandPose, HandTarget, VIRTUAL_FINGERS};
 
-/// Speed at which a fingertip looks for what another of its side touches, m/s (ours: twice that of a first touch, so that
-/// it has found it when the opposite side has).
+/// Closing speed of a fingertip without contact, m/s. Design choice: twice that of the first touch,
+/// so that it arrives before the opposite side.
 const LOOK_M_S: f64 = 0.004;
-/// Speed at which a fingertip gives way to what it presses more than its side's mean, m/s per newton (ours: on 3,000 N/m it is
-/// gone within 0.1 s, three frames of the slowest sensor).
+/// Yielding speed per excess force, m/s per N. Design choice: on 3,000 N/m the difference vanishes
+/// within 0.1 s, three frames of the slowest sensor.
 const GIVE_WAY_M_S_N: f64 = 0.003;
-/// Farthest that a fingertip may be from its side's middle along the closing axis, m (ours: 45 mm between two fingertips on a face
-/// that is turned by 15°).
+/// Largest offset along the closing axis, m. Design choice: covers fingertips 45 mm apart on a face
+/// rotated by 15°.
 const AHEAD_MAX_M: f64 = 0.006;
 
-/// How far each fingertip is ahead of its side's middle.
+/// Offsets of the fingertips from their side's mean.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Sharing {
-    /// Inwards, m; the mean over a side is 0.
+    /// Offset inwards, m; the mean over a side is 0.
     ahead_m: [f64; FINGERS_MAX],
-    /// How far both sides have closed for no more than finding the object with every fingertip, m.
+    /// Closing travel for bringing every fingertip into contact, m.
     looked_m: f64,
 }
 
 impl Sharing {
-    /// As the hand stands.
+    /// Initialises the offsets from the hand's pose.
     pub(crate) fn at(hand: &HandModel, pose: &HandPose, frame: &GraspFrame) -> Self {
         let mut sharing = Self::default();
         let n = frame.closing_axis();
@@ -46,12 +47,12 @@ impl Sharing {
         sharing
     }
 
-    /// How far both sides have closed without pressing harder for it, m.
+    /// Returns the closing travel of the contact search, which adds no force, m.
     pub(crate) fn looked_m(&self) -> f64 {
         self.looked_m
     }
 
-    /// One tick of `step_s`; returns how far the middle of each side goes along, inwards, m.
+    /// Updates the offsets; returns the inward motion of each side's mean, m.
     pub(crate) fn step(
         &mut self,
         hand: &HandModel,
@@ -76,7 +77,6 @@ impl Sharing {
                 }
                 *ahead_m = ahead_m.clamp(-AHEAD_MAX_M, AHEAD_MAX_M);
             }
-            // What is left of their mean moves the side.
             along_m[side] = hand.mean_of_side(side, |finger| self.ahead_m[finger]);
             for finger in hand.fingers_of(side) {
                 self.ahead_m[finger] -= along_m[side];
@@ -86,17 +86,16 @@ impl Sharing {
         along_m
     }
 
-    /// Moves the targets of the fingertips to where each shall be.
+    /// Adds the offsets to the fingertip targets.
     pub(crate) fn spread(&self, hand: &HandModel, target: &mut HandTarget) {
         for side in shared_sides(hand) {
             for finger in hand.fingers_of(side) {
-                // A dome faces inwards.
+                // The fingertip axis points inwards.
                 target.tip_m[finger] += target.dome_axis[finger] * self.ahead_m[finger];
             }
         }
     }
 
-    /// Nothing is touched: back into line.
     fn straighten(&mut self, hand: &HandModel, side: usize, by_m: f64) {
         let farthest_m = hand
             .fingers_of(side)
@@ -113,7 +112,6 @@ impl Sharing {
     }
 }
 
-/// The sides from which more than one fingertip presses.
 fn shared_sides(hand: &HandModel) -> impl Iterator<Item = usize> + '_ {
     (0..VIRTUAL_FINGERS).filter(|side| hand.fingers_of(*side).count() > 1)
 }

@@ -1,43 +1,43 @@
-//! F_1 and F_2 from the object's stiffness (paper II.b (1): "Threshold of maximum grasping force F_2 should be changed
-//! based on the object's hardness"; the laws are ours, from a prototype). What the paper calls hardness is measured in
-//! N/m, so it is called stiffness everywhere here.
+//! Force thresholds F_1 and F_2 from the object's stiffness (paper II.b (1): "Threshold of maximum
+//! grasping force F_2 should be changed based on the object's hardness"). The laws come from a
+//! prototype; *stiffness*, N/m, is the paper's *hardness*.
 
 use crate::settings::Grasp;
 use shm_schemas::Cause;
 
-/// Share of F_2 that F_1 never exceeds, so that Module 1 and Module 3 never contradict each other.
+/// Largest F_1/F_2, so that Modules 1 and 3 never contradict each other.
 const F1_BELOW_F2: f64 = 0.8;
 
-/// Multiple of the force found on an object up to which it may be pressed, if nobody tells how much it bears (ours, as one
-/// step of the load test).
+/// F_2 of an existing grip without known force limit, in multiples of its force. Design choice: one
+/// step of lift verification.
 const KEEP_FACTOR: f64 = 1.2;
 
-/// What sets F_2.
+/// Source of F_2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Bound {
-    /// What the fingers may ever press (`grasp.f2_max_n`).
+    /// The hand's force limit (`grasp.f2_max_n`).
     Hand,
     /// The object's stiffness.
     Object,
-    /// The goal, whose client knows what the object bears.
+    /// The force limit in the client's goal.
     Goal,
 }
 
-/// The two thresholds of the grasping force.
+/// Grip force thresholds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Thresholds {
-    /// F_1: minimum grasping force, N.
+    /// F_1: minimum grip force, N.
     pub f1_n: f64,
-    /// F_2: maximum grasping force, N.
+    /// F_2: maximum grip force, N.
     pub f2_n: f64,
-    /// What sets F_2.
+    /// Source of F_2.
     pub bound: Bound,
 }
 
 impl Thresholds {
-    /// For an object of known stiffness, N/m: F_2 compresses it by `compression_m`.
+    /// Returns the thresholds for a stiffness, N/m: F_2 compresses the object by `compression_m`.
     #[must_use]
     pub fn for_stiffness(object_n_m: f64, settings: &Grasp) -> Self {
         let f2_n = between(
@@ -53,7 +53,7 @@ impl Thresholds {
         Self::with_f2(f2_n, bound, settings)
     }
 
-    /// The same for an object of which the goal's client knows what it bears, N; zero if he does not.
+    /// Applies a goal's force limit, N; zero means none.
     #[must_use]
     pub fn told(self, max_force_n: f64, settings: &Grasp) -> Self {
         if max_force_n > 0.0 {
@@ -63,8 +63,8 @@ impl Thresholds {
         }
     }
 
-    /// For what the hand was found pressing with these forces, the weakest and the strongest, N, and of which F_2 is told, N;
-    /// zero if it is not.
+    /// Returns the thresholds for an existing grip from its weakest and strongest force and the
+    /// reported F_2, N, zero if none.
     #[must_use]
     pub fn found([weakest_n, strongest_n]: [f64; 2], told_n: f64, settings: &Grasp) -> Self {
         let told = told_n.is_finite() && told_n >= settings.keep_n;
@@ -80,7 +80,7 @@ impl Thresholds {
         }
     }
 
-    /// Most that the fingers may press an object with before F_2 is known, N.
+    /// Returns the largest grip force before F_2 is known, N.
     #[must_use]
     pub fn most_n(&self, settings: &Grasp) -> f64 {
         match self.bound {
@@ -89,7 +89,7 @@ impl Thresholds {
         }
     }
 
-    /// Why an object that needs more than F_2 is refused.
+    /// Returns the refusal cause if an object needs more than F_2.
     #[must_use]
     pub fn exceeded(&self) -> Cause {
         match self.bound {
@@ -99,7 +99,7 @@ impl Thresholds {
         }
     }
 
-    /// For an object that is not yet known: as careful as for the softest.
+    /// Returns the thresholds for an unknown object, as for the softest.
     #[must_use]
     pub fn unknown(settings: &Grasp) -> Self {
         Self::for_stiffness(0.0, settings)
@@ -119,7 +119,7 @@ impl Thresholds {
     }
 }
 
-/// Bounds that contradict each other must not stop the tick: the upper one wins, as the gentler.
+/// Clamps without panic; with contradictory bounds the upper, gentler one wins.
 fn between(value: f64, lower: f64, upper: f64) -> f64 {
     value.max(lower).min(upper)
 }

@@ -1,4 +1,4 @@
-//! Time is an argument: the core never reads a clock.
+//! Tick time and stall detection. The core never reads a clock.
 
 use crate::limits::STALL_PERIODS;
 use shm_schemas::{Cause, Reason};
@@ -7,13 +7,13 @@ use shm_schemas::{Cause, Reason};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tick {
-    /// Counts from 0; a gap means missed ticks.
+    /// Index from 0; a gap means missed ticks.
     pub index: u64,
-    /// The tick's time, ns of the clock that also stamps the frames (`CLOCK_MONOTONIC`, or virtual in lock-step).
+    /// Time of the clock that stamps the frames, ns (`CLOCK_MONOTONIC`, or virtual in lock-step).
     pub now_ns: u64,
 }
 
-/// Time from `earlier` to `later`, s; negative when the order is reversed.
+/// Returns the signed time between two stamps, s.
 #[must_use]
 pub(crate) fn seconds_between(earlier_ns: u64, later_ns: u64) -> f64 {
     if later_ns >= earlier_ns {
@@ -23,14 +23,14 @@ pub(crate) fn seconds_between(earlier_ns: u64, later_ns: u64) -> f64 {
     }
 }
 
-/// A duration in ns; what is negative or not a number becomes 0.
+/// Converts to ns; negative values and NaN become 0.
 #[must_use]
 pub(crate) fn nanoseconds(seconds: f64) -> u64 {
     (seconds * 1e9) as u64
 }
 
-/// Notices that the loop stood still. After a long sleep (SIGSTOP, a suspended machine) the world may be another one:
-/// the first tick back must hold.
+/// Detects a stalled loop. After a long pause (SIGSTOP, suspend) the scene may have changed, so the
+/// first tick must hold.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StallWatch {
@@ -40,7 +40,7 @@ pub(crate) struct StallWatch {
 }
 
 impl StallWatch {
-    /// A watch over ticks of this period.
+    /// Creates a detector for this tick period, s.
     pub(crate) fn new(step_s: f64) -> Self {
         Self {
             step_s,
@@ -49,13 +49,13 @@ impl StallWatch {
         }
     }
 
-    /// Whether the one before is so long ago that its command has expired, and the robot has stopped by itself; a slow tick may
+    /// Returns whether the last command has expired, so that the robot has stopped; slow ticks may
     /// miss one.
     pub(crate) fn outlasts(&self, valid_s: f64) -> bool {
         self.still_s > valid_s.max(STALL_PERIODS * self.step_s)
     }
 
-    /// A tick begins: what to hold for if the one before is longer ago than allowed.
+    /// Begins a tick; returns the hold reason after a stall.
     pub(crate) fn begin(&mut self, tick: Tick, allowed_s: f64) -> Reason {
         let last_ns = self.last_ns.replace(tick.now_ns).unwrap_or(tick.now_ns);
         let still_s = seconds_between(last_ns, tick.now_ns);
@@ -69,18 +69,18 @@ impl StallWatch {
     }
 }
 
-/// Stages of a tick, in order; their durations are [`shm_schemas::TickReport::stage_ns`].
+/// Stages of a tick in order, timed in [`shm_schemas::TickReport::stage_ns`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Joint state, orders.
+    /// Joint state and request.
     Intake,
-    /// Frames, both hands.
+    /// Frames of both hands.
     Perception,
     /// Mode, modules, arbitration.
     Modules,
-    /// Inverse kinematics, both hands.
+    /// Inverse kinematics of both hands.
     Kinematics,
-    /// The last gate.
+    /// Safety gate.
     Safety,
 }
 
@@ -118,9 +118,9 @@ mod tests {
         };
         check(0.001, 5_000_000_000, 5_019_000_000, false);
         check(0.001, 5_000_000_000, 5_021_000_000, true);
-        // Time that runs backwards is no stall.
+        // Time that runs backwards is not a stall.
         check(0.001, 5_000_000_000, 1_000_000_000, false);
-        // At 100 Hz one missed tick is none either.
+        // At 100 Hz one missed tick is not a stall.
         check(0.01, 5_000_000_000, 5_024_000_000, false);
         check(0.01, 5_000_000_000, 5_026_000_000, true);
     }

@@ -1,34 +1,34 @@
-//! What the controller is wired to: which sensors exist, and how they are laid out.
+//! Sensor set-up of the controller.
 
 use robot_model::{RobotModel, Side};
 use shm_schemas::Layout;
 use shm_schemas::capacity::HANDS;
 
-/// One hand's sensor.
+/// Tactile sensor of one hand.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandWiring {
-    /// Where the elements sit; frames with another layout are refused.
+    /// Element layout; frames with another one are rejected.
     pub layout: Layout,
-    /// Fingers that carry sensors, 1 to 4; frames with fewer are refused.
+    /// Fingertips with sensors, 1 to 4; frames with fewer are rejected.
     pub fingers: usize,
-    /// Whether the robot must hold when this hand's sensor is silent. A hand without a sensor takes no goals.
+    /// Requires HOLD while this sensor is silent. A hand without a sensor accepts no goals.
     pub required: bool,
-    /// Nominal frame rate, Hz: the longest silence that is normal is a few periods.
+    /// Nominal frame rate, Hz; gaps of a few periods are tolerated.
     pub rate_hz: f64,
 }
 
-/// Everything that does not change while the controller lives.
+/// Constant set-up of a controller.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wiring {
-    /// Per hand, left first.
+    /// Sensor per hand, left first.
     pub hands: [HandWiring; HANDS],
-    /// Whether joint feedback exists. Without it the controller only senses and never leaves INIT.
+    /// Requires joint feedback; without it the controller stays in INIT and only senses.
     pub joints_required: bool,
     /// Nominal tick period, s.
     pub tick_s: f64,
-    /// Epoch that the commands carry; drawn anew at each start, fixed in lock-step.
+    /// Epoch of the commands: random at each start, fixed in lock-step.
     pub writer_epoch: u64,
 }
 
@@ -44,7 +44,7 @@ impl Default for HandWiring {
 }
 
 impl Wiring {
-    /// A robot whose every hand feels with all its fingertips, at 1 kHz.
+    /// Creates a set-up with 1 kHz tactile sensors on all fingertips.
     #[must_use]
     pub fn of(robot: &RobotModel) -> Self {
         let hand = |side: Side| HandWiring {

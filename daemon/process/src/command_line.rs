@@ -1,4 +1,4 @@
-//! The ends that a command line leads to by itself, help, a version and wrong usage; and the one line that tells an error.
+//! Command-line results that need no work (help, version, wrong usage) and error output.
 
 use std::ffi::OsString;
 use std::io::{self, ErrorKind, Write as _};
@@ -6,8 +6,9 @@ use std::process::ExitCode;
 
 use serde_json::json;
 
-/// The end of a process whose command line asks for no work. Help and versions are printed: a reader that has seen enough is no
-/// failure, a full disk is one, with the exit code `unwritten`. Everything else is wrong usage.
+/// Returns the exit code for a command line that requests no work. Prints help and version to
+/// standard output; a closed pipe counts as success, any other write error returns
+/// `write_error_exit`. All other cases are wrong usage.
 #[must_use]
 pub fn end(program: &str, error: &clap::Error, unwritten: u8) -> ExitCode {
     if error.use_stderr() {
@@ -24,21 +25,21 @@ pub fn end(program: &str, error: &clap::Error, unwritten: u8) -> ExitCode {
 }
 
 fn wrong_usage(program: &str, error: &clap::Error) -> ExitCode {
-    // Of clap: 2, as in all tables of exit codes.
+    // The code of clap is 2, as in all tables of exit codes.
     let exit = u8::try_from(error.exit_code()).unwrap_or(u8::MAX);
     if wants_json() {
         let text = error.render().to_string();
         let sentence = text.trim_start_matches("error: ").trim_end();
         tell(program, sentence, exit, true);
     } else {
-        // With standard error gone there is nobody left to tell.
+        // Standard error is closed: no other output is left.
         let _ = error.print();
     }
     ExitCode::from(exit)
 }
 
-/// Whether results, and so errors, are for programs: whether `--format json` is on the command line, even on one that is wrong
-/// elsewhere.
+/// Returns true if the command line contains `--format json`, even if it is otherwise invalid.
+/// Results and errors are then printed as JSON.
 #[must_use]
 pub fn wants_json() -> bool {
     says_json(std::env::args_os().skip(1))
@@ -50,14 +51,14 @@ fn says_json(words: impl Iterator<Item = OsString>) -> bool {
     apart || words.iter().any(|word| word == "--format=json")
 }
 
-/// Tells an error on standard error: a sentence under the program's name, or one JSON object.
+/// Prints an error to standard error: as text after the program name, or as one JSON object.
 pub fn tell(program: &str, sentence: &str, exit: u8, as_json: bool) {
     let line = if as_json {
         json!({ "error": sentence, "exit": exit }).to_string()
     } else {
         format!("{program}: {sentence}")
     };
-    // With standard error gone there is nobody left to tell; the exit code still says it.
+    // If standard error is closed, the exit code still reports the failure.
     let _ = writeln!(io::stderr(), "{line}");
 }
 

@@ -1,4 +1,5 @@
-//! The system's configuration: where it is, and the one key that two programs read, the daemon to check it and the gate to go by it.
+//! Locations of the system configuration, and the key `access.group`, which the daemon validates
+//! and the gate applies.
 
 use std::fmt;
 use std::fs;
@@ -7,15 +8,15 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// The system's configuration: this file, then every `*.toml` of the folder.
+/// Main file of the system configuration, read before the `*.toml` files of [`SYSTEM_FOLDER`].
 pub const SYSTEM_FILE: &str = "/etc/atas/atas.toml";
-/// See [`SYSTEM_FILE`].
+/// Folder with additional configuration files.
 pub const SYSTEM_FOLDER: &str = "/etc/atas/conf.d";
 
-/// The files of the system's configuration that there are, in the order in which later ones win.
+/// Returns the existing files of the system configuration; later files override earlier ones.
 ///
 /// # Errors
-/// The folder is there and cannot be read.
+/// The folder exists but cannot be read.
 pub fn system_files() -> io::Result<Vec<PathBuf>> {
     let mut parts = Vec::new();
     match fs::read_dir(SYSTEM_FOLDER) {
@@ -34,16 +35,16 @@ pub fn system_files() -> io::Result<Vec<PathBuf>> {
     Ok(exists.then_some(main).into_iter().chain(parts).collect())
 }
 
-/// `access.group`: what members of the service's group may do.
+/// Permissions of the members of the service group (`access.group`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum GroupRight {
-    /// Nothing, not even to stop.
+    /// No access, not even to stop.
     None,
-    /// Look on, and stop the robot.
+    /// Observe and stop the robot.
     #[default]
     Observe,
-    /// Everything that touches no files of their own.
+    /// Every operation except those on the members' own files.
     Command,
 }
 

@@ -1,4 +1,4 @@
-//! The end of a process in order: SIGINT or SIGTERM as a flag that its loop looks at.
+//! Orderly shutdown: SIGINT or SIGTERM sets a flag that the main loop polls.
 
 use std::io;
 use std::sync::Arc;
@@ -7,16 +7,16 @@ use std::sync::atomic::AtomicBool;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-/// The signals that end a process in order.
+/// Signals that request an orderly shutdown.
 pub const SIGNALS: [i32; 2] = [SIGINT, SIGTERM];
-/// Exit code of a process that a second signal ends, by the shells' convention for Ctrl-C.
+/// Exit code after a second signal (shell convention for Ctrl-C).
 pub const AT_ONCE: i32 = 130;
 
-/// A flag that the first of the signals sets, instead of ending the process. A second one ends it at once, with the exit
-/// code `at_once`.
+/// Returns a flag that the first of the signals sets instead of ending the process. A second signal
+/// ends the process immediately with the exit code `immediate_exit`.
 ///
 /// # Errors
-/// [`io::Error`] if the kernel refuses to tell of a signal.
+/// [`io::Error`] if the kernel does not install the handler.
 pub fn on_signals(signals: &[i32], at_once: i32) -> io::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     for &signal in signals {

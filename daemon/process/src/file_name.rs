@@ -1,18 +1,18 @@
-//! Names of files that a program makes: what a name ends in is what is written under it.
+//! Names of output files. The suffix of a name selects the file format.
 
 use std::path::{Path, PathBuf};
 
-/// What a name ends in, in small letters: `SVG` means what `svg` means. Empty where it ends in nothing.
+/// Returns the suffix in lower case (`SVG` equals `svg`), or an empty string if there is none.
 #[must_use]
 pub fn suffix(path: &Path) -> String {
     let suffix = path.extension().unwrap_or_default();
     suffix.to_string_lossy().to_ascii_lowercase()
 }
 
-/// The name of a file to make, if it ends in one of these suffixes: nothing else is written under it.
+/// Parses the name of an output file and checks that it has one of the suffixes.
 ///
 /// # Errors
-/// What the name needs to end in.
+/// A message with the allowed suffixes.
 pub fn ending_in(text: &str, suffixes: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     if suffixes.contains(&suffix(&path).as_str()) {

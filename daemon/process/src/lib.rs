@@ -1,13 +1,16 @@
-//! What the processes on a bus do alike, whatever they are: how they read a command line, how they log, how they end, how a thread
-//! becomes real-time, where the system's configuration is, what the kernel says of them.
+//! Utilities shared by all ATAS processes: command line, logging, shutdown, real-time scheduling,
+//! system configuration and kernel process state.
 //!
 //! ```text
-//!  tracing ─▶ log ─▶ standard error        SIGINT, SIGTERM ─▶ end ─▶ a flag        thread ─▶ scheduling ─▶ SCHED_FIFO
+//!  tracing ─▶ log ─▶ standard error
+//!  SIGINT, SIGTERM ─▶ shutdown ─▶ a flag
+//!  thread ─▶ scheduling ─▶ SCHED_FIFO
 //! ```
 //!
-//! * **Invariants:** nothing here waits for who reads the log, and nothing panics because standard error is gone.
-//! * **Absent on purpose:** the bus (`shm-bus`), and what only the daemon does: locked memory, pinned cores
-//!   (`atasd::realtime`).
+//! * **Invariants:** logging never blocks on its reader, and a closed standard error never causes a
+//!   panic.
+//! * **Not included:** the bus (`shm-bus`), and memory locking and core pinning, which only the
+//!   daemon does (`atasd::realtime`).
 
 pub mod command_line;
 pub mod configuration;
@@ -21,13 +24,14 @@ use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-/// The life of a process: a log, its work, and the sentence and exit code that its failure has.
+/// Runs a process: starts the log, does the work, and prints the error and returns its exit code if
+/// the work fails.
 pub fn run<E: Display>(
     program: &str,
     work: impl FnOnce() -> Result<(), E>,
     exit_code: impl FnOnce(&E) -> u8,
 ) -> ExitCode {
-    // Without threads no process of ours can work.
+    // Every ATAS process needs threads, so this failure ends it.
     let log = match log::start(log::LogFormat::Human) {
         Ok(log) => log,
         Err(error) => {

@@ -1,14 +1,15 @@
-//! Lines for people and for the journal, without ever waiting for who reads them.
+//! Log output to standard error that never blocks the caller.
 //!
 //! ```text
 //!  any thread ── line ─▶ bounded queue ─▶ writer thread ─▶ standard error
 //! ```
 //!
-//! * **In:** what `tracing` says. **Out:** lines on standard error.
-//! * **Invariants:** a reader that does not read, a full disk or a closed pipe costs lines, never time and never the
-//!   process. Lost lines are counted, and the next line that gets through says how many.
-//! * **Absent on purpose:** the daemon's tick. It leaves records, which the supervisor turns into lines. A ready-made
-//!   appender would do, but its thread has a stack of 2 MiB, which the daemon would have to lock.
+//! * **In:** `tracing` events. **Out:** lines on standard error.
+//! * **Invariants:** a stalled reader, a full disk or a closed pipe loses lines, but never blocks
+//!   or ends the process. Lost lines are counted, and the next successful write reports the count.
+//! * **Not included:** the tick of the daemon, which writes records that the supervisor turns into
+//!   lines. `tracing-appender` is not used because the daemon would have to lock its 2 MiB thread
+//!   stack.
 
 use std::io::{self, IsTerminal as _, Write};
 use std::sync::Arc;
@@ -21,32 +22,33 @@ use tracing_subscriber::EnvFilter;
 use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::fmt::MakeWriter;
 
-/// Form of the lines.
+/// Format of the log lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogFormat {
-    /// For people; coloured on a terminal, unless `NO_COLOR` is set.
+    /// Plain text; coloured on a terminal unless `NO_COLOR` is set.
     Human,
     /// One JSON object per line.
     Json,
 }
 
-/// Lines that wait: some seconds of a daemon in trouble. Ours.
+/// Capacity of the queue, lines. Design choice: some seconds of output of a daemon in trouble.
 const LINES: usize = 512;
-/// Stack of the writer thread, bytes: it is locked memory.
+/// Stack size of the writer thread, bytes. Kept small because the daemon locks its memory.
 const STACK_BYTES: usize = 64 << 10;
-/// How long the end of the process waits for the last lines to be read.
+/// Longest time that the process waits at exit for the last lines to be written.
 const LAST_LINES_WITHIN: Duration = Duration::from_millis(200);
-/// How often it looks whether they have been.
+/// Poll interval of that wait.
 const POLL: Duration = Duration::from_millis(1);
 
-/// Keeps the log going; when it is dropped, the last lines are written, if somebody reads them.
+/// Handle of the running log. Dropping it waits for the last lines to be written, at most
+/// `LAST_LINES_WITHIN`.
 #[derive(Debug)]
 pub struct Log {
     lines: Option<Sender<Vec<u8>>>,
     writer: JoinHandle<()>,
 }
 
-/// Begins to log. Call once per process.
+/// Starts the log. Call once per process.
 ///
 /// # Errors
 /// [`io::Error`] if the writer thread cannot start.
@@ -68,7 +70,7 @@ pub fn start(format: LogFormat) -> io::Result<Log> {
     let log = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(queue)
-        // What cannot be logged cannot be complained of there either.
+        // Errors of the log cannot be written to the log.
         .log_internal_errors(false);
     let colours = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
     match format {
@@ -87,7 +89,8 @@ impl Drop for Log {
             return;
         };
         let begin = Instant::now();
-        // An empty line means that all before it are written. A queue that is full has a reader that does not read.
+        // An empty line marks the end of the queue. A full queue has no active reader, so the wait
+        // is skipped.
         if lines.try_send(Vec::new()).is_ok() {
             while !self.writer.is_finished() && begin.elapsed() < LAST_LINES_WITHIN {
                 std::thread::sleep(POLL);
@@ -96,7 +99,7 @@ impl Drop for Log {
     }
 }
 
-/// Makes a line per event.
+/// Creates one [`Line`] per event.
 #[derive(Clone, Debug)]
 struct Queue {
     lines: Sender<Vec<u8>>,
@@ -114,7 +117,7 @@ impl<'a> MakeWriter<'a> for Queue {
     }
 }
 
-/// One line, queued when it is complete.
+/// One log line, queued when dropped.
 struct Line<'a> {
     queue: &'a Queue,
     text: Vec<u8>,
@@ -140,7 +143,7 @@ impl Drop for Line<'_> {
     }
 }
 
-/// Writes lines until an empty one comes. What cannot be written is lost and counted.
+/// Writes lines until an empty line arrives. Lines that cannot be written are counted as lost.
 fn write_all(lines: &Receiver<Vec<u8>>, lost: &AtomicU64, out: &mut impl Write) {
     for line in lines {
         if line.is_empty() {
@@ -163,7 +166,7 @@ fn write_all(lines: &Receiver<Vec<u8>>, lost: &AtomicU64, out: &mut impl Write) 
 mod tests {
     use super::*;
 
-    /// A pipe whose reader comes and goes.
+    /// Pipe that fails the first `refuses` writes.
     struct Pipe {
         refuses: usize,
         text: Vec<u8>,

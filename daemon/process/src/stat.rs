@@ -1,22 +1,22 @@
-//! What the kernel says of a process or a thread in its `stat` file (`proc_pid_stat(5)`).
+//! Kernel state of a process or thread from its `stat` file (`proc_pid_stat(5)`).
 
 use std::io;
 use std::path::Path;
 
-/// Of a process (`/proc/PID`) or a thread (`/proc/PID/task/TID`).
+/// State of a process (`/proc/PID`) or a thread (`/proc/PID/task/TID`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stat {
-    /// `R` runs, `S` sleeps, `D` waits for a device, `Z` has ended, `T` was stopped, `t` is being traced.
+    /// `R` running, `S` sleeping, `D` waiting for a device, `Z` ended, `T` stopped, `t` traced.
     pub state: char,
-    /// Page faults since it began, minor and major.
+    /// Minor and major page faults since the start.
     pub page_faults: u64,
 }
 
 impl Stat {
-    /// Of the process or thread whose folder this is.
+    /// Reads the state of the process or thread with this `/proc` folder.
     ///
     /// # Errors
-    /// It is gone, or the text is not as `proc_pid_stat(5)` says.
+    /// The process or thread has ended, or the file does not match `proc_pid_stat(5)`.
     pub fn read(folder: &Path) -> io::Result<Self> {
         let path = folder.join("stat");
         let text = std::fs::read_to_string(&path)?;
@@ -26,14 +26,14 @@ impl Stat {
         })
     }
 
-    /// Whether a signal or a debugger stopped it: it does nothing until it is told to go on.
+    /// Returns true if a signal or a debugger has stopped the process until it is continued.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         matches!(self.state, 'T' | 't')
     }
 
     fn parse(text: &str) -> Option<Self> {
-        // The name, field 2, may contain anything, but ends with the last parenthesis.
+        // The name (field 2) may contain any character; it ends at the last parenthesis.
         let (_, after_name) = text.rsplit_once(')')?;
         let fields: Vec<&str> = after_name.split_whitespace().collect();
         let field = |number: usize| fields.get(number - 3).copied();

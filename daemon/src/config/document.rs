@@ -1,4 +1,4 @@
-//! One TOML text as a flat list of keys, each with its place.
+//! A TOML text as a flat list of keys with locations.
 
 use std::path::Path;
 
@@ -9,7 +9,6 @@ use toml::{Table, Value};
 use super::keys;
 use super::{Config, Place, Problem};
 
-/// One key with its value.
 #[derive(Clone, Debug)]
 pub(super) struct Leaf {
     pub(super) key: String,
@@ -17,7 +16,7 @@ pub(super) struct Leaf {
     pub(super) place: Place,
 }
 
-/// The keys of a file, in the order of their names.
+/// Keys of a file, sorted by name.
 pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Leaf>, Problem> {
     let syntax = |error: toml::de::Error| Problem::Syntax {
         place: Place::File(
@@ -41,7 +40,7 @@ pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Leaf>, Problem> {
     Ok(leaves)
 }
 
-/// The key of a `--set section.key=value`. What is not a TOML value counts as text.
+/// Key of `--set section.key=value`. A value that is not TOML is taken as text.
 pub(super) fn read_flag(flag: &str) -> Result<Leaf, Problem> {
     let why = "needs the form section.key=value".to_owned();
     let (key, value) = flag.split_once('=').ok_or(Problem::Syntax {
@@ -60,7 +59,7 @@ pub(super) fn read_flag(flag: &str) -> Result<Leaf, Problem> {
     })
 }
 
-/// The configuration that these keys make, with defaults for the others.
+/// Configuration of these keys, with defaults for the others.
 pub(super) fn assemble<'a>(leaves: impl IntoIterator<Item = &'a Leaf>) -> Option<Config> {
     let mut root = Table::new();
     for leaf in leaves {
@@ -69,7 +68,6 @@ pub(super) fn assemble<'a>(leaves: impl IntoIterator<Item = &'a Leaf>) -> Option
     Config::deserialize(root).ok()
 }
 
-/// Every key of a configuration with its value.
 pub(super) fn flat(config: &Config) -> Vec<(String, Value)> {
     let mut leaves = Vec::new();
     if let Ok(table) = Table::try_from(config) {
@@ -95,8 +93,8 @@ fn insert(table: &mut Table, key: &str, value: Value) -> Option<()> {
     Some(())
 }
 
-/// Tables are walked through, except where a table is the value of a known key; an empty table counts as a key, so that
-/// a misspelt empty section is found.
+/// Descends into tables, except those that are the value of a known key. An empty table counts as a
+/// key, so that a misspelt empty section is found.
 fn flatten(prefix: &str, table: &Table, each: &mut impl FnMut(&str, &Value)) {
     for (name, value) in table {
         let key = if prefix.is_empty() {
@@ -114,7 +112,7 @@ fn flatten(prefix: &str, table: &Table, each: &mut impl FnMut(&str, &Value)) {
     }
 }
 
-/// Whether a table under this key is one value.
+/// Returns true if a table under this key is a single value.
 fn is_value(key: &str) -> bool {
     keys::needs(key).is_some() || keys::task_name(key).is_some()
 }
@@ -124,7 +122,7 @@ fn offset_of(table: &DeTable<'_>, key: &str) -> Option<usize> {
     if let Some((found, _)) = find(key) {
         return Some(found.span().start);
     }
-    // A quoted name may itself contain dots, so every split is tried.
+    // A quoted name may contain dots, so every split is tried.
     key.match_indices('.').find_map(|(at, _)| {
         let (_, value) = find(&key[..at])?;
         match value.get_ref() {

@@ -1,73 +1,73 @@
-//! What is wrong with a configuration, one line per finding.
+//! Errors of a configuration, one line per finding.
 
 use std::fmt;
 use std::path::PathBuf;
 
 use super::TaskProblem;
 
-/// Where a value was written.
+/// Location of a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// In a file, on a line (from 1).
+    /// File and line (from 1).
     File(PathBuf, usize),
-    /// On the command line.
+    /// Command line.
     Flag,
 }
 
-/// One finding.
+/// Finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Problem {
-    /// A file could not be read.
+    /// Unreadable file.
     Unreadable {
-        /// The file.
+        /// File.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         why: String,
     },
-    /// A text is not TOML.
+    /// Invalid TOML.
     Syntax {
-        /// Where.
+        /// Location.
         place: Place,
-        /// What the parser said.
+        /// Error of the parser.
         why: String,
     },
-    /// No such key.
+    /// Unknown key.
     UnknownKey {
-        /// Where.
+        /// Location.
         place: Place,
-        /// The key.
+        /// Key.
         key: String,
-        /// The key that was probably meant.
+        /// Suggested key.
         meant: Option<&'static str>,
     },
-    /// A value that the key cannot have.
+    /// Value that is not permitted.
     Value {
-        /// Where; `None` if the value is a default that another value contradicts.
+        /// Location; `None` for a default value in conflict with another value.
         place: Option<Place>,
-        /// The key.
+        /// Key.
         key: String,
-        /// The value.
+        /// Value.
         value: String,
-        /// What it needs to be.
+        /// Permitted values.
         needs: String,
     },
-    /// One of the user's own tasks.
+    /// Invalid user task.
     Task {
-        /// Where.
+        /// Location.
         place: Place,
-        /// Its name.
+        /// Task name.
         name: String,
-        /// What is wrong.
+        /// Error.
         problem: TaskProblem,
     },
-    /// The URDF does not load.
+    /// Robot that does not load.
     Robot {
-        /// What the loader said.
+        /// Error of the loader.
         why: String,
     },
 }
 
-/// Why a configuration was refused: every finding, in the order of the files.
+/// All findings of a rejected configuration, in the order of the files.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError(pub Vec<Problem>);
 

@@ -1,13 +1,13 @@
-//! Every key of the configuration, and what its value needs to be.
+//! All configuration keys and their permitted values.
 //!
-//! Tunable numbers come from the controller's own table [`PARAMETERS`]; the rest is listed here.
+//! Tunable numbers come from the controller's table [`PARAMETERS`]; the other keys are listed here.
 
 use atas_core::limits::TICK_RATE_HZ;
 use atas_core::settings::{ORDERED, PARAMETERS, Parameter, find};
 
 use super::{Config, Cpu, HandSensor};
 
-/// A key that is fixed while the daemon runs.
+/// Key that cannot change at run time.
 struct FixedKey {
     name: &'static str,
     needs: &'static str,
@@ -17,29 +17,32 @@ struct FixedKey {
 const LAYOUT: &str = "\"robot\", \"dome-41\", \"dome-1\", \"pad-N\", \"flat-RxC-P\", \"cylinder-RxC-P-Q\" or \
                       { normals = [[x, y, z], …], radius_m = … or positions_m = [[x, y, z], …], element_area_m2 = … } \
     with 1 to 64 unit vectors that do not point along x";
-/// The section whose keys are the names of the user's own tasks.
+/// Section whose keys are the names of user tasks.
 const TASKS: &str = "tasks";
 const YES_NO: &str = "true or false";
-/// What members of the service's group may do, which the gate asks the files at each use.
+/// Right of the service's group; the gate reads it at each use.
 const ACCESS_GROUP: &str = "access.group";
 
-/// `SCHED_FIFO` has 1 to 99; 99 belongs to the kernel's own threads.
+/// `SCHED_FIFO` has priorities 1 to 99; 99 is used by kernel threads.
 const PRIORITY_MAX: u32 = 98;
-/// Beyond this, spinning costs more than a tenth of a core (measured: 9 % at 100 µs and 1 kHz).
+/// Maximum spin: beyond it spinning takes more than a tenth of a core (measured: 9 % at 100 µs and
+/// 1 kHz).
 const SPIN_MAX_US: u32 = 100;
 
-/// Longest spin, periods: the rest is for the tick itself and for sleeping, without which a real-time thread starves the
-/// machine. Ours.
+/// Maximum spin, periods. The tick and the sleep need the rest; without sleep a real-time thread
+/// blocks the machine. Design choice.
 const SPIN_MAX_PERIODS: f64 = 0.5;
 
-/// Shortest life of a command, periods: with less, a command expires at the robot before a slightly late one replaces
-/// it. Ours.
+/// Minimum validity of a command, periods. Below it a command expires before a slightly late one
+/// replaces it. Design choice.
 const VALID_MIN_PERIODS: f64 = 1.5;
 
-/// As old as a frame may be before the robot holds (`intake.hold_age_s` by default).
+/// Maximum phase offset: the age of a frame at which the robot holds (`intake.hold_age_s` by
+/// default).
 const PHASE_OFFSET_MAX_US: u32 = 5_000;
 
-/// Less is within the jitter of any arrival; more would leave a 1 kHz tick less than half of its period.
+/// Limits of the wait for frames: less is within the jitter of arrivals, more takes over half of a
+/// 1 kHz period.
 const ARRIVAL_WAIT_US: std::ops::RangeInclusive<u32> = 10..=500;
 
 const FIXED: &[FixedKey] = &[
@@ -155,7 +158,7 @@ const FIXED: &[FixedKey] = &[
     },
 ];
 
-/// Jaro-Winkler likeness from which a suggestion helps more than it confuses. Ours, by trying misspellings.
+/// Minimum Jaro-Winkler similarity of a suggestion. Chosen by trying misspellings.
 pub(super) const LIKELY: f64 = 0.8;
 const FINGERS: &str = "a whole number from 1 to 4, or 0 for as many as the robot has there";
 const RATE: &str = "a number from 1 to 10000";
@@ -172,7 +175,7 @@ fn has_rate(hand: &HandSensor) -> bool {
     (1.0..=10_000.0).contains(&hand.rate_hz)
 }
 
-/// Every key, `section.key`, in the order of the configuration file.
+/// All keys, `section.key`, in the order of the configuration file.
 pub fn known_keys() -> impl Iterator<Item = &'static str> {
     FIXED
         .iter()
@@ -180,17 +183,17 @@ pub fn known_keys() -> impl Iterator<Item = &'static str> {
         .chain(PARAMETERS.iter().map(|p| p.name))
 }
 
-/// Whether a key keeps its value as long as the daemon runs. Rights are not the daemon's: they may change at any time.
+/// Returns true if a key is fixed at run time. Access rights are read by the gate and may change.
 pub(super) fn is_fixed(name: &str) -> bool {
     name != ACCESS_GROUP && FIXED.iter().any(|key| key.name == name)
 }
 
-/// The name of a task, for the key of one.
+/// Task name in a key of section `tasks`.
 pub(super) fn task_name(key: &str) -> Option<&str> {
     key.strip_prefix(TASKS)?.strip_prefix('.')
 }
 
-/// Whether keys begin with this name and a dot.
+/// Returns true if this is the name of a section.
 pub(super) fn is_section(name: &str) -> bool {
     name == TASKS
         || known_keys().any(|key| {
@@ -199,7 +202,7 @@ pub(super) fn is_section(name: &str) -> bool {
         })
 }
 
-/// What the value of a key needs to be; `None` for an unknown key.
+/// Permitted values of a key; `None` for an unknown key.
 pub(super) fn needs(name: &str) -> Option<String> {
     let range = |p: &Parameter| format!("a number from {} to {}", p.lower, p.upper);
     let fixed = FIXED.iter().find(|key| key.name == name);
@@ -208,7 +211,7 @@ pub(super) fn needs(name: &str) -> Option<String> {
         .or_else(|| find(name).map(range))
 }
 
-/// Whether the value of a key, in this configuration, is what it needs to be.
+/// Returns true if the value of a key is permitted.
 pub(super) fn holds(name: &str, config: &Config) -> bool {
     match (FIXED.iter().find(|key| key.name == name), find(name)) {
         (Some(key), _) => (key.holds)(config),
@@ -217,7 +220,7 @@ pub(super) fn holds(name: &str, config: &Config) -> bool {
     }
 }
 
-/// Values that contradict another one: `(key, value, what it needs)`.
+/// Values in conflict with another one: `(key, value, permitted values)`.
 pub(super) fn contradictions(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
     let settings = config.settings();
     let ordered = ORDERED.iter().filter_map(move |&(lower, upper)| {
@@ -228,7 +231,6 @@ pub(super) fn contradictions(config: &Config) -> impl Iterator<Item = (&'static 
     ordered.chain(timing(config))
 }
 
-/// Times that the tick rate does not allow.
 fn timing(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
     let rate_hz = f64::from(config.realtime.rate_hz);
     let (spin_us, valid_s) = (f64::from(config.realtime.spin_us), config.safety.valid_s);
@@ -263,7 +265,7 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
         .map(|(_, known)| known)
 }
 
-/// The parameter that was probably meant.
+/// Parameter suggested for an unknown name.
 #[must_use]
 pub fn nearest_parameter(name: &str) -> Option<&'static str> {
     nearest(name).filter(|name| find(name).is_some())

@@ -1,32 +1,32 @@
-//! Which sensor layout a hand has: the robot file's, another by name, or the user's own by its elements.
+//! Sensor layout of a hand: from the robot file, by name, or defined by the user.
 
 use robot_model::HandModel;
 use serde::{Deserialize, Serialize};
 use shm_schemas::Layout;
 
-/// The name that stands for what the robot file says.
 const OF_ROBOT: &str = "robot";
 
-/// The layout of a hand's fingertips.
+/// Layout of a hand's fingertips.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum LayoutChoice {
     /// `robot`, or a [`shm_schemas::layout::NamedLayout`].
     Named(String),
-    /// The user's own.
+    /// Defined by the user.
     Custom(CustomLayout),
 }
 
-/// A layout given by its elements. Tangents follow from the normals by the rule of [`shm_schemas::layout`].
+/// Layout defined by its elements. Tangents follow from the normals by the rule of
+/// [`shm_schemas::layout`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CustomLayout {
-    /// Outward normal of each element, unit vectors in the tip frame.
+    /// Outward normals of the elements, unit vectors in the fingertip frame.
     pub normals: Vec<[f64; 3]>,
-    /// A dome: distance of the elements from its centre, m.
+    /// Dome: distance of the elements from its centre, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub radius_m: Option<f64>,
-    /// Any other shape: where each element sits, tip frame, m.
+    /// Other shapes: positions of the elements in the fingertip frame, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub positions_m: Option<Vec<[f64; 3]>>,
     /// Sensing area of one element, m².
@@ -34,13 +34,13 @@ pub struct CustomLayout {
 }
 
 impl LayoutChoice {
-    /// What the robot file says.
+    /// The layout of the robot file.
     #[must_use]
     pub fn of_robot() -> Self {
         Self::Named(OF_ROBOT.to_owned())
     }
 
-    /// The layout, if the name is known or the user's own is sound.
+    /// The layout, if it is valid.
     #[must_use]
     pub fn resolve(&self, hand: &HandModel) -> Option<Layout> {
         match self {
@@ -50,7 +50,7 @@ impl LayoutChoice {
         }
     }
 
-    /// Whether it can be resolved, whatever the robot.
+    /// Returns true if the choice is valid for any robot.
     #[must_use]
     pub fn is_sound(&self) -> bool {
         match self {

@@ -1,4 +1,4 @@
-//! Where a configuration comes from, and how its parts become one.
+//! Sources of a configuration and their merging.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,17 +10,17 @@ use atas_process::configuration::{SYSTEM_FILE, SYSTEM_FOLDER, system_files};
 use super::document::{self, Leaf};
 use super::{Config, ConfigError, Place, Problem, keys, tasks};
 
-/// Where to read; reading again gives what is written there then.
+/// Sources of a configuration; each load reads them again.
 #[derive(Clone, Debug, Default)]
 pub struct Source {
-    /// Files that must exist, in order; if there are none, the system's files, which need not exist.
+    /// Files that must exist, in order; if empty, the system's files, which are optional.
     pub files: Vec<PathBuf>,
     /// `section.key=value`, in order.
     pub flags: Vec<String>,
 }
 
 impl std::fmt::Display for Source {
-    /// What was asked for, for the log.
+    /// Prints the sources, for the log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.files.is_empty() {
             write!(f, "{SYSTEM_FILE} and {SYSTEM_FOLDER}, where they exist")?;
@@ -44,7 +44,7 @@ impl Source {
     /// Reads, merges and checks.
     ///
     /// # Errors
-    /// [`ConfigError`] with everything that is wrong.
+    /// [`ConfigError`] with all findings.
     pub fn load(&self) -> Result<Config, ConfigError> {
         let mut problems = Vec::new();
         let mut merged = BTreeMap::new();
@@ -83,21 +83,21 @@ impl Source {
 }
 
 impl Config {
-    /// Checks values that were changed one by one.
+    /// Checks values that were changed individually.
     ///
     /// # Errors
-    /// [`ConfigError`] with every value that contradicts another.
+    /// [`ConfigError`] with every value in conflict with another.
     pub fn check(&self) -> Result<(), ConfigError> {
         check_together(self, &BTreeMap::new())
     }
 
-    /// The keys in which another configuration differs and which this daemon cannot change while it runs.
+    /// Differing keys that are fixed at run time.
     #[must_use]
     pub fn fixed_differences(&self, other: &Self) -> Vec<String> {
         self.differences(other, keys::is_fixed)
     }
 
-    /// The keys in which another configuration differs and which it changes only while the robot is stopped.
+    /// Differing keys that may change only while the robot is stopped.
     #[must_use]
     pub fn safety_differences(&self, other: &Self) -> Vec<String> {
         self.differences(other, |key| key.starts_with("safety."))
@@ -124,7 +124,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Problem {
     }
 }
 
-/// Each key is checked on its own, with defaults for the others, so that one wrong key hides no other.
+/// Checks a key with defaults for the others, so that one error does not hide another.
 fn check_leaf(leaf: &Leaf, problems: &mut Vec<Problem>) {
     let (key, place) = (leaf.key.clone(), leaf.place.clone());
     if let Some(name) = keys::task_name(&key) {
@@ -162,7 +162,7 @@ fn check_leaf(leaf: &Leaf, problems: &mut Vec<Problem>) {
     }
 }
 
-/// What no key on its own can get wrong: contradictions between keys, and the robot's file.
+/// Checks conflicts between keys, and the robot file.
 fn check_together(config: &Config, leaves: &BTreeMap<String, Leaf>) -> Result<(), ConfigError> {
     let place = |key: &str| -> Option<Place> { leaves.get(key).map(|leaf| leaf.place.clone()) };
     let contradiction = |(key, value, needs): (&str, f64, String)| Problem::Value {

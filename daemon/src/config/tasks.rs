@@ -1,7 +1,8 @@
-//! A user's own tasks: sections `[tasks.NAME]`, one line per step, in the words that the events use.
+//! User tasks: sections `[tasks.NAME]`, one line per step, with the keywords of the events.
 //!
-//! Read by hand rather than derived, so that whatever is wrong is said with the task, the step and what was probably
-//! meant. [`Tasks::text`] writes what [`read`] reads; the built-in tables are written the same way, to start from.
+//! Parsed by hand instead of derived, so that an error names task, step and suggestion.
+//! [`Tasks::text`] writes the format that [`read`] reads. The built-in tasks are printed in the
+//! same format, as a starting point.
 
 mod table;
 mod words;
@@ -13,9 +14,8 @@ use atas_core::tasks::{BUILT_IN, Fault, Motion, Part, Step, Task, Track, Transit
 use serde::{Deserialize, Deserializer, de};
 use toml::{Table, Value};
 
-/// Put before the name of a built-in task when it is printed, because a user's own must be called otherwise.
+/// Prefix of printed built-in tasks, because a user task needs another name.
 const OWN: &str = "my-";
-/// Keys of a task and of a step.
 const TASK_KEYS: [&str; 3] = ["acting", "helping", "table"];
 const STEP_KEYS: [&str; 7] = [
     "step",
@@ -27,16 +27,16 @@ const STEP_KEYS: [&str; 7] = [
     "timeout_s",
 ];
 
-/// The user's own tasks, in the order of their names.
+/// User tasks, sorted by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tasks(Vec<Task>);
 
-/// What is wrong with a task.
+/// Error of a task.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TaskProblem {
-    /// Which step, for example `helping step 2 (grip)`; empty for the whole task.
+    /// Step, for example `helping step 2 (grip)`; empty for the whole task.
     pub at: String,
-    /// What is wrong.
+    /// Cause.
     pub why: String,
 }
 
@@ -57,7 +57,8 @@ impl Tasks {
         text
     }
 
-    /// The built-in tasks as TOML of a user's own; not those that follow a client, which nobody can write.
+    /// The built-in tasks as TOML of user tasks, except teleoperation tasks, which users cannot
+    /// define.
     #[must_use]
     pub fn built_in_text() -> String {
         let mut text = String::new();
@@ -83,7 +84,7 @@ impl<'de> Deserialize<'de> for Tasks {
     }
 }
 
-/// The task of a section.
+/// Reads the task of a section.
 ///
 /// # Errors
 /// The first [`TaskProblem`].
@@ -128,7 +129,7 @@ fn describe(fault: &Fault, steps: &[Step]) -> TaskProblem {
     }
 }
 
-/// As a user counts, from 1.
+/// Step number from 1.
 fn place(part: Part, index: usize, name: &str) -> String {
     format!("{}step {} ({name})", part_word(part), index + 1)
 }

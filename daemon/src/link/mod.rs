@@ -1,16 +1,17 @@
-//! The link between the tick and the supervisor: orders one way, records the other. Bounded, wait-free, never waiting.
+//! Link between tick and supervisor: requests one way, records the other. Bounded and wait-free.
 //!
 //! ```text
-//!  supervisor ── orders, stops ──▶ tick        every queue has one writer and one reader, so that neither can hold up
-//!             ◀─ records, news ───             the other, whatever preempts whom
-//!             ◀─ events, snapshot, view, input log ─
-//!  stop listener ── signal ──────▶
+//!  supervisor ── requests, stops ──▶ tick
+//!             ◀─ records, notifications, events, snapshot, view, input log ─
+//!  stop listener ── signal ────────▶
 //! ```
 //!
-//! * **Invariants:** what finds no room is counted. What somebody waits for, the answer to an order and the final update
-//!   of a goal, always finds room: [`News`] has a queue of its own, with places that only those may use.
-//! * **Absent on purpose:** queues with several writers. They are lock-free at best: a tick that preempts a writer on the
-//!   same core would spin for ever.
+//! Invariants:
+//! * Entries without room are dropped and counted.
+//! * Answers to requests and final goal updates always have room: [`News`] has reserved
+//!   slots for them.
+//! * Every queue has one writer and one reader. Queues with several writers are at best lock-free:
+//!   a tick that preempts a writer on the same core would spin for ever.
 
 mod supervisor;
 mod tick;
@@ -29,63 +30,62 @@ use shm_schemas::{GoalUpdate, Status, TickReport, View};
 
 use crate::input_log;
 
-/// Orders that wait; a goal that finds the queue full is refused as BUSY. Ours: the tick takes a thousand a second.
+/// Capacity for requests; a goal is rejected as BUSY if the queue is full. Design choice: the tick
+/// takes 1000 per second.
 const ORDERS: usize = 32;
-/// Stops that wait beside them, so that no flood of goals can hold up a stop.
+/// Capacity for stops, separate so that goals cannot delay a stop.
 const STOPS: usize = 4;
-/// Ticks that the supervisor may fall behind before records are dropped: 1 s at 1 kHz.
+/// Capacity for records: 1 s at 1 kHz of supervisor delay before records are dropped.
 const RECORDS: usize = 1024;
-/// Events that wait.
 const EVENTS: usize = 1024;
-/// News that wait, and how many of the places are kept for what somebody waits for: every order that can wait can end a
-/// goal and must be answered.
+/// Capacity for notifications, and the slots reserved for answers and final updates: every queued
+/// request may end a goal and needs an answer.
 const NEWS: usize = 1024;
 const NEWS_KEPT: usize = 2 * (ORDERS + STOPS) + 2;
-/// What one tick leaves behind. Fixed size, no pointers.
+/// Record of one tick. Fixed size, no pointers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickRecord {
-    /// The report, with its timings.
+    /// Report with timings.
     pub report: TickReport,
-    /// From wake-up to the published command, ns.
+    /// Time from wake-up to the published command, ns.
     pub body_ns: u32,
-    /// Age of the newest frame of any hand, ns; `u64::MAX` if there never was one.
+    /// Age of the newest frame of any hand, ns; `u64::MAX` if there is none.
     pub frame_age_ns: u64,
-    /// Whether every commanded velocity is zero.
+    /// True if every commanded velocity is zero.
     pub at_rest: bool,
-    /// Commanded positions, rad, if there are any.
+    /// Commanded positions, rad, if any.
     pub commanded_rad: Option<RobotVector>,
-    /// Calls to the bus that failed so far.
+    /// Number of failed bus calls so far.
     pub bus_failures: u64,
-    /// Whether the ticks are locked to the frames.
+    /// True if the ticks are phase-locked to the frames.
     pub phase_locked: bool,
 }
 
-/// What somebody waits for.
+/// Message that a client waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum News {
-    /// The order with this ticket was taken.
+    /// The request with this ticket was executed.
     Taken(u64),
-    /// News of the goal.
+    /// Goal update.
     Goal(GoalUpdate),
 }
 
-/// An order with the number by which its effect is recognised.
+/// Request with the ticket that identifies its answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ticketed {
-    /// From 1; 0 for an order that nobody waits for.
+    /// From 1; 0 for a request without an answer.
     pub ticket: u64,
-    /// The order.
+    /// The request.
     pub order: Order,
 }
 
-/// What both ends count and see.
 #[derive(Debug, Default)]
 struct Shared {
     dropped: AtomicU64,
     quit: AtomicBool,
-    /// When the supervisor last came round, ns; 0 before its first round.
+    /// Time of the supervisor's last round, ns; 0 before the first.
     supervised_ns: AtomicU64,
-    /// In lock-step: ticks since the start that may pass without anything to do.
+    /// Lock-step: number of ticks since the start that may pass without work.
     advanced_to: AtomicU64,
 }
 
@@ -97,7 +97,7 @@ impl Shared {
     }
 }
 
-/// Ends the tick loop.
+/// Handle that ends the tick loop.
 #[derive(Clone, Debug)]
 pub struct Quit(Arc<Shared>);
 
@@ -108,8 +108,8 @@ impl Quit {
     }
 }
 
-/// A link; with `records`, it carries every tick's inputs for a recorder. `signal` brings the stops that have a way of
-/// their own.
+/// Creates a link. `records` adds the input log for a recorder; `signal` carries stops from the
+/// stop socket.
 #[must_use]
 pub fn link(records: bool, signal: Arc<stop::Signal>) -> (TickEnd, SupervisorEnd) {
     let (orders_in, orders) = RingBuffer::new(ORDERS);
@@ -253,7 +253,7 @@ mod tests {
             let progress = update(GoalState::RUNNING);
             tick.leave_news(0, Some(&progress));
         }
-        // Every order that can wait is taken, and each ends a goal.
+        // Every queued request is executed and ends a goal.
         let orders = (ORDERS + STOPS) as u64;
         for ticket in 1..=orders {
             let ended = update(GoalState::FAILED);

@@ -1,4 +1,4 @@
-//! The supervisor's end: gives orders, takes what ticks left.
+//! Supervisor side of the link: queues requests, reads records.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -10,7 +10,7 @@ use shm_schemas::{ModuleEvent, Status, View};
 use super::{News, Quit, Shared, TickRecord, Ticketed};
 use crate::input_log::LogReader;
 
-/// The supervisor's end.
+/// Supervisor side of the link.
 #[derive(Debug)]
 pub struct SupervisorEnd {
     pub(super) orders: Producer<Ticketed>,
@@ -26,7 +26,8 @@ pub struct SupervisorEnd {
 }
 
 impl SupervisorEnd {
-    /// Queues an order; its ticket comes back as [`News::Taken`]. `None` if the queue is full.
+    /// Queues a request and returns its ticket, confirmed by [`News::Taken`]. `None` if the
+    /// queue is full.
     #[must_use]
     pub fn order(&mut self, order: Order) -> Option<u64> {
         let queue = if matches!(order, Order::Stop(_)) {
@@ -40,12 +41,13 @@ impl SupervisorEnd {
         Some(ticket)
     }
 
-    /// Says that the supervisor has come round.
+    /// Records the time of a supervisor round.
     pub fn supervise(&self, now_ns: u64) {
         self.shared.supervised_ns.store(now_ns, Ordering::Relaxed);
     }
 
-    /// In lock-step, lets so many ticks pass since the start, also without anything to do.
+    /// Lock-step: allows time to advance to this number of ticks since the start, also without
+    /// work.
     pub fn advance_to(&self, ticks: u64) {
         self.shared.advanced_to.store(ticks, Ordering::Relaxed);
     }
@@ -56,7 +58,7 @@ impl SupervisorEnd {
         self.records.pop().ok()
     }
 
-    /// The next piece of news.
+    /// The next notification.
     #[must_use]
     pub fn next_news(&mut self) -> Option<News> {
         self.news.pop().ok()
@@ -68,7 +70,7 @@ impl SupervisorEnd {
         self.events.pop().ok()
     }
 
-    /// The newest snapshot, if there is one since the last call.
+    /// The newest snapshot since the last call.
     #[must_use]
     pub fn newest_snapshot(&mut self) -> Option<Status> {
         self.snapshot
@@ -76,32 +78,32 @@ impl SupervisorEnd {
             .then(|| *self.snapshot.output_buffer())
     }
 
-    /// The newest view, if there is one since the last call.
+    /// The newest view since the last call.
     #[must_use]
     pub fn newest_view(&mut self) -> Option<&View> {
         self.view.update().then(|| self.view.output_buffer())
     }
 
-    /// The input log, if recording is switched on.
+    /// The input log, if recording is on.
     #[must_use]
     pub fn input_log(&mut self) -> Option<&mut LogReader> {
         self.input_log.as_mut()
     }
 
-    /// Takes the input log out, for a thread of its own.
+    /// Moves the input log out, for another thread.
     #[must_use]
     pub fn take_input_log(&mut self) -> Option<LogReader> {
         self.input_log.take()
     }
 
-    /// Records, news, events and parts of the input log dropped because the supervisor did not come round.
+    /// Records, notifications, events and input-log parts dropped because the supervisor was late.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         let parts = self.input_log.as_ref().map_or(0, LogReader::dropped);
         self.shared.dropped.load(Ordering::Relaxed) + parts
     }
 
-    /// What ends the tick loop.
+    /// Handle that ends the tick loop.
     #[must_use]
     pub fn quit_handle(&self) -> Quit {
         Quit(Arc::clone(&self.shared))

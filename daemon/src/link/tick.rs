@@ -1,4 +1,4 @@
-//! The tick's end: takes orders, leaves what happened, and never waits.
+//! Tick side of the link: takes requests, pushes records, never waits.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -11,17 +11,17 @@ use shm_schemas::{Cause, GoalUpdate, ModuleEvent, Reason, Status, View};
 use super::{NEWS_KEPT, News, Shared, TickRecord, Ticketed};
 use crate::input_log::LogWriter;
 
-/// Silence of the supervisor after which the robot holds, ns: whoever watches over the robot, tells its users and takes
-/// their orders is not there. Ours: a hundred rounds.
+/// Silence of the supervisor after which the robot holds, ns. Without it there is no monitoring,
+/// status or request handling. Design choice: about 100 rounds.
 pub(super) const SILENT_NS: u64 = 500_000_000;
 
-/// The tick's end.
+/// Tick side of the link.
 #[derive(Debug)]
 pub struct TickEnd {
     pub(super) orders: Consumer<Ticketed>,
     pub(super) stops: Consumer<Ticketed>,
     pub(super) signal: Arc<stop::Signal>,
-    /// The stop that this tick takes by the signal.
+    /// Number of the stop that this tick takes from the signal.
     pub(super) signalled: Option<u64>,
     pub(super) records: Producer<TickRecord>,
     pub(super) news: Producer<News>,
@@ -33,7 +33,8 @@ pub struct TickEnd {
 }
 
 impl TickEnd {
-    /// The order for this tick: a stop first, then the others in their order, unless the world still settles.
+    /// The request for this tick: stops first, then the others in order, except while the lock-step
+    /// world is settling.
     #[must_use]
     pub fn take_order(&mut self, settling: bool) -> Option<Ticketed> {
         self.signalled = self.signal.pending();
@@ -50,26 +51,26 @@ impl TickEnd {
         })
     }
 
-    /// The command of the tick is out: a stop that came by the signal is in it.
+    /// Confirms a stop from the signal after the tick's command was published.
     pub fn published(&mut self) {
         if let Some(number) = self.signalled.take() {
             self.signal.take(number);
         }
     }
 
-    /// Whether an order waits.
+    /// Returns true if a request is waiting.
     #[must_use]
     pub fn has_orders(&self) -> bool {
         self.signal.pending().is_some() || !self.stops.is_empty() || !self.orders.is_empty()
     }
 
-    /// How many ticks since the start may pass without anything to do; in lock-step nobody else lets time go on.
+    /// Number of ticks since the start up to which lock-step time may advance without work.
     #[must_use]
     pub fn advanced_to(&self) -> u64 {
         self.shared.advanced_to.load(Ordering::Relaxed)
     }
 
-    /// Why the robot must hold at `now_ns`, if the supervisor has been silent for too long.
+    /// Reason to hold at `now_ns` if the supervisor has been silent for too long.
     #[must_use]
     pub fn supervision(&self, now_ns: u64) -> Reason {
         let supervised_ns = self.shared.supervised_ns.load(Ordering::Relaxed);
@@ -81,19 +82,19 @@ impl TickEnd {
         Reason::limit(Cause::SUPERVISOR_SILENT, s(silent_ns), s(SILENT_NS))
     }
 
-    /// Whether another tick can be recorded without hurry; always, if recording is switched off.
+    /// Returns true if there is room to record another tick, or if recording is off.
     #[must_use]
     pub fn has_room(&self) -> bool {
         self.input_log.as_ref().is_none_or(LogWriter::has_room)
     }
 
-    /// The input log, if recording is switched on.
+    /// The input log, if recording is on.
     #[must_use]
     pub fn input_log(&mut self) -> Option<&mut LogWriter> {
         self.input_log.as_mut()
     }
 
-    /// Leaves a record and what happened.
+    /// Pushes a record and its events.
     pub fn leave(&mut self, record: &TickRecord, events: &[ModuleEvent]) {
         let mut dropped = u64::from(self.records.push(*record).is_err());
         for event in events {
@@ -102,7 +103,7 @@ impl TickEnd {
         self.shared.count(dropped);
     }
 
-    /// Leaves the ticket of the order that was taken (0 if none), and what became of the goal.
+    /// Pushes the ticket of the executed request (0 if none) and the goal update.
     pub fn leave_news(&mut self, ticket: u64, update: Option<&GoalUpdate>) {
         let mut dropped = 0;
         if ticket != 0 {
@@ -116,18 +117,18 @@ impl TickEnd {
         self.shared.count(dropped);
     }
 
-    /// Leaves a snapshot; an older one that nobody took is replaced.
+    /// Publishes a snapshot; it replaces an unread one.
     pub fn leave_snapshot(&mut self, snapshot: &Status) {
         self.snapshot.write(*snapshot);
     }
 
-    /// Leaves a view that `fill` writes in place; an older one that nobody took is replaced.
+    /// Publishes a view written in place by `fill`; it replaces an unread one.
     pub fn leave_view(&mut self, fill: impl FnOnce(&mut View)) {
         fill(self.view.input_buffer_mut());
         self.view.publish();
     }
 
-    /// Whether the loop shall end.
+    /// Returns true if the loop must end.
     #[must_use]
     pub fn is_quitting(&self) -> bool {
         self.shared.quit.load(Ordering::Acquire)

@@ -1,4 +1,4 @@
-//! Ticks by the sensors.
+//! Pacer that follows the sensors.
 
 use std::time::Duration;
 
@@ -8,12 +8,11 @@ use super::TickStart;
 use crate::link::TickEnd;
 use crate::ports::InputPorts;
 
-/// Ticks at the start, and after a recovery, in which the world settles and no goal is taken. Long enough for the mode
-/// machine to become READY (20 ticks without doubt). Ours.
+/// Ticks without goals after the start and after a recovery, while the world settles. Design
+/// choice: enough for the mode machine to become READY (20 fault-free ticks).
 const SETTLE_TICKS: u64 = 100;
-/// How often an empty port is asked again without a pause: about the time in which a simulator answers. Ours.
+/// Polls of an empty port without a pause: about the response time of a simulator. Design choice.
 const EAGER_POLLS: u32 = 20_000;
-/// Pause between later polls.
 const PAUSE: Duration = Duration::from_micros(200);
 
 /// Waits for sensors instead of the clock.
@@ -24,7 +23,7 @@ pub struct LockStep {
 }
 
 impl LockStep {
-    /// Begins with settling.
+    /// Starts with settling.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -33,13 +32,14 @@ impl LockStep {
         }
     }
 
-    /// Lets the world settle anew, from the next tick on.
+    /// Restarts settling with the next tick.
     pub fn settle(&mut self) {
         self.settled_at = self.index + SETTLE_TICKS;
     }
 
-    /// Waits for a joint state while there is something to do, or a client lets time go on, and room to record it; else takes
-    /// nothing from the bus, so that the sensors' process, which waits for an answer, stands still as well. `None` when the loop shall end.
+    /// Waits for a joint state while there is work, or time may advance, and there is room to
+    /// record it. Otherwise takes nothing from the bus: the sensor process waits for an answer and
+    /// stands still too. `None` when the loop must end.
     pub fn wait(
         &mut self,
         ports: &mut InputPorts,

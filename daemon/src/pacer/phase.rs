@@ -1,93 +1,98 @@
-//! Phase lock: ticks come when the frames do, instead of at any time in between.
+//! Phase lock: aligns the ticks with the arrival of frames.
 //!
 //! ```text
 //!  stamp          arrival
-//!    │ ◀─── lag ────▶│               lag: the median time from a frame's stamp to its arrival
+//!    │ ◀─── lag ────▶│               lag: median time from a frame's stamp to its arrival
 //!    └───────────────┼────────────────── next stamp
-//!             awake ┌┼────────┐ latest
-//!                   └┴────────┘      the tick looks for the frame, and begins when it is there
+//!             awake ┌┼────────┐ time limit
+//!                   └┴────────┘      the tick polls for the frame and starts when it has arrived
 //!                    deadline
 //! ```
 //!
-//! A free-running tick finds frames that are anything up to a frame period old. The lock watches when the frames of one
-//! hand arrive, moves the deadlines by a few microseconds per tick until they fall on the arrivals, and says which payloads
-//! the next tick should await: the frames of that hand, and what is captured together with them.
+//! Without the lock, a tick finds frames up to one frame period old. The lock measures when the
+//! frames of one hand, the reference hand, arrive. It shifts the deadlines by a few microseconds
+//! per tick to the arrivals. It also determines which payloads the next tick awaits: frames of that
+//! hand, and streams captured at the same time.
 //!
-//! * **In:** per tick how and when it began, and what had come by then. **Out:** by how much to move the next deadline, and
-//!   what to await at it.
-//! * **Invariants:** a deadline never moves by more than 5 µs or a two-hundredth of a period. Without new frames it does not
-//!   move and nothing is awaited: the ticks go on by the timer. No clock is read here.
-//! * **Absent on purpose:** sensors that send faster than the ticks gain nothing, their frames are young anyway.
+//! * **In:** per tick its start and the payloads received so far. **Out:** shift of the next
+//!   deadline, payloads to await.
+//! * **Invariants:** a shift is at most 5 µs and 1/200 of a period. Without new frames nothing
+//!   shifts and nothing is awaited. No clock is read here.
+//!
+//! Sensors faster than the ticks gain nothing: their frames are always young.
 
 use crate::ports::STREAMS;
 use shm_schemas::capacity::HANDS;
 
 use super::schedule::{Began, TickStart};
 
-/// Largest move of one deadline, ns: half a percent of a 1 kHz period, far below what a motion could show. Ours.
+/// Maximum shift of one deadline, ns: 0.5 % of a 1 kHz period, invisible in the motion. Design
+/// choice.
 const SLEW_MAX_NS: u64 = 5_000;
-/// The same as a fraction of the period, for higher rates.
+/// The same limit as a divisor of the period, for higher rates.
 const SLEW_PERIODS: u64 = 200;
-/// Share of the phase error that one frame corrects. Smaller: slow to lock. Larger: the ticks follow the jitter of the
-/// stamps. Ours.
+/// Divisor of the phase error per frame. Larger: slow to lock. Smaller: ticks follow the jitter of
+/// the stamps. Design choice.
 const GAIN: i64 = 8;
-/// Largest step of the lag after one frame, ns, and the share of a smaller error that is taken. Together they make it
-/// Huber's estimate of the middle: as fine as a mean where arrivals scatter by a few µs, as robust as a median against a
-/// sensor process that is starved for milliseconds. Ours.
+/// Maximum step of the lag per frame, ns, and divisor for smaller errors. Together a Huber
+/// estimate: fine as a mean for a scatter of a few µs, robust as a median against a sensor process
+/// delayed by milliseconds. Design choice.
 const LAG_STEP_NS: i64 = 1_000;
 const LAG_GAIN: i64 = 16;
-/// Longest lag, periods: the slowest way from a sensor to the bus that is worth following. Ours.
+/// Maximum lag, periods. Design choice.
 const LAG_MAX_PERIODS: u64 = 5;
-/// Silence after which another hand's frames are followed, ns: half of the age at which frames are refused. Ours.
+/// Silence after which another hand becomes the reference, ns: half the age at which frames are
+/// rejected. Design choice.
 const SILENT_NS: u64 = 50_000_000;
-/// Phase error below which the ticks count as locked, as a fraction of the period. Ours.
+/// Phase error below which the ticks count as locked, as a divisor of the period. Design choice.
 const LOCKED_PERIODS: i64 = 20;
-/// Ticks that may await a frame in vain, one after the other, before none is awaited until the next one has come: a lost
-/// sensor costs three waits, not a core. Ours.
+/// Consecutive time-outs after which no frame is awaited until one arrives: a lost sensor costs
+/// three waits. Design choice.
 const VAIN_MAX: u32 = 3;
-/// Stamps that lie closer together than this fraction of a period belong together and are awaited together. Ours.
+/// Maximum difference of simultaneous stamps, as a divisor of the period; such streams are awaited
+/// together. Design choice.
 const TOGETHER_PERIODS: u64 = 20;
-/// Share of a new distance between stamps in the estimate of the frame period. Ours.
+/// Divisor of the filter of the frame period. Design choice.
 const FRAME_PERIOD_GAIN: u64 = 8;
 
-/// The state of the lock.
+/// State of the phase lock.
 #[derive(Clone, Copy, Debug)]
 pub struct PhaseLock {
     period_ns: u64,
     lag_ns: u64,
-    /// What is left of the last correction, ns.
+    /// Remainder of the last correction, ns.
     rest_ns: i64,
     error_ns: i64,
     leader: Option<Leader>,
-    /// Streams that are captured together with the leader's, and the leader's own.
+    /// Streams captured together with the reference stream, itself included.
     together: [bool; STREAMS],
     last_tick_ns: u64,
 }
 
-/// What is known of one stream after a tick.
+/// Payloads of one stream at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Arrivals {
-    /// Stamp of the newest believed payload, ns.
+    /// Stamp of the newest accepted payload, ns.
     pub captured_ns: u64,
-    /// Payloads that arrived since the tick before.
+    /// Number of payloads since the previous tick.
     pub count: u32,
 }
 
-/// What a tick awaits: a stamp not older than this of each stream, ns; `None` where nothing is awaited.
+/// Minimum stamp that a tick awaits of each stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Awaited {
-    /// Of every stream.
+    /// Minimum stamps, ns; `None` if the stream is not awaited.
     pub least_captured_ns: [Option<u64>; STREAMS],
 }
 
 impl Awaited {
-    /// Whether anything is awaited.
+    /// Returns true if any stream is awaited.
     #[must_use]
     pub fn is_something(&self) -> bool {
         self.least_captured_ns.iter().any(Option::is_some)
     }
 
-    /// The streams of which it has not come, by the newest stamps.
+    /// Awaited streams whose newest stamp is too old.
     #[must_use]
     pub fn missing(&self, captured_ns: &[u64; STREAMS]) -> [bool; STREAMS] {
         core::array::from_fn(|stream| {
@@ -96,7 +101,7 @@ impl Awaited {
     }
 }
 
-/// The hand whose frames are followed.
+/// Hand whose frames the ticks follow.
 #[derive(Clone, Copy, Debug)]
 struct Leader {
     hand: usize,
@@ -107,7 +112,8 @@ struct Leader {
 }
 
 impl PhaseLock {
-    /// A lock for ticks of this period (not 0) whose frames arrive about `lag_ns` after their stamps.
+    /// A lock for ticks with this period (not 0) and frames that arrive about `lag_ns` after their
+    /// stamps.
     #[must_use]
     pub fn new(period_ns: u64, lag_ns: u64) -> Self {
         Self {
@@ -121,8 +127,8 @@ impl PhaseLock {
         }
     }
 
-    /// Learns from a tick, and says by how much to move the next deadline, ns. `streams` is what came of the left hand, the
-    /// right hand and the joints; `None` for one that never sent.
+    /// Updates the lock with a tick and returns the shift of the next deadline, ns. `streams`: left
+    /// hand, right hand, joints; `None` if nothing was ever received.
     pub fn correct(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> i64 {
         if let Some((oldest_ns, newest_ns)) = self.follow(start, streams) {
             self.learn_lag(oldest_ns, start);
@@ -136,13 +142,13 @@ impl PhaseLock {
         move_ns
     }
 
-    /// What the tick with this deadline should await: nothing unless a frame is due at it.
+    /// Stamps that the tick with this deadline awaits; none unless a frame is due.
     #[must_use]
     pub fn awaited(&self, deadline_ns: u64) -> Awaited {
         let Some(leader) = self.leader.filter(|leader| leader.vain < VAIN_MAX) else {
             return Awaited::default();
         };
-        // The frame whose arrival lies nearest to the deadline.
+        // Frame whose arrival is nearest to the deadline.
         let target_ns = deadline_ns.saturating_sub(self.lag_ns);
         let since_ns = target_ns.saturating_sub(leader.captured_ns);
         let frame_ns = leader.frame_period_ns;
@@ -159,14 +165,14 @@ impl PhaseLock {
         }
     }
 
-    /// Whether the ticks run where they should, after frames that still come.
+    /// Returns true if frames still arrive and the phase error is small.
     #[must_use]
     pub fn is_locked(&self) -> bool {
         let close_ns = self.period_ns.cast_signed() / LOCKED_PERIODS;
         self.is_led(self.last_tick_ns) && self.error_ns.abs() <= close_ns
     }
 
-    /// The median time from a frame's stamp to its arrival, ns.
+    /// Median time from a frame's stamp to its arrival, ns.
     #[must_use]
     pub fn lag_ns(&self) -> u64 {
         self.lag_ns
@@ -177,8 +183,8 @@ impl PhaseLock {
             .is_some_and(|leader| now_ns.saturating_sub(leader.received_ns) < SILENT_NS)
     }
 
-    /// The stamps of the oldest and the newest frame of the leader that arrived since the tick before, if any did. Left
-    /// leads before right; a silent leader is replaced.
+    /// Stamps of the oldest and newest frame of the reference hand since the previous tick, if any.
+    /// The left hand has priority; a silent reference is replaced.
     fn follow(
         &mut self,
         start: &TickStart,
@@ -217,7 +223,7 @@ impl PhaseLock {
         Some((oldest_ns, hand.captured_ns))
     }
 
-    /// Streams whose newest stamps lie at the leader's.
+    /// Marks the streams whose newest stamp is close to the reference's.
     fn learn_together(&mut self, streams: [Option<Arrivals>; STREAMS]) {
         let Some(leader) = self.leader else { return };
         let close_ns = self.period_ns / TOGETHER_PERIODS;
@@ -226,8 +232,8 @@ impl PhaseLock {
         });
     }
 
-    /// A frame that came while it was looked for shows its lag. One that waited came earlier; one that the tick before ran
-    /// without, a lag after its stamp, came later.
+    /// Estimates the lag. A frame that arrived during polling shows its lag. A waiting frame
+    /// arrived earlier, a frame missing at the previous tick later.
     fn learn_lag(&mut self, captured_ns: u64, start: &TickStart) {
         let due_ns = captured_ns.saturating_add(self.lag_ns);
         let is_late = due_ns <= self.last_tick_ns.saturating_add(SLEW_MAX_NS);
@@ -247,7 +253,8 @@ impl PhaseLock {
         self.lag_ns = self.lag_ns.saturating_add_signed(step_ns).min(most_ns);
     }
 
-    /// The error counts modulo the period, to the nearer side: which of two ticks takes a frame makes no difference.
+    /// Computes the error modulo the period, to the nearer side: it does not matter which tick
+    /// takes a frame.
     fn learn_phase(&mut self, deadline_ns: u64, captured_ns: u64) {
         let period_ns = self.period_ns.cast_signed();
         let age_ns = deadline_ns.wrapping_sub(captured_ns).cast_signed();

@@ -1,38 +1,38 @@
-//! The arithmetic of deadlines, without a clock.
+//! Arithmetic of deadlines, without a clock.
 
 use atas_core::Tick;
 
-/// What made a tick begin.
+/// Reason for the start of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Began {
-    /// Its deadline; nothing was awaited.
+    /// Deadline; nothing was awaited.
     #[default]
     AtDeadline,
-    /// What was awaited had come before the first look.
+    /// The awaited payloads had arrived before the first poll.
     FoundWaiting,
-    /// What was awaited came while it was looked for.
+    /// The awaited payloads arrived during polling.
     OnArrival,
-    /// What was awaited had not come at the latest moment.
+    /// The awaited payloads had not arrived at the time limit.
     InVain,
 }
 
-/// A tick that begins.
+/// Start of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct TickStart {
     /// Index and time.
     pub tick: Tick,
-    /// When it was due, ns.
+    /// Deadline, ns.
     pub deadline_ns: u64,
-    /// What made it begin.
+    /// Reason for the start.
     pub began: Began,
-    /// How long after its moment it begins, ns: after the deadline; where something was awaited, after the last look that
-    /// did not find it, or after the latest moment.
+    /// Delay, ns: after the deadline; with awaited payloads, after the last unsuccessful poll or
+    /// the time limit.
     pub late_ns: u64,
-    /// Whether that is more than a tenth of a period.
+    /// True if the delay exceeds a tenth of a period.
     pub is_late: bool,
-    /// Ticks missed so far.
+    /// Number of missed ticks so far.
     pub missed: u64,
-    /// Lock-step only: the world settles, no order but a stop is taken.
+    /// Lock-step only: the world is settling, and only stops are executed.
     pub settling: bool,
 }
 
@@ -46,7 +46,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Deadlines every `period_ns` (not 0), the first one a period after `start_ns`.
+    /// Deadlines every `period_ns` (not 0), the first one period after `start_ns`.
     #[must_use]
     pub fn new(start_ns: u64, period_ns: u64) -> Self {
         Self {
@@ -63,13 +63,13 @@ impl Schedule {
         self.deadline_ns
     }
 
-    /// Moves the next deadline and all after it, by less than a period.
+    /// Shifts the next and all later deadlines, by less than a period.
     pub fn shift(&mut self, by_ns: i64) {
         self.deadline_ns = self.deadline_ns.saturating_add_signed(by_ns);
     }
 
-    /// Begins the next tick at `now_ns`, `late_ns` after its moment. If whole periods have passed since its deadline, this
-    /// tick is the one of the latest deadline, and those before it are missed.
+    /// Starts the next tick at `now_ns` with this delay. If whole periods have passed since its
+    /// deadline, it takes the latest deadline, and the earlier ones count as missed.
     pub fn begin(&mut self, now_ns: u64, began: Began, late_ns: u64) -> TickStart {
         let deadline_ns = self.deadline_ns;
         let skipped = now_ns.saturating_sub(deadline_ns) / self.period_ns;

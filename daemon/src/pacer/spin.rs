@@ -1,13 +1,14 @@
-//! How long before a deadline to wake up and spin, and to begin what must end before it.
+//! Spin margin: time before a deadline at which to wake up, or to start work that must end before
+//! it.
 
-/// Least margin, ns: reading the clock once more costs nothing against it. Ours.
+/// Minimum margin, ns, far above the cost of reading the clock. Design choice.
 const LEAST_NS: u64 = 5_000;
-/// How the margin moves after a wake-up that came later, or earlier, than it covers. It settles where one wake-up in
-/// `1 + UP / DOWN` = 201 comes later: the 99.5th percentile, whatever the machine's outliers are. Ours.
+/// Steps of the margin after a wake-up later or earlier than it covers, ns. It converges to the
+/// 99.5th percentile: one wake-up in `1 + UP / DOWN` = 201 is later. Design choice.
 const UP_NS: u64 = 2_000;
 const DOWN_NS: u64 = 10;
 
-/// A margin that follows the wake-up latency of the machine.
+/// Margin that adapts to the machine's wake-up latency.
 #[derive(Clone, Copy, Debug)]
 pub struct SpinMargin {
     margin_ns: u64,
@@ -15,13 +16,14 @@ pub struct SpinMargin {
 }
 
 impl SpinMargin {
-    /// Begins at the cap, because the first ticks shall be on time as well. A cap of 0 switches spinning off.
+    /// Starts at the maximum, so that the first ticks are on time. A maximum of 0 disables
+    /// spinning.
     #[must_use]
     pub fn new(max_ns: u64) -> Self {
         Self::from(max_ns, max_ns)
     }
 
-    /// Begins at a margin, or at the cap if that is less.
+    /// Starts at a margin, limited to the maximum.
     #[must_use]
     pub fn from(margin_ns: u64, max_ns: u64) -> Self {
         Self {
@@ -30,19 +32,19 @@ impl SpinMargin {
         }
     }
 
-    /// The margin, ns.
+    /// Margin, ns.
     #[must_use]
     pub fn ns(&self) -> u64 {
         self.margin_ns
     }
 
-    /// Its cap, ns.
+    /// Maximum, ns.
     #[must_use]
     pub fn max_ns(&self) -> u64 {
         self.max_ns
     }
 
-    /// Learns how late a sleep ended, ns.
+    /// Adapts to the delay of a wake-up, ns.
     pub fn observe(&mut self, late_ns: u64) {
         let wanted_ns = if late_ns > self.margin_ns {
             self.margin_ns + UP_NS
@@ -67,7 +69,7 @@ mod tests {
     fn follows_the_machine_and_stays_below_its_cap() {
         let near = |ns: u64, goal_ns: u64| ns.abs_diff(goal_ns) <= 3_000;
         assert!(near(settled_ns(|_| 40_000, 100_000), 40_000));
-        // One outlier in a thousand does not matter.
+        // One outlier in a thousand has no effect.
         assert!(near(
             settled_ns(|i| if i % 1000 == 0 { 8_000_000 } else { 20_000 }, 100_000),
             20_000

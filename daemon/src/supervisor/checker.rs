@@ -1,9 +1,11 @@
-//! The thread that checks goals: a check follows the ways of a whole task, which takes milliseconds and, for a hostile goal,
-//! as long as its bound allows. Meanwhile the supervisor serves stops, feeds the watchdog and is heard by the tick.
+//! Thread that checks goals.
 //!
-//! * **In:** a goal, and what it is checked against, as it was when the goal came. **Out:** a goal that can be pursued from
-//!   there, or the reason against it. One check at a time.
-//! * **Invariants:** a check that panics refuses its goal and ends nothing.
+//! A check follows the paths of a whole task; it takes milliseconds, or its upper bound for a
+//! hostile goal. Meanwhile the supervisor continues its rounds.
+//!
+//! * **In:** a goal and the state at its arrival. **Out:** an executable goal or the reason against
+//!   it. One check at a time.
+//! * **Invariants:** a check that panics rejects its goal; the thread continues.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,19 +20,16 @@ use shm_schemas::{Cause, GoalRequest, Reason};
 
 use super::SupervisorState;
 
-/// Name of the thread.
 const THREAD: &str = "atasd-check";
-/// Its stack, bytes: four times what a check was seen to use. It is locked memory. Ours.
+/// Stack, bytes, locked memory: four times the observed use. Design choice.
 const STACK_BYTES: usize = 256 << 10;
 
-/// The supervisor's end.
 #[derive(Debug)]
 pub(super) struct Checker {
     jobs: Sender<Box<Job>>,
     checked: Receiver<Checked>,
 }
 
-/// What is checked, against what.
 #[derive(Debug)]
 struct Job {
     request: GoalRequest,
@@ -39,17 +38,16 @@ struct Job {
     commanded_rad: Option<RobotVector>,
 }
 
-/// What came of it.
 #[derive(Debug)]
 pub(super) struct Checked {
     pub(super) request: GoalRequest,
     pub(super) goal: Result<Goal, Reason>,
-    /// Where the joints were commanded when the check began, rad.
+    /// Commanded joint positions at the start of the check, rad.
     pub(super) commanded_rad: Option<RobotVector>,
 }
 
 impl Checker {
-    /// Starts the thread. It ends with its [`Checker`].
+    /// Starts the thread; it ends with this [`Checker`].
     pub(super) fn start(state: &SupervisorState) -> io::Result<Self> {
         let (jobs, waiting) = bounded::<Box<Job>>(1);
         let (done, checked) = bounded(1);
@@ -67,7 +65,7 @@ impl Checker {
         Ok(Self { jobs, checked })
     }
 
-    /// Begins a check; only when the one before was fetched.
+    /// Starts a check. Call only after the previous result was read.
     pub(super) fn begin(&self, request: GoalRequest, state: &SupervisorState) {
         let job = Job {
             request,
@@ -75,11 +73,11 @@ impl Checker {
             tasks: state.config.tasks.as_slice().to_vec(),
             commanded_rad: state.commanded_rad,
         };
-        // There is room: one check at a time.
+        // The queue has room: one check at a time.
         let _sent = self.jobs.try_send(Box::new(job));
     }
 
-    /// What came of the check, once it is done.
+    /// The result, if the check is finished.
     pub(super) fn fetch(&self) -> Option<Checked> {
         self.checked.try_recv().ok()
     }

@@ -1,4 +1,4 @@
-//! Control requests: one reply each, given after the request took effect.
+//! Control requests: one reply each, sent after the request took effect.
 
 use std::time::{Duration, Instant};
 
@@ -13,12 +13,11 @@ use shm_schemas::{
 use super::SupervisorState;
 use crate::link::SupervisorEnd;
 
-/// Requests that one round looks at.
 const REQUESTS_PER_ROUND: usize = 16;
-/// How long a request may wait for its tick. Ticks stop only in lock-step without a simulator, or when all is lost.
+/// Time limit for a tick to execute a request. Ticks stop only in lock-step without a simulator, or
+/// after a failure.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The requests that wait for their tick.
 #[derive(Debug)]
 pub(super) struct ControlService {
     server: ControlServer,
@@ -33,7 +32,6 @@ struct Waiting {
     since: Instant,
 }
 
-/// When to answer.
 enum Answer {
     Now(ControlReply),
     After(u64, ControlReply),
@@ -47,7 +45,6 @@ impl ControlService {
         })
     }
 
-    /// Takes requests and answers what needs no tick.
     pub(super) fn serve(&mut self, state: &mut SupervisorState, link: &mut SupervisorEnd) {
         for _ in 0..REQUESTS_PER_ROUND {
             let call = match self.server.poll() {
@@ -75,7 +72,6 @@ impl ControlService {
         self.give_up();
     }
 
-    /// Answers the request whose order was taken.
     pub(super) fn settle(&mut self, ticket: u64) {
         for waiting in self.waiting.extract_if(.., |w| w.ticket == ticket) {
             send(waiting.call, waiting.reply);
@@ -98,7 +94,7 @@ fn send(call: ControlCall, mut reply: ControlReply) {
         captured_ns: now_ns(),
         ..Stamp::default()
     };
-    // A client that went away needs no answer.
+    // A client that has gone needs no answer.
     let _heard = call.reply(&reply);
 }
 
@@ -125,13 +121,13 @@ fn answer(
     }
 }
 
-/// Lets virtual time go on. The answer says that it may, not that it has: that is as fast as the simulator.
+/// Allows virtual time to advance. The reply comes at once; the simulator sets the pace.
 fn advance(
     request: &ControlRequest,
     state: &SupervisorState,
     link: &SupervisorEnd,
 ) -> ControlReply {
-    /// Beyond it not every whole number is an `f64`.
+    /// Largest range in which every whole number is an exact `f64`.
     const TICKS_MAX: f64 = (1_u64 << 53) as f64;
     if state.flags & StatusFlags::LOCKSTEP == 0 {
         return refused(

@@ -1,4 +1,4 @@
-//! What goes into the log: modes, goals, warnings. Never one line per tick.
+//! Log lines for modes, goals and warnings; never one per tick.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -7,10 +7,9 @@ use shm_schemas::{Cause, EventKind, GoalState, Hand, Mode, ModuleEvent};
 
 use crate::link::TickRecord;
 
-/// Shortest time between two lines about the same thing.
+/// Minimum time between two lines with the same topic.
 const QUIET: Duration = Duration::from_secs(1);
 
-/// Decides what is worth a line.
 #[derive(Debug, Default)]
 pub(super) struct EventLog {
     repeated: HashMap<About, Repeated>,
@@ -19,7 +18,7 @@ pub(super) struct EventLog {
     dropped: u64,
 }
 
-/// What a line is about: that of one hand leaves the other's its own.
+/// Topic of a line; each hand has its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum About {
     Hand(Hand, Cause),
@@ -106,7 +105,7 @@ impl EventLog {
         self.dropped = dropped;
     }
 
-    /// How many lines about this were left out, if it is time for another one.
+    /// Number of suppressed lines with this topic, if another line is due.
     fn is_news(&mut self, about: About) -> Option<u64> {
         let now = Instant::now();
         match self.repeated.get_mut(&about) {
@@ -140,7 +139,7 @@ mod tests {
         assert_eq!(event_log.is_news(held(Hand::LEFT)), Some(0));
         assert_eq!(event_log.is_news(held(Hand::LEFT)), None);
         assert_eq!(event_log.is_news(About::Missed), Some(0));
-        // A restart with both hands holding something tells of both.
+        // A restart with an object in each hand logs both.
         assert_eq!(event_log.is_news(held(Hand::RIGHT)), Some(0));
     }
 }

@@ -1,10 +1,12 @@
-//! The flight recorder: whenever the robot has to hold or stop, the last 256 ticks go into a file.
+//! Flight recorder: saves the last 256 ticks to a file when the robot holds or stops.
 //!
-//! * **In:** every tick's report, and the mode changes. **Out:** `flight-<seconds since 1970>-<tick>-<mode>.csv`, one
-//!   line per tick, a first line that says why.
-//! * **Invariants:** files are written by a thread of their own, so that a full or hanging disk holds up nobody; what it
-//!   cannot write is logged and forgotten. There are never more than [`FILES`] files.
-//! * **Absent on purpose:** stops that were asked for by a shutdown.
+//! * **In:** report of every tick, mode changes. **Out:**
+//!   `flight-<seconds since 1970>-<tick>-<mode>.csv`, one line per tick after a first line with the
+//!   cause.
+//! * **Invariants:** a separate thread writes, so that a full or slow disk blocks nothing; failures
+//!   are logged. At most [`FILES`] files exist.
+//!
+//! Stops by a shutdown are not saved.
 
 mod table;
 
@@ -16,16 +18,16 @@ use std::{fs, io, thread};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, TickReport};
 
-/// Ticks before a fault that are kept.
+/// Number of saved ticks before a fault.
 const TICKS: usize = 256;
-/// Files that are kept; the oldest go first. 256 ticks are about 150 KiB. Ours.
+/// Maximum number of files; the oldest are removed. 256 ticks are about 150 KiB. Design choice.
 const FILES: usize = 64;
-/// Shortest time between two files, so that a flickering fault does not push out what came before. Ours.
+/// Minimum time between two files, so that a recurring fault does not displace older files. Design
+/// choice.
 const QUIET: Duration = Duration::from_secs(1);
-/// Stack of the writing thread, bytes: it is locked memory.
+/// Stack of the writing thread, bytes, locked memory.
 const STACK_BYTES: usize = 128 << 10;
 
-/// The recorder.
 #[derive(Debug)]
 pub(super) struct FlightRecorder {
     reports: VecDeque<TickReport>,
@@ -33,7 +35,6 @@ pub(super) struct FlightRecorder {
     saved_at: Option<Instant>,
 }
 
-/// What goes into one file.
 #[derive(Debug)]
 struct Flight {
     fault: ModuleEvent,
@@ -41,7 +42,7 @@ struct Flight {
 }
 
 impl FlightRecorder {
-    /// A recorder that writes into this folder, which is made when needed; `None` writes nothing.
+    /// A recorder that writes into this folder and creates it if necessary; `None` disables it.
     pub(super) fn new(folder: Option<PathBuf>) -> io::Result<Self> {
         let start = |folder: PathBuf| {
             let (send, receive) = bounded(1);
@@ -58,7 +59,6 @@ impl FlightRecorder {
         })
     }
 
-    /// Remembers a tick.
     pub(super) fn note(&mut self, report: &TickReport) {
         if self.reports.len() == TICKS {
             self.reports.pop_front();
@@ -66,7 +66,7 @@ impl FlightRecorder {
         self.reports.push_back(*report);
     }
 
-    /// Writes the last ticks if this event is a fault.
+    /// Saves the last ticks if this event is a fault.
     pub(super) fn watch(&mut self, event: &ModuleEvent) {
         let Some(writer) = &self.writer else { return };
         if !is_fault(event) || self.saved_at.is_some_and(|at| at.elapsed() < QUIET) {
@@ -105,7 +105,7 @@ fn write_all(folder: &Path, flights: &Receiver<Flight>) {
     }
 }
 
-/// First under another name, so that nobody ever reads half a file.
+/// Writes under a temporary name first, so that a file is always complete.
 fn write(folder: &Path, flight: &Flight) -> io::Result<PathBuf> {
     fs::create_dir_all(folder)?;
     let now = SystemTime::now().duration_since(UNIX_EPOCH);

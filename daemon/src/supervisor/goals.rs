@@ -1,4 +1,4 @@
-//! Goals: taken, checked, handed to the tick, and told about until they end.
+//! Goals: received, checked, passed to the tick, and reported until they end.
 
 use atas_core::Order;
 use robot_model::RobotVector;
@@ -9,20 +9,20 @@ use super::checker::{Checked, Checker};
 use super::{OpenError, SupervisorState};
 use crate::link::SupervisorEnd;
 
-/// How far a joint may have moved while a goal was checked, rad, so that the check still holds: the arms are then within half a
-/// millimetre of where they were. Ours.
+/// Maximum joint motion during a check for which its result still holds, rad: less than half a
+/// millimetre at the hand. Design choice.
 const MOVED_RAD: f64 = 0.001;
-/// Checks of one goal while the arms move; then they are busy. Ours: a tenth of a second of rounds.
+/// Maximum number of checks of one goal while the arms move, then it is rejected as busy. Design
+/// choice: 0.1 s of rounds.
 const CHECKS_MAX: u32 = 25;
-/// Goals that are open at a time, queued ones included.
+/// Maximum number of open goals, queued ones included.
 const OPEN_MAX: usize = 16;
 
-/// The goals that clients wait for.
 #[derive(Debug)]
 pub(super) struct GoalService {
     server: GoalServer,
     checker: Checker,
-    /// The goal whose check runs; others wait in their clients' buffers.
+    /// Goal under check; others wait in their clients' buffers.
     candidate: Option<Candidate>,
     open: Vec<OpenGoal>,
 }
@@ -52,7 +52,7 @@ impl GoalService {
         })
     }
 
-    /// Takes new goals, passes on cancels, notices clients that went away.
+    /// Receives new goals, forwards cancellations, detects clients that have gone.
     pub(super) fn serve(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
         if let Some(candidate) = self.candidate.take() {
             match self.checker.fetch() {
@@ -63,7 +63,8 @@ impl GoalService {
         if self.candidate.is_none() {
             let busy = self.busy();
             match self.server.poll() {
-                // No check could make it possible, and its first finding would hide that.
+                // No check could make the goal executable, and its first finding would hide the
+                // cause.
                 Ok(Some(client)) if !state.wiring.joints_required => {
                     reject(&client, Reason::of(Cause::SENSE_ONLY), state);
                 }
@@ -78,25 +79,25 @@ impl GoalService {
         self.open.retain_mut(|goal| goal.attend(link));
     }
 
-    /// Passes on news; the final one closes the goal.
+    /// Forwards an update; the final one closes the goal.
     pub(super) fn tell(&mut self, update: &GoalUpdate) {
         if let Some(goal) = self.open.iter_mut().find(|goal| goal.id == update.goal_id) {
-            // A client that is gone is noticed in `attend`.
+            // `attend` detects a client that has gone.
             let _heard = goal.client.update(update);
             goal.ended = update.state.is_final();
         }
         self.open.retain(|goal| !goal.ended);
     }
 
-    /// Why no other goal can begin. While the arms move for one, a check of ways that begin where they are would not hold anyway.
+    /// Reason why no other goal can start. While the arms move, a check of paths from their present
+    /// position would not hold.
     fn busy(&self) -> Option<Reason> {
         let goes_on = self.open.iter().find(|goal| !goal.cancelled);
         goes_on.map(|goal| Reason::limit(Cause::BUSY, f64::from(goal.kind.0), 0.0))
     }
 
-    /// Begins a check.
     fn check(&mut self, candidate: Candidate, state: &SupervisorState) {
-        // The client can write to this memory: what is checked must be what is used.
+        // The client can write to this memory: check and use the same copy.
         self.checker.begin(*candidate.client.request(), state);
         self.candidate = Some(Candidate {
             checks: candidate.checks + 1,
@@ -104,7 +105,7 @@ impl GoalService {
         });
     }
 
-    /// Hands a checked goal to the tick, or tells why not.
+    /// Passes a checked goal to the tick, or rejects it.
     fn conclude(
         &mut self,
         candidate: Candidate,
@@ -138,7 +139,7 @@ impl GoalService {
     }
 }
 
-/// Whether the arms have moved, so that a check of ways that begin where they were no longer holds.
+/// Returns true if the arms have moved too far for a check to hold.
 fn have_moved(before_rad: &Option<RobotVector>, now_rad: &Option<RobotVector>) -> bool {
     match (before_rad, now_rad) {
         (Some(before_rad), Some(now_rad)) => {
@@ -151,7 +152,8 @@ fn have_moved(before_rad: &Option<RobotVector>, now_rad: &Option<RobotVector>) -
 }
 
 impl OpenGoal {
-    /// Passes on what the client did; `false` if it went away. What finds no room is tried again in the next round.
+    /// Forwards the client's cancellation or end; returns false if the client has gone. Retries
+    /// next round if the queue is full.
     fn attend(&mut self, link: &mut SupervisorEnd) -> bool {
         let goal_id = self.id;
         if !self.client.client_alive() {
@@ -164,12 +166,11 @@ impl OpenGoal {
     }
 }
 
-/// Tells a client that its goal is not begun, and why.
 fn reject(client: &ActiveGoal, reason: Reason, state: &SupervisorState) {
     let request = *client.request();
     let task = &request.task;
     tracing::info!(goal = request.goal_id, kind = %request.kind, %task, %reason, "goal rejected");
-    // A client that is gone needs no answer.
+    // A client that has gone needs no answer.
     let _heard = client.update(&rejection(&request, reason, state.tick));
 }
 

@@ -1,4 +1,4 @@
-//! Publishes how the run began, for whoever shows or records it, and where recording is switched on what every tick took in.
+//! Publishes the run header, and the inputs of every tick if recording is on.
 
 use std::borrow::Cow;
 
@@ -9,11 +9,10 @@ use shm_schemas::{RunHeader, Stamp, Text, TickInputs, service};
 use super::SupervisorState;
 use crate::input_log::LogReader;
 
-/// The publishers.
 #[derive(Debug)]
 pub(super) struct RecordStream {
     headers: Publisher<RunHeader>,
-    /// Open only while recording is switched on.
+    /// Open only if recording is on.
     inputs: Option<Publisher<TickInputs>>,
 }
 
@@ -30,7 +29,7 @@ impl RecordStream {
         Ok(stream)
     }
 
-    /// Publishes the parts that wait, and lets readers that came late have the header.
+    /// Publishes queued parts, and delivers the header to new readers.
     pub(super) fn publish(&self, input_log: Option<&mut LogReader>) {
         if let (Some(inputs), Some(input_log)) = (&self.inputs, input_log) {
             while let Some(part) = input_log.next_part() {
@@ -52,7 +51,7 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     header.version = Text::new(env!("CARGO_PKG_VERSION"));
     header.config_hash = state.config_hash;
     header.robot = Text::new(&robot(&config.robot.model));
-    // 0 for a robot whose files have gone since the start.
+    // 0 if the robot's files have disappeared since the start.
     header.robot_hash = RobotFiles::find(&config.robot.model).map_or(0, |files| files.hash());
     header.rate_hz = config.realtime.rate_hz;
     header.flags = state.flags;
@@ -61,7 +60,7 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     header
 }
 
-/// The robot as other processes find it: by its name, or by the whole path of its robot file, since they may run in other folders.
+/// Robot name for other processes: a shipped name, or the absolute path of the robot file.
 fn robot(model: &str) -> Cow<'_, str> {
     if shipped_names().any(|name| name == model) {
         return Cow::Borrowed(model);

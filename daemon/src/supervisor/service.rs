@@ -1,4 +1,4 @@
-//! The service manager and the signals.
+//! Interface to the service manager and to signals.
 
 use std::io;
 use std::sync::Arc;
@@ -9,7 +9,8 @@ use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
-/// What signals ask for: SIGTERM and SIGINT to stop (a second one at once), SIGHUP to read the configuration again.
+/// Requests by signal: SIGTERM and SIGINT stop (a second one at once), SIGHUP reloads the
+/// configuration.
 #[derive(Clone, Debug, Default)]
 pub struct Signals {
     stop: Arc<AtomicBool>,
@@ -20,7 +21,7 @@ impl Signals {
     /// Installs the handlers.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// Error of the operating system.
     pub fn install() -> io::Result<Self> {
         let signals = Self::default();
         for signal in [SIGTERM, SIGINT] {
@@ -41,7 +42,7 @@ impl Signals {
     }
 }
 
-/// The service manager, if there is one.
+/// Connection to the service manager, if any.
 #[derive(Debug)]
 pub(super) struct ServiceManager {
     watchdog: Option<Duration>,
@@ -51,7 +52,7 @@ pub(super) struct ServiceManager {
 
 impl ServiceManager {
     pub(super) fn from_environment() -> Self {
-        // A third of the period, so that one late round does not matter.
+        // A third of the period tolerates one late round.
         let watchdog = sd_notify::watchdog_enabled().map(|period| period / 3);
         Self {
             watchdog,
@@ -60,7 +61,7 @@ impl ServiceManager {
         }
     }
 
-    /// Says READY after the first tick, and feeds the watchdog as long as ticks go on.
+    /// Reports READY after the first tick, and feeds the watchdog while ticks advance.
     pub(super) fn attend(&mut self, ticks: u64) {
         if ticks == self.fed_ticks {
             return;

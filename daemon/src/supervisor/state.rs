@@ -1,4 +1,4 @@
-//! What the supervisor knows, and how the configuration changes while the daemon runs.
+//! State of the supervisor, and changes of the configuration at run time.
 
 use atas_core::{Order, Settings, Wiring};
 use robot_model::{RobotModel, RobotVector};
@@ -7,39 +7,40 @@ use shm_schemas::{Mode, StatusFlags};
 use crate::config::{Config, Source};
 use crate::link::{SupervisorEnd, TickRecord};
 
-/// What the parts of the supervisor share.
+/// State shared by the parts of the supervisor.
 #[derive(Debug)]
 pub struct SupervisorState {
-    /// Where the configuration came from.
+    /// Source of the configuration.
     pub source: Source,
-    /// The configuration in force, settings included.
+    /// Effective configuration, settings included.
     pub config: Config,
     /// Its hash.
     pub config_hash: u64,
     /// The robot.
     pub robot: RobotModel,
-    /// What the controller is wired to.
+    /// Sensor set-up of the controller.
     pub wiring: Wiring,
     /// [`shm_schemas::StatusFlags`].
     pub flags: u32,
-    /// When the daemon started, ns.
+    /// Start time of the daemon, ns.
     pub started_ns: u64,
-    /// The same on the clock that stamps the ticks: virtual time begins with its first tick, and is 0 before.
+    /// Start time on the clock of the tick stamps, ns: in virtual time the first tick, and 0
+    /// before.
     pub stamps_from_ns: u64,
     /// Mode after the last tick.
     pub mode: Mode,
     /// Index of the last tick.
     pub tick: u64,
-    /// Positions that the last tick commanded, rad, if it commanded any.
+    /// Positions commanded by the last tick, rad, if any.
     pub commanded_rad: Option<RobotVector>,
     /// The settings of `config`.
     pub settings: Settings,
-    /// Ticks whose records have been seen.
+    /// Number of records read.
     pub ticks_seen: u64,
 }
 
 impl SupervisorState {
-    /// What is known before the first tick.
+    /// State before the first tick.
     #[must_use]
     pub fn new(
         source: Source,
@@ -69,7 +70,6 @@ impl SupervisorState {
         }
     }
 
-    /// Learns from a tick.
     pub(super) fn learn(&mut self, record: &TickRecord) {
         self.learn_clock(record.report.stamp.captured_ns);
         self.mode = record.report.mode;
@@ -83,7 +83,7 @@ impl SupervisorState {
         }
     }
 
-    /// Where virtual time began. Another simulator begins it anew.
+    /// Start of virtual time; another simulator restarts it.
     fn learn_clock(&mut self, tick_ns: u64) {
         let is_virtual = self.flags & StatusFlags::LOCKSTEP != 0;
         let is_first = self.ticks_seen == 0 || tick_ns < self.stamps_from_ns;
@@ -92,7 +92,7 @@ impl SupervisorState {
         }
     }
 
-    /// Changes one parameter: checks it, queues the order, remembers it.
+    /// Sets one parameter: checks it, queues the request, stores it.
     pub(super) fn set_parameter(
         &mut self,
         index: usize,
@@ -108,8 +108,8 @@ impl SupervisorState {
         self.adopt(config, Order::SetParameter { index, value }, link)
     }
 
-    /// Reads the configuration again. Either everything changes, the settings in one tick, or nothing does. A goal that was
-    /// taken keeps its task.
+    /// Reloads the configuration: all of it, with the settings in one tick, or nothing. A running
+    /// goal keeps its task.
     pub(super) fn reload(&mut self, link: &mut SupervisorEnd) -> Result<u64, String> {
         let config = self.source.load().map_err(|e| e.to_string())?;
         let fixed = self.config.fixed_differences(&config);
@@ -131,7 +131,8 @@ impl SupervisorState {
         self.adopt(config, order, link)
     }
 
-    /// Whether nothing moves before a person says so: only then what keeps the robot safe may change.
+    /// Returns true if nothing moves without a recovery by a person; only then may safety values
+    /// change.
     pub(super) fn is_stopped(&self) -> bool {
         matches!(self.mode, Mode::INIT | Mode::SAFE_STOP)
     }

@@ -1,4 +1,4 @@
-//! What observers see: every tick's report, every event, the status fifty times a second, a view sixty times.
+//! Telemetry for observers: reports, events, status (50 Hz) and view (60 Hz).
 
 use std::time::{Duration, Instant};
 
@@ -9,10 +9,9 @@ use super::SupervisorState;
 use crate::figures::Figures;
 use crate::link::{SupervisorEnd, TickRecord};
 
-/// Period of the status.
 const STATUS_EVERY: Duration = Duration::from_millis(20);
 
-/// The publishers, and what they publish besides what the ticks left.
+/// Publishers and the state that they add to the tick data.
 #[derive(Debug)]
 pub(super) struct Telemetry {
     status: Publisher<Status>,
@@ -52,7 +51,6 @@ impl Telemetry {
         report_failure(self.events.send(event));
     }
 
-    /// Publishes the view that the ticks left since the last one.
     pub(super) fn publish_view(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
         let Some(newest) = link.newest_view() else {
             return;
@@ -66,7 +64,7 @@ impl Telemetry {
         report_failure(sent);
     }
 
-    /// Publishes the status that the ticks left with their news, before anybody hears of those.
+    /// Publishes the status that belongs to a notification, before the notification is forwarded.
     pub(super) fn publish_news(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
         if let Some(snapshot) = link.newest_snapshot() {
             self.snapshot = snapshot;
@@ -74,18 +72,17 @@ impl Telemetry {
         }
     }
 
-    /// Publishes the status if it is due.
     pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
         if let Some(snapshot) = link.newest_snapshot() {
             self.snapshot = snapshot;
         }
         if Instant::now() < self.due {
-            // Who joined since gets the last status now: a question is answered within a round, not within a period.
+            // New readers get the last status within a round instead of a period.
             report_failure(self.status.connect_readers());
             return;
         }
         self.send_status(state, link);
-        // Who joined while nothing happened gets the past events now.
+        // New readers get the past events even if no event follows.
         report_failure(self.events.connect_readers());
     }
 

@@ -1,4 +1,4 @@
-//! Configuration: what is wrong is said with its place, its value and what it needs.
+//! Configuration errors name location, value and permitted values.
 
 use std::fs;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use atasd::config::{Config, Cpu, RealtimeMode, Source};
 use proptest::prelude::*;
 use tempfile::TempDir;
 
-/// Sources of these texts, as files `0.toml`, `1.toml`, … in a folder.
+/// Writes the texts as files `0.toml`, `1.toml`, … and returns a source of them.
 pub(crate) fn source(texts: &[&str], flags: &[&str]) -> (TempDir, Source) {
     let folder = TempDir::new().expect("a temporary folder");
     let write = |(i, text): (usize, &&str)| -> PathBuf {
@@ -15,7 +15,7 @@ pub(crate) fn source(texts: &[&str], flags: &[&str]) -> (TempDir, Source) {
         fs::write(&path, text).expect("the folder is writable");
         path
     };
-    // With no text, an empty file keeps the machine's own configuration out of the test.
+    // Without a text, an empty file replaces the machine's own configuration.
     let texts = if texts.is_empty() { &[""] } else { texts };
     let files = texts.iter().enumerate().map(write).collect();
     (
@@ -70,7 +70,7 @@ fn what_is_wrong_is_said() {
         "[hands.middle]\nfingers = 1",
         "0.toml:2: hands.middle.fingers is not a key; did you mean hands.left.fingers?",
     );
-    // Ranges, kinds and numbers that are none.
+    // Ranges, types and invalid numbers.
     check(
         "grasp.dr_n = 11",
         "0.toml:1: grasp.dr_n is 11, needs a number from 0.005 to 10",
@@ -143,13 +143,13 @@ fn what_is_wrong_is_said() {
         "hands.right.required = \"no\"",
         "0.toml:1: hands.right.required is \"no\", needs true or false",
     );
-    // Everything at once, in order.
+    // Several findings, in order.
     check(
         "[grasp]\ndr_n = 0\nslip_onn = 1",
         "0.toml:2: grasp.dr_n is 0, needs a number from 0.005 to 10|\
          0.toml:3: grasp.slip_onn is not a key; did you mean grasp.slip_on?",
     );
-    // Values that contradict each other.
+    // Values in conflict with each other.
     check(
         "[grasp]\nslip_off = 0.6\nslip_on = 0.5\nrelax_below = 0.4\n",
         "0.toml:2: grasp.slip_off is 0.6, needs at most grasp.slip_on, which is 0.5",

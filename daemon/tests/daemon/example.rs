@@ -1,4 +1,4 @@
-//! The commented example configuration says the truth: every key, every default, every range.
+//! The example configuration contains every key with its default and range.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ fn text() -> String {
     std::fs::read_to_string(path()).expect("atas.example.toml is readable")
 }
 
-/// The tunable part of the file, from the controller's own table.
+/// Tunable part of the file, generated from the controller's table.
 fn rendered_parameters() -> String {
     let mut text = String::new();
     let mut section = "";
@@ -35,7 +35,7 @@ fn rendered_parameters() -> String {
     text
 }
 
-/// Compares line by line, so that a failure shows the line and not the file.
+/// Compares line by line, so that a failure shows the line.
 fn check_lines(have: &str, want: &str) {
     for (have, want) in have.lines().zip(want.lines()) {
         assert_eq!(have, want, "run `ATAS_BLESS=1 cargo test -p atasd example`");
@@ -69,7 +69,8 @@ fn names_every_key() {
     }
 }
 
-/// `ATAS_BLESS=1 cargo test -p atasd example` writes the part again after the controller's table has changed.
+/// `ATAS_BLESS=1 cargo test -p atasd example` regenerates this part after a change of the
+/// controller's table.
 #[test]
 fn shows_every_parameter_with_its_meaning_and_range() {
     let text = text();
@@ -85,7 +86,6 @@ fn shows_every_parameter_with_its_meaning_and_range() {
     }
 }
 
-/// The commented task is a task: what the comment says can be copied.
 #[test]
 fn the_task_of_the_example_is_sound() {
     let text = text();

@@ -1,4 +1,4 @@
-//! Goals and parameters over the bus, in lock-step where time matters.
+//! Goals and parameters over the bus, in lock-step if time matters.
 
 use shm_bus::{FreshBus, GoalClient, PendingGoal};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
@@ -25,11 +25,10 @@ pub(crate) fn grasp(goal_id: u64) -> GoalRequest {
     }
 }
 
-/// A world that answers every command with the next tick.
 pub(crate) struct LockStep {
     pub(crate) world: World,
     tick: u64,
-    /// FNV-1a over the checksums of all commands so far.
+    /// FNV-1a hash of the checksums of all commands so far.
     commands: u64,
 }
 
@@ -77,7 +76,7 @@ impl LockStep {
         }
     }
 
-    /// Turns until something has come to pass.
+    /// Runs until a condition holds.
     pub(crate) fn wait_for(&mut self, what: &str, holds: impl Fn() -> bool) {
         wait_for(what, || {
             self.turn();
@@ -85,7 +84,7 @@ impl LockStep {
         });
     }
 
-    /// Turns until the status is as wanted.
+    /// Runs until the status matches.
     pub(crate) fn until(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) {
         wait_for(what, || {
             self.turn();
@@ -179,7 +178,7 @@ fn goals_that_make_no_sense_are_rejected_with_the_reason() {
     );
 }
 
-/// One goal in lock-step: ticks and states of its updates, and a digest of every command.
+/// Runs one goal in lock-step; returns ticks and states of its updates, and a hash of all commands.
 fn run_goals() -> (Vec<(u64, GoalState)>, u64) {
     let bus = FreshBus::new("story");
     let mut world = LockStep::on(&bus);
@@ -231,7 +230,7 @@ fn lock_step_goes_on_without_a_goal_as_far_as_it_is_let() {
             world.turn();
             (world.tick == reached).then_some(())
         });
-        // What more it made would be heard of by the time of another answer.
+        // Further ticks would show before another answer.
         for _ in 0..1000 {
             world.turn();
             std::thread::yield_now();
@@ -302,7 +301,7 @@ fn a_flood_of_goals_is_bounded_and_a_stop_gets_through() {
 fn parameters_are_read_listed_and_set_within_their_range() {
     let bus = FreshBus::new("params");
     let mut world = World::on(&bus);
-    // Zero is only taken by a robot that is ready.
+    // Zeroing needs mode ready.
     let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
     world.until_mode(Mode::READY);
     let before = world.until("a status", |s| s.ticks > 0).config_hash;

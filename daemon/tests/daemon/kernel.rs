@@ -1,4 +1,4 @@
-//! What a tick asks of the kernel: to sleep, and nothing else.
+//! Kernel use of a tick: one system call, its sleep, and no page fault.
 
 use std::fs;
 use std::io::{ErrorKind, Write as _};
@@ -12,12 +12,10 @@ use shm_schemas::{Mode, StatusFlags};
 
 use crate::support::{Daemon, PATIENT, World};
 
-/// Sleeps in which the tick thread gets to know its peers and touches everything once.
+/// Sleeps before counting: connections are made and memory is touched.
 const WARM_UP: usize = 100;
-/// Ticks that are looked at.
 const TICKS: u64 = 1_000;
 
-/// Thread id of the tick thread.
 fn tick_thread(pid: u32) -> String {
     let tasks = fs::read_dir(format!("/proc/{pid}/task")).expect("the daemon lives");
     let is_tick = |path: &std::path::PathBuf| {
@@ -30,11 +28,11 @@ fn tick_thread(pid: u32) -> String {
 }
 
 fn say(line: &str) {
-    // A closed standard error is no reason to fail.
+    // A closed standard error is not a failure.
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// `strace` is in the Debian package of that name. Where it is not installed, or not allowed, the test says so.
+/// Checks that `strace` (Debian package of that name) is installed and permitted.
 fn can_trace() -> bool {
     let tried = Command::new("strace")
         .args(["-D", "-f", "-qq", "-o", "/dev/null", "true"])
@@ -65,7 +63,7 @@ fn a_tick_makes_no_system_call_but_its_sleep() {
     let out = trace.display().to_string();
     // -D: the daemon stays our child, strace is its grandchild.
     let strace = ["strace", "-D", "-f", "-qq", "-o", &out];
-    // Slow enough for a traced process; recording, because its part of the tick must be as quiet.
+    // Slow enough for a traced process; recording is included.
     let flags = [
         "--set=realtime.rate_hz=200",
         "--set=safety.valid_s=0.02",

@@ -1,4 +1,4 @@
-//! How the daemon begins, ends and refuses to begin.
+//! Start, end and rejected start of the daemon.
 
 use std::time::{Duration, Instant};
 
@@ -220,7 +220,7 @@ fn real_time_is_granted_or_visibly_not() {
     let granted = has(StatusFlags::REALTIME) && has(StatusFlags::MEMORY_LOCKED);
     assert_eq!(has(StatusFlags::DEGRADED), !granted);
     drop(daemon);
-    // A core that does not exist is refused on every machine.
+    // No machine has this core.
     check_refused(
         "realtime.mode = \"require\"\nrealtime.cpu = 1023",
         &[],
@@ -260,7 +260,7 @@ fn the_ticks_before_a_fault_go_into_a_file() {
     assert!(text.starts_with("# atasd "), "{text}");
     assert!(text.contains("stopped by `atas estop`"), "{text}");
     assert!(text.lines().count() > 2, "{text}");
-    // A folder that cannot be written is said, and hinders nothing.
+    // A folder that cannot be written is logged, and has no other effect.
     drop(daemon);
     let nowhere = ["--set", "recording.flight_folder=/proc/nowhere"];
     let daemon = Daemon::start_with(&bus, PATIENT, &nowhere, |_| ());

@@ -1,4 +1,4 @@
-//! The daemon from outside: its configuration, and the real binary on a real bus.
+//! Tests of the daemon from outside: its configuration, and the real binary on a real bus.
 
 mod config;
 mod example;

@@ -1,4 +1,4 @@
-//! Orders by the thousand while ticks and supervisor share one core: neither may ever wait for the other.
+//! Many requests while ticks and supervisor share one core: neither may wait for the other.
 
 use shm_bus::FreshBus;
 use shm_schemas::{ControlOp, ControlOutcome, Mode};
@@ -6,8 +6,8 @@ use shm_schemas::{ControlOp, ControlOutcome, Mode};
 use crate::goals::grasp;
 use crate::support::{Daemon, PATIENT, World};
 
-/// Nearly as many as killed a daemon whose queues were lock-free and not wait-free; `ATAS_ORDERS=5000` in the environment asks
-/// for more.
+/// Close to the number that stopped a daemon with lock-free instead of wait-free queues;
+/// `ATAS_ORDERS=5000` runs more.
 const ORDERS: u32 = 500;
 
 fn orders() -> u32 {
@@ -27,7 +27,7 @@ fn thousands_of_orders_on_one_core_end_nothing() {
     for order in 0..orders() {
         world.publish(shm_bus::now_ns());
         world.listen();
-        // A goal's request stays pending meanwhile, as a client that waits for its end keeps it.
+        // The goal stays pending, as with a client that waits for its end.
         let _pending = goals.send(&grasp(u64::from(order) + 1)).ok();
         let value = 0.06 + 0.01 * f64::from(order % 2);
         let reply = world.control(ControlOp::PARAM_SET, "grasp.dr_n", value);

@@ -1,4 +1,4 @@
-//! Who reads the log, or does not, has no hold on the robot.
+//! A blocked or failing log output does not affect the robot.
 
 use std::fs::OpenOptions;
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use shm_schemas::{ControlOp, ControlOutcome, Mode};
 
 use crate::support::{Daemon, PATIENT, World};
 
-/// Requests, each with a line in the log: several times what a pipe holds.
+/// Number of requests, each with a log line: several times the capacity of a pipe.
 const REQUESTS: usize = 2_000;
 
 fn check(what: &str, stderr: impl FnOnce(&mut Command)) {
@@ -35,7 +35,7 @@ fn check(what: &str, stderr: impl FnOnce(&mut Command)) {
 
 #[test]
 fn a_log_that_nobody_reads_freezes_nothing() {
-    // The pipe's other end stays open in the daemon's handle, and is never read.
+    // The pipe's other end stays open and is never read.
     check("unread", |command| {
         command.stderr(Stdio::piped());
     });

@@ -1,5 +1,4 @@
-//! What the daemon publishes for recorders is all that its commands depend on: fed to a fresh controller, it gives the
-//! same commands bit for bit.
+//! A fresh controller fed with the recorded inputs gives the same commands bit for bit.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
@@ -16,7 +15,7 @@ use shm_schemas::{
 
 use crate::support::{Daemon, World, wait_for};
 
-/// A recorder that is there before the daemon, on a thread of its own: it misses nothing while the test does something else.
+/// Recorder on its own thread, started before the daemon, so that it misses nothing.
 struct Recorder {
     ends: Arc<AtomicBool>,
     thread: JoinHandle<Recording>,
@@ -48,14 +47,13 @@ impl Recorder {
         Self { ends, thread }
     }
 
-    /// What it has heard until now.
+    /// Ends the recorder and returns its recording.
     fn end(self) -> Recording {
         self.ends.store(true, Ordering::Release);
         self.thread.join().expect("the recorder ends")
     }
 }
 
-/// What a recorder has heard.
 #[derive(Default)]
 struct Recording {
     header: Box<RunHeader>,
@@ -70,7 +68,7 @@ impl Recording {
         inputs.drain(usize::MAX, keep).expect("readable");
     }
 
-    /// Replays from this part on; how many ticks were replayed, or why it ended.
+    /// Replays from this part on; returns the number of ticks, or the error.
     fn replay(&self, from: usize) -> Result<usize, ReplayError> {
         let robot = robot_model::RobotModel::two_hand_arm().expect("the built-in robot loads");
         let controller = read_origin(&self.header, &robot).expect("of this version");
@@ -108,13 +106,13 @@ fn grasp(goal_id: u64) -> GoalRequest {
     }
 }
 
-/// Patient enough for a loaded machine, so that the goal runs for a while.
+/// Tolerant configuration, so that a goal runs on a loaded machine.
 const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\ngrasp.dr_n = 0.07\n\
      [tasks.nod]\nacting = [{ step = \"there\", motion = \"reach\", waypoint = \"above\", modules = [\"carry\"], transition = \"arrived\", \
      timeout_s = 20.0 }]\n";
 
-/// Lets time go by: frames and joint states come in pairs, so that ticks take several; no more often than a recorder that a busy
-/// machine keeps waiting for a fifth of a second has room for.
+/// Publishes for `millis`, or until a condition holds. Frames come in pairs, so that ticks have
+/// several; a recorder delayed by 0.2 s still has room.
 fn go_on(world: &mut World, millis: u64, mut until: impl FnMut(&mut World) -> bool) {
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_millis(millis) && !until(world) {
@@ -153,7 +151,7 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
         let update = goal.next().expect("the daemon lives");
         update.is_some_and(|update| update.state == GoalState::SUCCEEDED)
     });
-    // Only an idle robot lets its sensors be zeroed.
+    // Zeroing needs mode ready.
     go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     world.control(ControlOp::BIAS, "", 1.0);
     world.odd_position_rad = Some(f64::NAN);

@@ -1,4 +1,4 @@
-//! The daemon under a service manager, and its configuration changing under it.
+//! The daemon under a service manager, and reloads of its configuration.
 
 use std::fs;
 use std::os::unix::net::UnixDatagram;
@@ -12,7 +12,6 @@ use tempfile::TempDir;
 
 use crate::support::{Daemon, PATIENCE, World, wait_for};
 
-/// What a service manager would hear.
 struct Manager {
     folder: TempDir,
     socket: UnixDatagram,
@@ -52,7 +51,7 @@ fn a_watchdog_that_ticks_do_not_feed_starves() {
         world.publish(tick * 1_000_000);
         (manager.hear().ok()? == "WATCHDOG=1").then_some(())
     });
-    // What was published before may still become a tick; then nothing can.
+    // Payloads already published may still cause a tick; then none follows.
     let quiet = Duration::from_millis(200);
     manager.socket.set_nonblocking(false).expect("set");
     manager.socket.set_read_timeout(Some(quiet)).expect("set");
@@ -108,7 +107,7 @@ fn the_configuration_is_read_again_or_kept() {
         "could not change realtime.rate_hz while running",
     );
     check_refused("grasp.dr_n = 0.2\ngrasp.slip_on = 9", "grasp.slip_on is 9");
-    // Regression: what a client may not set in a robot that moves came in by the file.
+    // Regression: the file could change a safety value of a moving robot.
     check_refused(
         "grasp.dr_n = 0.2\nsafety.grip_ceiling_n = 21.0",
         "needs a stopped robot",

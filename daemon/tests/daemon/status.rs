@@ -1,4 +1,4 @@
-//! What the daemon says of itself: on which clock it runs, and that it has no robot to move.
+//! Status of the daemon: its clock, and operation without a robot.
 
 use shm_bus::FreshBus;
 use shm_schemas::{Cause, ControlOp, ControlOutcome, GoalState, Mode, StatusFlags};

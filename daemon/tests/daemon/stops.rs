@@ -1,4 +1,4 @@
-//! Stops on the way of their own: they reach the robot whatever the bus is in.
+//! Stops over the stop socket reach the robot in every state of the bus.
 
 use std::time::Duration;
 

@@ -1,4 +1,4 @@
-//! A scripted world on a bus of its own, and a daemon process in it.
+//! Scripted world on a private bus, and a daemon process in it.
 
 use std::fs::{self, File};
 use std::io::Write as _;
@@ -13,14 +13,14 @@ use shm_schemas::{
 };
 use tempfile::TempDir;
 
-/// Long enough for any machine; nothing is measured against it.
+/// Time limit of waiting, long enough for any machine.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A configuration for tests in which the world may be late: a machine is busy, and that is not what they test.
+/// Configuration for tests on a busy machine: tolerates late frames.
 pub(crate) const PATIENT: &str =
     "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
 
-/// A daemon process. Killed when dropped, and then its log is shown if the test failed.
+/// Daemon process. Killed on drop; its log is printed if the test failed.
 pub(crate) struct Daemon {
     child: Child,
     folder: TempDir,
@@ -31,7 +31,7 @@ impl Daemon {
         Self::start_with(bus, "", flags, |_| ())
     }
 
-    /// With a configuration, flags, and more to say about the process.
+    /// Starts with a configuration, flags and further process settings.
     pub(crate) fn start_with(
         bus: &FreshBus,
         config: &str,
@@ -41,7 +41,7 @@ impl Daemon {
         Self::start_under(&[], bus, config, flags, more)
     }
 
-    /// The same, by way of another program that becomes the daemon.
+    /// Starts through another program that executes the daemon.
     pub(crate) fn start_under(
         wrapper: &[&str],
         bus: &FreshBus,
@@ -106,7 +106,7 @@ impl Drop for Daemon {
     }
 }
 
-/// Asks until there is an answer.
+/// Polls until there is an answer.
 pub(crate) fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
@@ -118,7 +118,7 @@ pub(crate) fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// Sensors and joints under script: nothing is touched, and the joints do what they are told.
+/// Scripted sensors and joints: no contact, and the joints follow the commands.
 pub(crate) struct World {
     pub(crate) bus: Bus,
     frames: [Publisher<HandFrame>; 2],
@@ -129,7 +129,7 @@ pub(crate) struct World {
     pub(crate) command: JointCommand,
     pub(crate) newest: Status,
     pub(crate) sends_frames: bool,
-    /// Goes out in place of the first joint's position.
+    /// Published in place of the first joint's position.
     pub(crate) odd_position_rad: Option<f64>,
     position_rad: [f64; shm_schemas::capacity::JOINTS],
     sequence: u64,
@@ -142,7 +142,7 @@ impl World {
         let mut position_rad = [0.0; shm_schemas::capacity::JOINTS];
         for side in robot_model::Side::BOTH {
             position_rad[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference_rad());
-            // Straight ahead the fingers of both hands would cross.
+            // Straight ahead, the fingers of both hands would cross.
             position_rad[robot.joint_range(side).start] += 0.4 * side.y_sign();
         }
         Self {
@@ -166,7 +166,6 @@ impl World {
         }
     }
 
-    /// One tick of the world at this time.
     pub(crate) fn publish(&mut self, captured_ns: u64) {
         let stamp = Stamp {
             sequence: self.sequence,
@@ -192,7 +191,7 @@ impl World {
         self.joints.send(&state).expect("sent");
     }
 
-    /// Lets a daemon that joined since the last tick have that tick.
+    /// Delivers the last tick to a daemon that has joined since.
     pub(crate) fn greet(&self) {
         self.frames
             .iter()
@@ -200,7 +199,6 @@ impl World {
         self.joints.connect_readers().expect("sent");
     }
 
-    /// Takes what the daemon said since the last call.
     pub(crate) fn listen(&mut self) {
         if self.commands.newest(&mut self.command).expect("readable")
             && self.command.joint_count > 0
@@ -211,7 +209,7 @@ impl World {
         self.status.newest(&mut self.newest).expect("readable");
     }
 
-    /// Lets real time go by until the status is as wanted, and returns it.
+    /// Publishes in real time until the status matches, and returns it.
     pub(crate) fn until(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) -> Status {
         wait_for(what, || {
             self.publish(now_ns());
@@ -238,7 +236,7 @@ impl World {
     }
 }
 
-/// Nothing but noise on two fingers.
+/// Frame with noise only, on two fingertips.
 fn frame(stamp: Stamp, hand: Hand) -> HandFrame {
     let layout = Layout::dome_41();
     let mut frame = HandFrame {

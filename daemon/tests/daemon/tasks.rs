@@ -1,4 +1,5 @@
-//! A user's own tasks: read or refused with the task and the step, exchanged by a reload, never under a running goal.
+//! User tasks: read, or rejected with task and step; a reload replaces them, but not in a running
+//! goal.
 
 use std::fs;
 
@@ -12,7 +13,7 @@ use crate::config::{check_refused, source};
 use crate::goals::LockStep;
 use crate::support::Daemon;
 
-/// A task that needs no object: there, up, home.
+/// Task without an object: there, up.
 fn nod(step: &str) -> String {
     format!(
         "[tasks.nod]\nacting = [\n\
@@ -36,12 +37,12 @@ fn goal(goal_id: u64, task: &str) -> GoalRequest {
     }
 }
 
-/// What `atasd --print-tasks` prints is a configuration, and means the same.
+/// The output of `atasd --print-tasks` is an equivalent configuration.
 #[test]
 fn printed_built_in_tasks_read_back_as_equal_tables() {
     let (_folder, source) = source(&[&Tasks::built_in_text()], &[]);
     let config = source.load().expect("valid");
-    // What a client leads is no task that anybody could write.
+    // Users cannot define teleoperation tasks.
     let written: Vec<_> = BUILT_IN
         .into_iter()
         .filter(|task| !task.name.starts_with("follow"))
@@ -89,7 +90,7 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     let step = |rest: &str| format!("{{ step = \"go\", {rest} }}");
     let with = |motion: &str, rest: &str| step(&format!("motion = \"{motion}\", {rest}"));
     let ends = "transition = \"arrived\", timeout_s = 5.0";
-    // Words.
+    // Keywords.
     check(
         &with("reech", ends),
         "step 1 (go): \"reech\" is no motion; did you mean \"reach\"?",
@@ -226,7 +227,6 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     );
 }
 
-/// A task that reads a behaviour table of two bits.
 fn read_off(table: &str) -> String {
     format!(
         "[tasks.own]\nacting = [{{ step = \"lift\", motion = \"carry\", waypoint = \"lifted\", modules = [\"carry\", \
@@ -275,7 +275,7 @@ fn a_behaviour_table_reads_back_or_is_refused_by_name() {
     );
 }
 
-/// Steps that a goal went through, and how it ended.
+/// Runs a goal; returns its steps and its end.
 fn pursue(
     world: &mut LockStep,
     goal: &GoalRequest,

@@ -1,7 +1,7 @@
-//! The systemd units: accepted by systemd, closed to everything they do not need, and true to the programs.
+//! The systemd units: accepted by systemd, minimally exposed, consistent with the programs.
 //!
-//! `systemd-analyze` is in the Debian package `systemd`. Where it is not installed, the two tests that need it say so
-//! and check nothing.
+//! `systemd-analyze` is in the Debian package `systemd`. Without it, the two tests that need it
+//! report that they were skipped.
 
 use std::fs;
 use std::io::{ErrorKind, Write as _};
@@ -15,8 +15,8 @@ use tempfile::TempDir;
 const UNIT: &str = include_str!("../../systemd/atasd.service");
 const USERS: &str = include_str!("../../systemd/atas.sysusers.conf");
 const MANUAL: &str = include_str!("../../systemd/atasd.8");
-/// Every unit with the highest exposure that is accepted of it, in tenths of 10. Sensors and servos see serial ports, sensors the
-/// network as well.
+/// Units with the maximum accepted exposure, in tenths. Sensors and servos use serial ports,
+/// sensors the network as well.
 const UNITS: [(&str, &str, &str); 6] = [
     ("atasd.service", UNIT, "10"),
     (GATE.0, GATE.1, "10"),
@@ -51,7 +51,7 @@ const SOCKET: (&str, &str) = (
     include_str!("../../systemd/atas-gate.socket"),
 );
 
-/// A unit with a program that was built in place of the installed one.
+/// Replaces the installed program of a unit by the built one.
 fn with_built_program(unit: &str) -> String {
     let line = |line: &str| match line.strip_prefix("ExecStart=") {
         Some(command) => {
@@ -63,7 +63,7 @@ fn with_built_program(unit: &str) -> String {
     unit.lines().map(line).collect()
 }
 
-/// What `systemd-analyze` says about a unit, beside the gate's, which others name.
+/// Runs `systemd-analyze` on a unit, with the gate's units beside it.
 fn analyze(name: &str, unit: &str, arguments: &[&str]) -> Option<Output> {
     let folder = TempDir::new().expect("a temporary folder");
     let file = folder.path().join(name);
@@ -75,7 +75,7 @@ fn analyze(name: &str, unit: &str, arguments: &[&str]) -> Option<Output> {
         Ok(output) => Some(output),
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let line = "SKIPPED: systemd-analyze is not installed (Debian package systemd); the units were not checked";
-            // A closed standard error is no reason to fail.
+            // A closed standard error is not a failure.
             let _ = writeln!(std::io::stderr(), "{line}");
             None
         }
@@ -88,7 +88,7 @@ fn check(name: &str, unit: &str, arguments: &[&str]) {
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let (said, wrong) = (text(&output.stdout), text(&output.stderr));
         assert!(output.status.success(), "{name}: {said}{wrong}");
-        // Keys that this systemd does not know are warnings, and would be ignored.
+        // Unknown keys are only warnings, and would be ignored.
         assert!(!wrong.contains(&format!("{name}:")), "{wrong}");
     }
 }
@@ -102,7 +102,7 @@ fn systemd_accepts_the_units() {
     check(name, unit, &["verify"]);
 }
 
-/// Whoever is in the group may knock, nobody else; and the gate is what answers.
+/// The group has access to the socket, other users do not, and the gate serves it.
 #[test]
 fn the_socket_is_the_groups() {
     let (name, text) = SOCKET;
@@ -133,7 +133,7 @@ fn the_units_are_exposed_to_next_to_nothing() {
     }
 }
 
-/// All processes of the bus are one user's, and its folder outlives each of them.
+/// All processes of the bus run as one user, and the bus folder outlives them.
 #[test]
 fn the_units_share_the_bus() {
     for (name, unit, _) in UNITS {
@@ -148,7 +148,7 @@ fn the_units_share_the_bus() {
         for line in same {
             assert!(unit.lines().any(|l| l == line), "{name} lacks {line}");
         }
-        // Who knocks at the gate may find nobody on the bus.
+        // The gate may start before the bus exists.
         let late = ["atasd.service", GATE.0].contains(&name);
         let first = late || unit.contains("Before=atasd.service");
         assert!(first, "{name} must be there before the daemon");
@@ -183,7 +183,7 @@ fn the_manual_has_every_flag() {
     assert!(MANUAL.contains("\\fBcompletions\\fR"));
 }
 
-/// The package takes them, as it takes those of the other programs.
+/// The package contains the completions.
 #[test]
 fn every_shell_completes_the_command_line() {
     for shell in ["bash", "fish", "zsh"] {
@@ -210,7 +210,7 @@ fn the_help_shows_examples_that_can_be_said() {
             .iter()
             .chain(&args.robot.map(Into::into))
             .count();
-        // What needs no file is loaded, too.
+        // Examples without files are loaded as well.
         if written == 0 {
             let source = Source {
                 files: vec!["/dev/null".into()],
@@ -222,7 +222,7 @@ fn the_help_shows_examples_that_can_be_said() {
     assert!(lines.len() > 3, "{help}");
 }
 
-/// A list that did not fit on the disk is not there.
+/// Truncated output must be reported.
 #[test]
 fn a_full_disk_is_told_and_a_closed_pipe_is_no_failure() {
     for line in ["--help", "--version", "completions bash", "--print-tasks"] {
@@ -245,7 +245,7 @@ fn a_full_disk_is_told_and_a_closed_pipe_is_no_failure() {
     }
 }
 
-/// The value of a key that stands once in the unit.
+/// Value of a key that occurs once in the unit.
 fn value(key: &str) -> &'static str {
     let mut values = UNIT
         .lines()

@@ -1,4 +1,4 @@
-//! One thread's place on a bus.
+//! Connection of one thread to a bus.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -17,12 +17,13 @@ use crate::remains;
 use crate::shortage::{self, require_space, require_stack};
 use crate::startup::StartupLock;
 
-/// One thread's place on a bus: opens ports, sees peers, cleans up after the dead.
+/// Connection of one thread to a bus: opens ports, lists peers, removes dead ones.
 ///
-/// Ports that were opened from it outlive it. Like its ports it stays in its thread:
+/// Its ports stay valid after it is dropped. It cannot leave its thread:
 ///
 /// ```compile_fail,E0277
-/// let bus = shm_bus::Bus::open(&shm_bus::BusName::fresh("doc"), "doc", shm_bus::Realtime::No).unwrap();
+/// use shm_bus::{Bus, BusName, Realtime};
+/// let bus = Bus::open(&BusName::fresh("doc"), "doc", Realtime::No).unwrap();
 /// std::thread::spawn(move || bus.clean_dead());
 /// ```
 #[derive(Debug)]
@@ -31,13 +32,13 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// Joins a bus, and makes it if this is the first process on it.
+    /// Joins a bus, and creates it if no process is on it.
     ///
-    /// `role` is what others see, for example `atasd` or `sensor-left`.
+    /// `role` identifies the process to others, for example `atasd` or `sensor-left`.
     ///
     /// # Errors
-    /// When the bus's folder is not private, `/dev/shm` is full, another process hangs in its start-up, or iceoryx2
-    /// refuses.
+    /// The bus's folder is not private, `/dev/shm` is full, another process blocks the start-up, or
+    /// iceoryx2 fails.
     pub fn open(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         require_stack("the bus")?;
         let folder = Folder::of(name)?;
@@ -45,11 +46,11 @@ impl Bus {
         Self::enter(&folder, role, realtime)
     }
 
-    /// Joins a bus that others made: for those who look, ask or order. A mistyped name leaves nothing behind.
+    /// Joins an existing bus, for clients and observers. A mistyped name creates nothing.
     ///
     /// # Errors
-    /// [`BusError::OtherUser`], with its name, if this user has no such bus and another user has; [`BusError::Absent`] if nobody
-    /// is seen to have it; else as [`Bus::open`].
+    /// [`BusError::OtherUser`] if only another user has a bus of this name; [`BusError::Absent`] if
+    /// no bus is found; else as [`Bus::open`].
     pub fn join(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         require_stack("the bus")?;
         let folder = Folder::of(name)?;
@@ -57,15 +58,16 @@ impl Bus {
         Self::enter(&folder, role, realtime)
     }
 
-    /// Whether this user has such a bus. Makes nothing, joins nothing.
+    /// Checks that this user has such a bus. Creates and joins nothing.
     ///
     /// # Errors
-    /// As [`Bus::join`] for a bus that is not there, is another user's, or has a folder that is not private.
+    /// As [`Bus::join`] if the bus is absent, belongs to another user, or has a folder that is not
+    /// private.
     pub fn find(name: &BusName) -> Result<(), BusError> {
         Folder::of(name)?.find()
     }
 
-    /// Not inlined, so that its stack is only taken after [`require_stack`].
+    /// Not inlined: uses its stack after [`require_stack`].
     #[inline(never)]
     fn enter(folder: &Folder, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         log::bridge();
@@ -92,40 +94,38 @@ impl Bus {
         self.member.place.bus()
     }
 
-    /// The bus's folder: `/run/atas/<bus>` as a service, else below `$XDG_RUNTIME_DIR` or in `/dev/shm`. For peers in other
-    /// languages: it is iceoryx2's `global.root-path`.
+    /// The bus's folder: `/run/atas/<bus>` as a service, else below `$XDG_RUNTIME_DIR` or in
+    /// `/dev/shm`. Peers in other languages use it as iceoryx2's `global.root-path`.
     #[must_use]
     pub fn folder(&self) -> &Path {
         self.member.place.root()
     }
 
-    /// What the bus's names in `/dev/shm` begin with, drawn anew for each life of the bus. For peers in other languages: it
-    /// is iceoryx2's `global.prefix`, and stands in the file `prefix` of the folder.
+    /// Prefix of the bus's names in `/dev/shm`, random for each life of the bus. Peers in other
+    /// languages read it from the file `prefix` of the folder and use it as iceoryx2's
+    /// `global.prefix`.
     #[must_use]
     pub fn prefix(&self) -> &str {
         &self.member.place.prefix
     }
 
-    /// Removes what dead processes left; returns how many were removed.
+    /// Removes dead nodes and returns their number.
     ///
-    /// Until someone does this, a killed peer keeps its place. Costs up to 21 ms per dead process: for supervisor
-    /// threads, every 250 ms or so. Does nothing while another process starts up.
+    /// A killed peer keeps its slots until then. Takes up to 21 ms per dead process: call it in
+    /// supervisor threads, about every 250 ms. Does nothing while another process starts up.
     pub fn clean_dead(&self) -> usize {
         self.member.clean_dead()
     }
 
-    /// Everyone on the bus, this thread included. Reads files: not for real-time threads.
-    ///
-    /// # Errors
-    /// [`BusError::Open`] if the folder of the bus cannot be read.
+    /// All peers on the bus, this thread included. Reads files: not for real-time threads.
     pub fn peers(&self) -> Result<Vec<Peer>, BusError> {
         Peer::list(&self.member.place, self.member.node.config())
     }
 
-    /// Removes everything of a bus: its folder and its shared memory. Returns how many entries that were.
+    /// Removes the bus's folder and shared memory. Returns the number of removed entries.
     ///
     /// # Errors
-    /// [`BusError::Owned`] or [`BusError::InUse`] while anyone is on the bus.
+    /// [`BusError::Owned`] or [`BusError::InUse`] while a process is on the bus.
     pub fn wipe(name: &BusName) -> Result<usize, BusError> {
         let folder = Folder::of(name)?;
         match folder.find() {
@@ -154,7 +154,8 @@ impl Bus {
     }
 }
 
-/// The place in a folder: the one of those who are there, or a new one on clean ground. Call under the start-up lock.
+/// The location of a bus in use, or a new one after removing leftovers. Call under the start-up
+/// lock.
 fn settle(folder: &Folder) -> Result<Place, BusError> {
     let Some(place) = Place::read(folder)? else {
         return Place::draw(folder);

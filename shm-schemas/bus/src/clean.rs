@@ -1,10 +1,10 @@
-//! Cleaning up after dead processes, such that it may itself be killed at any moment.
+//! Clean-up after dead processes, safe against being killed at any moment.
 //!
-//! iceoryx2 0.10 removes a dead port in two steps: its tag (a file), then its place at the service. If the cleaner is
-//! killed between the two, the next cleaner misses the tag, skips the port, and the place is lost as long as anyone
-//! has the service open: with one place for a publisher, the stream is dead. So the tags are noted down before, and a
-//! cleaner that finds the notes of a killed one first puts the tags back. iceoryx2's own occasions for cleaning up are
-//! switched off ([`crate::node::config`]); everything goes through [`remove_dead`], under the start-up lock.
+//! iceoryx2 0.10 removes a dead port in two steps: its tag (a file), then its slot at the service.
+//! If the cleaner is killed in between, the next cleaner finds no tag and skips the port. The slot
+//! stays lost while any process has the service open; a stream with one publisher slot is then
+//! unusable. Therefore the tags are backed up first, and a cleaner that finds a backup restores it.
+//! iceoryx2's automatic clean-ups are off ([`crate::node::config`]).
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,16 +18,16 @@ use crate::node::Ipc;
 use crate::place::Place;
 use crate::remains;
 
-/// Folder of the notes, below the bus's folder.
+/// Folder of the tag backups, below the bus's folder.
 const NOTES: &str = "cleaning";
-/// How iceoryx2 names a port's tag.
+/// Suffix of a port's tag in iceoryx2.
 const TAG: &str = ".port_tag";
 
-/// How long to wait for another cleaner of the same node: a peer in another language, or another bus's in this
-/// process. Five times what removing a node takes at most.
+/// Time to wait for another cleaner of the same node, such as a peer in another language. Five
+/// times the longest removal.
 const OTHER_CLEANER: Duration = Duration::from_millis(100);
 
-/// Removes what dead nodes left; returns how many nodes. Call under the start-up lock only.
+/// Removes dead nodes and returns their number. Call under the start-up lock only.
 pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
     let (nodes, notes) = (place.root().join("nodes"), place.root().join(NOTES));
     let dead = dead_nodes(node);
@@ -45,7 +45,7 @@ pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
     }
     let state = node.blocking_cleanup_dead_nodes(OTHER_CLEANER);
     if state.failed_cleanups == 0 {
-        // What cannot be removed now is removed next time; notes about nodes that are gone do no harm.
+        // Leftovers are removed by the next clean-up; backups of removed nodes are harmless.
         let _ = fs::remove_dir_all(&notes);
     }
     dead.len().saturating_sub(state.failed_cleanups as usize)
@@ -53,13 +53,13 @@ pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
 
 struct Dead {
     id: String,
-    /// Whether its description is there. Removing it is the last but one step of a cleaner.
+    /// True if its description exists. Removing it is a cleaner's last but one step.
     described: bool,
 }
 
 fn dead_nodes(node: &Node<Ipc>) -> Vec<Dead> {
     let mut dead = Vec::new();
-    // A list that breaks off is continued next time.
+    // A list that breaks off is continued by the next clean-up.
     let _ = Node::<Ipc>::list(node.config(), |state| {
         if let NodeState::Dead(view) = state {
             dead.push(Dead {
@@ -72,7 +72,7 @@ fn dead_nodes(node: &Node<Ipc>) -> Vec<Dead> {
     dead
 }
 
-/// The last step of a cleaner that was killed before it; iceoryx2 would look for the node on its default bus.
+/// Does the last step of a killed cleaner. iceoryx2 would search for the node on its default bus.
 fn remove_remains(nodes: &Path, id: &str) {
     let (folder, file) = (id, format!("_{id}."));
     let of_node = |path: &PathBuf| {
@@ -84,7 +84,7 @@ fn remove_remains(nodes: &Path, id: &str) {
     }
 }
 
-/// Notes are second names (hard links) of the tags, in a folder named like the node's.
+/// A backup consists of hard links to the tags, in a folder named like the node's.
 fn note_down(notes: &Path, node: &Path) {
     let Some(noted) = noted(notes, node) else {
         return;
@@ -105,7 +105,7 @@ fn noted(notes: &Path, node: &Path) -> Option<PathBuf> {
     node.file_name().map(|name| notes.join(name))
 }
 
-/// A tag that is there already stays; a folder that is gone needs none.
+/// Keeps existing tags; does nothing if the folder is gone.
 fn link_tags(from: &Path, to: &Path) {
     let tags = entries(from)
         .map(|(path, _)| path)

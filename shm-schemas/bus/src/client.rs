@@ -1,4 +1,4 @@
-//! The asking side of an exchange.
+//! Client side of a request-response service.
 
 use std::cell::Cell;
 use std::fmt;
@@ -19,17 +19,17 @@ use crate::node::Ipc;
 use crate::refusal::{loan_text, send_text};
 use crate::shortage::{require_space, require_stack};
 
-/// How often a waiting client makes sure that the server lives. Ours: quick for a person, cheap for the machine.
+/// Interval at which a waiting client checks that the server is alive. Design choice: short for a
+/// person, cheap.
 const LIVENESS: Duration = Duration::from_millis(250);
 
-/// The asking side.
 pub(crate) struct Client<Q: Payload, A: Payload> {
     port: IoxClient<Ipc, Q, (), A, ()>,
     member: Rc<Member>,
     exchange: Exchange,
 }
 
-/// One request at the asking side. Dropping it tells the server that nobody listens any more.
+/// Open request of a client. Dropping it informs the server.
 pub(crate) struct Pending<Q: Payload, A: Payload> {
     response: PendingResponse<Ipc, Q, (), A, ()>,
     member: Rc<Member>,
@@ -46,7 +46,7 @@ impl Bus {
         self.make_client(exchange)
     }
 
-    /// Not inlined, so that its stack is only taken after [`require_stack`].
+    /// Not inlined: uses its stack after [`require_stack`].
     #[inline(never)]
     fn make_client<Q: Payload, A: Payload>(
         &self,
@@ -84,7 +84,7 @@ fn create_client<Q: Payload, A: Payload>(
 impl<Q: Payload, A: Payload> Client<Q, A> {
     pub(crate) fn send(&self, request: &Q) -> Result<Pending<Q, A>, BusError> {
         let service = self.exchange.service;
-        // A dead server that still has its place would count as one.
+        // A dead server that still has its slot would count as a server.
         self.member.clean_dead();
         let failed = |why| BusError::Send { service, why };
         let loan = match self.port.loan_uninit() {
@@ -121,10 +121,11 @@ impl<Q: Payload, A: Payload> Client<Q, A> {
 }
 
 impl<Q: Payload, A: Payload> Pending<Q, A> {
-    /// The next response; `None` if there is none yet.
+    /// The next response, if one has arrived.
     pub(crate) fn next(&self) -> Result<Option<A>, BusError> {
         self.notice_dead_server();
-        // In this order, so that what the server said last is heard before its end is seen.
+        // Reads the connection state first, so that the server's last response is received before
+        // its end is reported.
         let connected = self.response.is_connected();
         let failed = |_| BusError::Receive {
             service: self.service,
@@ -143,7 +144,7 @@ impl<Q: Payload, A: Payload> Pending<Q, A> {
         self.response.set_disconnect_hint();
     }
 
-    /// A killed server looks alive until someone cleans up after it.
+    /// A killed server looks alive until a clean-up.
     fn notice_dead_server(&self) {
         if self.looked.get().elapsed() >= LIVENESS {
             self.member.clean_dead();

@@ -1,24 +1,25 @@
-//! The clock and the nonce that every process on the bus stamps its payloads with.
+//! Clock and random number for the stamps of all payloads on the bus.
 
 use rustix::rand::{GetRandomFlags, getrandom};
 use rustix::time::{ClockId, clock_gettime};
 
-/// Nanoseconds of `CLOCK_MONOTONIC`: the time of every [`shm_schemas::Stamp`]. No system call (vDSO, about 20 ns).
+/// Time of every [`shm_schemas::Stamp`], ns of `CLOCK_MONOTONIC`. No system call (vDSO, about 20
+/// ns).
 #[must_use]
 pub fn now_ns() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);
-    // Neither part is ever negative on CLOCK_MONOTONIC.
+    // Neither part is negative on `CLOCK_MONOTONIC`.
     now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
 }
 
-/// A fresh, non-zero number for [`shm_schemas::Stamp::writer_epoch`]. Draw one at each start of a writer.
-///
+/// Random non-zero [`shm_schemas::Stamp::writer_epoch`]. Draw one at each start of a writer.
 #[must_use]
 pub fn writer_epoch() -> u64 {
     nonce().max(1)
 }
 
-/// From the kernel's random numbers; early in boot, when there are none yet, from the clock and the process id.
+/// Random number of the kernel; early in boot, if none is available, derived from clock and process
+/// id.
 pub(crate) fn nonce() -> u64 {
     let mut bytes = [0_u8; 8];
     let filled = getrandom(&mut bytes, GetRandomFlags::NONBLOCK);

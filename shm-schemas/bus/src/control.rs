@@ -1,4 +1,4 @@
-//! Control: one request, one reply.
+//! Control service: one request, one reply.
 
 use std::time::{Duration, Instant};
 
@@ -18,21 +18,21 @@ pub(crate) const EXCHANGE: Exchange = Exchange {
     open_requests: 2,
     responses: 1,
 };
-/// How often a waiting client looks. Ours: imperceptible to a person, negligible load.
+/// Poll interval of a waiting client. Design choice: imperceptible delay, negligible load.
 const POLL: Duration = Duration::from_millis(1);
 
 impl Bus {
-    /// Begins to answer control requests.
+    /// Opens the server of control requests.
     ///
     /// # Errors
-    /// [`BusError::Taken`], naming the process, if another one does.
+    /// [`BusError::Taken`], naming the process, if there is a server already.
     pub fn control_server(&self) -> Result<ControlServer, BusError> {
         Ok(ControlServer {
             port: self.server(EXCHANGE)?,
         })
     }
 
-    /// Prepares to send control requests.
+    /// Opens a client of the control service.
     ///
     /// # Errors
     /// [`BusError::Full`] if there are too many clients.
@@ -43,14 +43,14 @@ impl Bus {
     }
 }
 
-/// Answers control requests (the daemon, off its real-time thread).
+/// Server of control requests (the daemon, outside its real-time thread).
 #[derive(Debug)]
 pub struct ControlServer {
     port: Server<ControlRequest, ControlReply>,
 }
 
 impl ControlServer {
-    /// The next request that waits.
+    /// The next waiting request.
     ///
     /// # Errors
     /// [`BusError::Receive`] if a client's shared memory cannot be read.
@@ -59,29 +59,29 @@ impl ControlServer {
     }
 }
 
-/// A request that waits for its reply.
+/// Request that waits for its reply.
 #[derive(Debug)]
 pub struct ControlCall {
     request: Request<ControlRequest, ControlReply>,
 }
 
 impl ControlCall {
-    /// What was asked. It lies in memory that the client can write: copy it once, then check the copy.
+    /// The request, in memory that the client can write: copy it once, then validate the copy.
     #[must_use]
     pub fn request(&self) -> &ControlRequest {
         self.request.payload()
     }
 
-    /// Answers.
+    /// Sends the reply.
     ///
     /// # Errors
-    /// [`BusError::ClientGone`] if nobody waits any more.
+    /// [`BusError::ClientGone`] if the client no longer waits.
     pub fn reply(self, reply: &ControlReply) -> Result<(), BusError> {
         self.request.respond(reply)
     }
 }
 
-/// Sends control requests.
+/// Client of the control service.
 #[derive(Debug)]
 pub struct ControlClient {
     port: Client<ControlRequest, ControlReply>,
@@ -91,7 +91,7 @@ impl ControlClient {
     /// Sends a request and waits for the reply.
     ///
     /// # Errors
-    /// [`BusError::NoServer`] if no daemon answers requests, [`BusError::ServerGone`] if it went away meanwhile,
+    /// [`BusError::NoServer`] without a daemon, [`BusError::ServerGone`] if it ends meanwhile,
     /// [`BusError::NoAnswer`] after `within`.
     pub fn call(
         &self,

@@ -1,244 +1,244 @@
-//! What can go wrong on the bus, in sentences: could not X because Y; do C.
+//! Errors of the bus: failed action, cause, remedy.
 
 use std::fmt;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Why the bus could not do what it was asked.
+/// Error of a bus operation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BusError {
-    /// The text is not a bus name.
+    /// Invalid bus name.
     #[error(
         "could not use {name:?} as the name of a bus because {why}; \
          use 1 to 24 characters out of a-z, 0-9 and '-', and begin and end with a letter or digit"
     )]
     Name {
-        /// The text, cut to a readable length.
+        /// The text, truncated.
         name: String,
-        /// What is wrong with it.
+        /// Violated rule.
         why: &'static str,
     },
-    /// The folder of the bus could be under someone else's control.
+    /// Folder accessible to other users.
     #[error(
         "could not use {path} for the bus because {why}; remove it, or set XDG_RUNTIME_DIR to a private folder"
     )]
     UnsafeRoot {
-        /// The folder.
+        /// Folder or file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Cause.
         why: String,
     },
-    /// The operating system refused.
+    /// Error of the operating system.
     #[error("could not {doing} {path} because of: {source}")]
     Io {
-        /// What was attempted.
+        /// Attempted action.
         doing: &'static str,
-        /// On which file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// The operating system's answer.
+        /// Cause.
         source: std::io::Error,
     },
-    /// A daemon already owns this bus.
+    /// Bus owned by another daemon.
     #[error(
         "could not own the bus {bus:?} because {role} (process {pid}) has owned it for {owned_s} s; \
          stop that process, or choose another bus with --bus"
     )]
     Owned {
-        /// The bus.
+        /// Bus name.
         bus: String,
         /// Role of the owner.
         role: String,
-        /// Process id of the owner; 0 if it could not be read.
+        /// Process id of the owner; 0 if unknown.
         pid: u32,
-        /// For how long, s.
+        /// Duration of the ownership, s.
         owned_s: u64,
     },
-    /// Another process is publishing or serving where only one may.
+    /// Service whose only writer or server is another process.
     #[error(
         "could not offer {service} because {role} (process {pid}) already does and only one may; \
          stop that process, or choose another bus with --bus"
     )]
     Taken {
-        /// The service.
+        /// Service name.
         service: &'static str,
-        /// Role of the process that has it.
+        /// Role of that process.
         role: String,
-        /// Its process id; 0 if it could not be found.
+        /// Its process id; 0 if unknown.
         pid: u32,
     },
-    /// All places at a service are taken.
+    /// Service without a free slot.
     #[error(
         "could not join {service} because all {limit} places are taken; stop one of its {what}"
     )]
     Full {
-        /// The service.
+        /// Service name.
         service: &'static str,
-        /// Kind of peers that have the places.
+        /// Kind of peers.
         what: &'static str,
-        /// How many places there are.
+        /// Number of slots.
         limit: usize,
     },
-    /// `/dev/shm` has not enough room. Without this refusal the kernel would kill the process (SIGBUS).
+    /// Too little space in `/dev/shm`; a later access would kill the process (SIGBUS).
     #[error(
         "could not set up {what} because /dev/shm has {free_kib} KiB free and {needed_kib} KiB are needed; \
          remove files there, or mount it larger"
     )]
     NoSpace {
-        /// What was to be set up.
+        /// A service, or the bus.
         what: &'static str,
         /// Free, KiB.
         free_kib: u64,
         /// Needed, KiB.
         needed_kib: u64,
     },
-    /// Another process has been setting something up on this bus for too long.
+    /// Start-up lock held too long by another process.
     #[error(
         "could not join the bus {bus:?} because process {pid} has held its start-up lock for more than {waited:?}; \
          if that process hangs or is stopped, end it"
     )]
     StartUp {
-        /// The bus.
+        /// Bus name.
         bus: String,
-        /// Process id of the holder; 0 if it could not be read.
+        /// Process id of the holder; 0 if unknown.
         pid: u32,
-        /// How long this process waited.
+        /// Waiting time.
         waited: Duration,
     },
-    /// The name is not in the table of services, or with another payload.
+    /// Service and payload without a row in the table.
     #[error(
         "could not open {service} with {payload} because the table of services has no such line; correct the call"
     )]
     Unknown {
-        /// The name asked for.
+        /// Requested service.
         service: String,
-        /// The payload asked for.
+        /// Requested payload.
         payload: &'static str,
     },
-    /// iceoryx2 could not join or create.
+    /// Error of iceoryx2.
     #[error("could not open {what} on {root} because of: {why}; {cure}")]
     Open {
-        /// A service, or the bus itself.
+        /// A service, or the bus.
         what: &'static str,
-        /// The folder of the bus.
+        /// Folder of the bus.
         root: PathBuf,
-        /// iceoryx2's answer.
+        /// iceoryx2's error.
         why: String,
-        /// What to do.
+        /// Remedy.
         cure: &'static str,
     },
-    /// The machine or this process has too little of something.
+    /// Exhausted resource.
     #[error("could not set up {what} because {why}")]
     Short {
-        /// What was to be set up.
+        /// A service, or the bus.
         what: &'static str,
-        /// Of what, how much there is, and what to do.
+        /// Resource, amount and remedy.
         why: String,
     },
-    /// There is no such bus.
+    /// No such bus.
     #[error(
         "could not find the bus {bus:?} because nobody made it (folder {folder}){unseen}; start atasd on it, or choose another bus \
          with --bus"
     )]
     Absent {
-        /// The bus.
+        /// Bus name.
         bus: String,
-        /// Where its folder would be.
+        /// Expected folder.
         folder: PathBuf,
-        /// Where it may be all the same.
+        /// Unreadable folders that may contain it.
         unseen: Unseen,
     },
-    /// This user has no such bus, but another user has one of this name.
+    /// The bus exists only for another user.
     #[error(
         "could not find the bus {bus:?} because this user has none (folder {folder}), and {place} is owned by user {user}; \
          run this as {user}, for example with `sudo -u {user}`, or start atasd"
     )]
     OtherUser {
-        /// The bus.
+        /// Bus name.
         bus: String,
-        /// Where its folder would be.
+        /// Expected folder.
         folder: PathBuf,
-        /// What the other user has.
+        /// Path of the other user's bus.
         place: PathBuf,
-        /// Name of the other user.
+        /// Other user.
         user: String,
     },
-    /// A payload could not be sent.
+    /// Failed send.
     #[error("could not send on {service} because {why}; restart this process")]
     Send {
-        /// The service.
+        /// Service name.
         service: &'static str,
-        /// What happened.
+        /// Cause.
         why: &'static str,
     },
-    /// A payload could not be received.
+    /// Failed receive.
     #[error("could not receive from {service} because {why}; restart this process")]
     Receive {
-        /// The service.
+        /// Service name.
         service: &'static str,
-        /// What happened.
+        /// Cause.
         why: &'static str,
     },
-    /// Nobody serves.
+    /// Service without a server.
     #[error(
         "could not reach {service} because nobody serves it; is atasd running on bus {bus:?} (folder {root})?"
     )]
     NoServer {
-        /// The service.
+        /// Service name.
         service: &'static str,
-        /// The bus.
+        /// Bus name.
         bus: String,
         /// Its folder.
         root: PathBuf,
     },
-    /// The server went away before the end.
+    /// Server that ended before the request was complete.
     #[error(
         "could not hear the end of the request because the server of {service} is gone; look at the log of atasd"
     )]
     ServerGone {
-        /// The service.
+        /// Service name.
         service: &'static str,
     },
-    /// The client went away before the answer.
+    /// Client that ended before the answer.
     #[error("could not answer a request on {service} because its client is gone; drop the request")]
     ClientGone {
-        /// The service.
+        /// Service name.
         service: &'static str,
     },
-    /// The server did not answer in time.
+    /// Answer not received in time.
     #[error(
         "could not get an answer on {service} because the daemon did not answer within {within:?}; is atasd on bus {bus:?} stuck or stopped?"
     )]
     NoAnswer {
-        /// The service.
+        /// Service name.
         service: &'static str,
-        /// How long the client waited.
+        /// Waiting time.
         within: Duration,
-        /// The bus.
+        /// Bus name.
         bus: String,
     },
-    /// The client has too many open requests.
+    /// Too many open requests of one client.
     #[error(
         "could not send on {service} because {limit} requests of this client are still open; finish or drop one"
     )]
     TooManyRequests {
-        /// The service.
+        /// Service name.
         service: &'static str,
-        /// How many may be open.
+        /// Maximum number.
         limit: usize,
     },
-    /// The bus is still in use.
+    /// Bus in use.
     #[error("could not wipe the bus {bus:?} because it is in use by {peers}; stop them first")]
     InUse {
-        /// The bus.
+        /// Bus name.
         bus: String,
-        /// Role and process id of those that use it.
+        /// Roles and process ids of the peers.
         peers: String,
     },
 }
 
-/// Folders of other users that may hold a bus, for all that this user may see, with the users' names. Prints as the end of a
-/// sentence that says that nobody has it.
+/// Folders of other users that may contain a bus but that this user may not read, with the users'
+/// names. Prints as part of [`BusError::Absent`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unseen(pub Vec<(PathBuf, String)>);
 
@@ -259,7 +259,7 @@ impl fmt::Display for Unseen {
 }
 
 impl BusError {
-    /// For `map_err` on calls to the operating system.
+    /// Error constructor for `map_err` on calls to the operating system.
     pub(crate) fn io(
         doing: &'static str,
         path: &std::path::Path,

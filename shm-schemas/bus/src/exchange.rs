@@ -1,7 +1,7 @@
-//! Request and response, under [`crate::goal`] and [`crate::control`].
+//! Request-response services, the basis of [`crate::goal`] and [`crate::control`].
 //!
-//! One server at most. Requests that nobody waits for are not delivered. Neither side ever waits for the other inside
-//! a call: buffers overflow, and because the oldest is lost, the last response always arrives.
+//! At most one server. A request whose client has gone is not delivered. Calls never wait for the
+//! other side: buffers overflow and lose the oldest entry, so the last response always arrives.
 
 use iceoryx2::prelude::{MessagingPattern, ServiceName};
 use iceoryx2::service::port_factory::request_response::PortFactory;
@@ -11,30 +11,31 @@ use crate::error::BusError;
 use crate::member::Member;
 use crate::node::Ipc;
 
-/// How one request-response service is carried.
+/// Settings of one request-response service.
 #[derive(Clone, Copy, Debug)]
 pub struct Exchange {
-    /// Name of the service.
+    /// Service name.
     pub service: &'static str,
     /// Type names of the request and of its responses.
     pub payloads: [&'static str; 2],
-    /// Most clients at a time.
+    /// Maximum number of clients.
     pub clients: usize,
-    /// Most open requests of one client.
+    /// Maximum number of open requests per client.
     pub open_requests: usize,
-    /// Responses that wait for the client; more, and the oldest are lost.
+    /// Capacity of the client's response buffer; the oldest response is lost on overflow.
     pub responses: usize,
 }
 
 impl Exchange {
-    /// Most processes that may have the service open.
+    /// Maximum number of processes that have the service open.
     #[must_use]
     pub const fn nodes(&self) -> usize {
         1 + self.clients + SPARE_NODES
     }
 }
 
-/// Nodes beyond the server and the clients: dead ones keep their place until someone cleans up. Ours.
+/// Nodes beyond server and clients, because a dead node keeps its slot until a clean-up. Design
+/// choice.
 const SPARE_NODES: usize = 4;
 pub(crate) const PATTERN: MessagingPattern = MessagingPattern::RequestResponse;
 

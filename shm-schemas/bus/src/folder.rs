@@ -1,4 +1,4 @@
-//! The folder of a bus: where it is, and that nobody else can meddle with it.
+//! Folder of a bus: its path and the check that it is private.
 
 use std::ffi::OsStr;
 use std::fs::{self, DirBuilder, Metadata};
@@ -10,14 +10,15 @@ use crate::error::{BusError, Unseen};
 use crate::name::BusName;
 use crate::user::{User, uid};
 
-/// Folder of the service, made by systemd (`RuntimeDirectory=atas`).
+/// Folder of the system service, made by systemd (`RuntimeDirectory=atas`).
 const SERVICE_BASE: &str = "/run/atas";
-/// Longest folder, bytes. Socket addresses have 108 (`unix(7)`), of which iceoryx2's file names take up to 44.
+/// Maximum path length of the folder, bytes. A socket address has 108 (`unix(7)`); iceoryx2's file
+/// names take up to 44.
 const ROOT_MAX: usize = 64;
-/// Where Linux keeps POSIX shared memory.
+/// Directory of POSIX shared memory on Linux.
 pub(crate) const SHM: &str = "/dev/shm";
 
-/// The folder of one bus. It need not exist.
+/// Folder of one bus. It need not exist.
 #[derive(Clone, Debug)]
 pub(crate) struct Folder {
     pub(crate) bus: BusName,
@@ -25,7 +26,8 @@ pub(crate) struct Folder {
 }
 
 impl Folder {
-    /// `/run/atas/<bus>` for the service's user, else `$XDG_RUNTIME_DIR/atas/<bus>`, else `/dev/shm/atas-<uid>/<bus>`.
+    /// `/run/atas/<bus>` for the service's user, else `$XDG_RUNTIME_DIR/atas/<bus>`, else
+    /// `/dev/shm/atas-<uid>/<bus>`.
     pub(crate) fn of(bus: &BusName) -> Result<Self, BusError> {
         let xdg = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
         Self::under(base(Path::new(SERVICE_BASE), xdg.as_deref()), bus)
@@ -43,7 +45,7 @@ impl Folder {
         })
     }
 
-    /// Makes the folder and the one above it where they do not exist, and checks both.
+    /// Creates the folder and its parent if they do not exist, and checks both.
     pub(crate) fn make(&self) -> Result<(), BusError> {
         if let Some(base) = self.path.parent() {
             make_private(base)?;
@@ -51,9 +53,10 @@ impl Folder {
         make_private(&self.path)
     }
 
-    /// Checks the folder without making anything: for those who only look.
+    /// Checks the folder without creating it.
     ///
-    /// Fails with [`BusError::OtherUser`] when another user has this bus, else with [`BusError::Absent`].
+    /// Fails with [`BusError::OtherUser`] if another user has this bus, else with
+    /// [`BusError::Absent`].
     pub(crate) fn find(&self) -> Result<(), BusError> {
         match fs::symlink_metadata(&self.path) {
             Ok(meta) => check_private(&self.path, &meta),
@@ -62,7 +65,7 @@ impl Folder {
         }
     }
 
-    /// Why there is no bus.
+    /// The error for a folder that does not exist.
     fn missing(&self) -> BusError {
         let (bus, folder) = (self.bus.to_string(), self.path.clone());
         let bases = bases_of_others(Path::new(SERVICE_BASE), Path::new(SHM));
@@ -82,7 +85,8 @@ impl Folder {
     }
 }
 
-/// Folders in which other users have buses, and who: the service's, and those below `/dev/shm`. Everybody may list these.
+/// Folders for buses of other users, with their owners: the service's, and those below `/dev/shm`.
+/// Any user may list these.
 fn bases_of_others(service: &Path, shm: &Path) -> Vec<(PathBuf, User)> {
     let service = fs::symlink_metadata(service)
         .ok()
@@ -95,14 +99,15 @@ fn bases_of_others(service: &Path, shm: &Path) -> Vec<(PathBuf, User)> {
         .collect()
 }
 
-/// Where another user has this bus, and who: its shared memory, whose names everybody may list, or its folder.
+/// Path and owner of another user's bus of this name: its shared memory, whose names any user may
+/// list, or its folder.
 fn held(bus: &BusName, bases: &[(PathBuf, User)], shm: &Path) -> Option<(PathBuf, User)> {
     let mut memory = entries_named(shm, |name| {
         prefix_of(&name.to_string_lossy(), bus).is_some()
     });
     let memory = memory.find(|(_, meta)| meta.uid() != uid());
     if let Some((path, meta)) = memory {
-        // All of it begins so; the rest of each name is long and says nothing to a reader.
+        // Shows the common prefix; the rest of each name is long and carries no information.
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let all = format!("{}*", prefix_of(&name, bus).unwrap_or_default());
         return Some((shm.join(all), User(meta.uid())));
@@ -114,7 +119,7 @@ fn held(bus: &BusName, bases: &[(PathBuf, User)], shm: &Path) -> Option<(PathBuf
     there.next()
 }
 
-/// Other users' folders that may hold this bus, for all that this user may see.
+/// Folders of other users that may contain this bus but that this user may not read.
 fn unseen(bus: &BusName, bases: &[(PathBuf, User)]) -> Vec<(PathBuf, String)> {
     let is_closed = |base: &Path| {
         let folder = fs::symlink_metadata(base.join(bus.as_str()));
@@ -126,7 +131,7 @@ fn unseen(bus: &BusName, bases: &[(PathBuf, User)]) -> Vec<(PathBuf, String)> {
         .collect()
 }
 
-/// What a name in `/dev/shm` begins with if it is shared memory of a bus of this name.
+/// The prefix of a name in `/dev/shm` if it is shared memory of this bus.
 fn prefix_of<'a>(name: &'a str, bus: &BusName) -> Option<&'a str> {
     let rest = name.strip_prefix(bus.as_str())?.strip_prefix('_')?;
     let (drawn, rest) = rest.split_once('_')?;
@@ -134,18 +139,18 @@ fn prefix_of<'a>(name: &'a str, bus: &BusName) -> Option<&'a str> {
     is_drawn.then(|| &name[..name.len() - rest.len()])
 }
 
-/// Whether a name in `/dev/shm` is the folder of a user's buses.
+/// Checks for the name of a user's bus folder in `/dev/shm`.
 fn is_base(name: &str) -> bool {
     name.strip_prefix("atas-")
         .is_some_and(|uid| uid.parse::<u32>().is_ok())
 }
 
-/// The files and folders in a folder; nothing if it cannot be read. Links are not followed.
+/// Entries of a folder; empty if it cannot be read. Links are not followed.
 pub(crate) fn entries(folder: &Path) -> impl Iterator<Item = (PathBuf, Metadata)> + use<> {
     entries_named(folder, |_| true)
 }
 
-/// Those whose name is wanted. The others are not examined: `/dev/shm` is everybody's, and may hold hundreds.
+/// Entries whose name matches. Others are not examined: `/dev/shm` is shared and may hold hundreds.
 pub(crate) fn entries_named<F: Fn(&OsStr) -> bool>(
     folder: &Path,
     wanted: F,
@@ -155,10 +160,10 @@ pub(crate) fn entries_named<F: Fn(&OsStr) -> bool>(
     wanted.filter_map(|entry| Some((entry.path(), entry.metadata().ok()?)))
 }
 
-/// The folder that holds this user's buses.
+/// Folder that contains this user's buses.
 ///
-/// The last resort is not `/tmp`: systemd removes from it what is ten days old, and on a disk iceoryx2's `fsync` of
-/// each small file costs 3 to 5 ms (measured, ext4), 60 ms for a daemon's start-up.
+/// The fallback is not `/tmp`: systemd removes files older than ten days there. On a disk,
+/// iceoryx2's `fsync` of each small file takes 3 to 5 ms (measured, ext4), 60 ms per daemon start.
 fn base(service: &Path, xdg: Option<&Path>) -> PathBuf {
     let usable = |path: &Path| {
         path.is_absolute() && fs::symlink_metadata(path).is_ok_and(|m| flaw(&m).is_none())
@@ -194,7 +199,8 @@ fn check_private(path: &Path, meta: &Metadata) -> Result<(), BusError> {
     }
 }
 
-/// Why others could meddle with a folder. A group may read (systemd's `RuntimeDirectoryMode=0750`), never write.
+/// Reason why other users could change the folder. A group may read (systemd's
+/// `RuntimeDirectoryMode=0750`), never write.
 fn flaw(meta: &Metadata) -> Option<String> {
     if !meta.is_dir() {
         return Some("it is not a folder".to_owned());

@@ -1,16 +1,16 @@
-//! A bus of one's own, for tests and demos.
+//! Unique bus for tests and demos.
 
 use std::ops::Deref;
 
 use crate::bus::Bus;
 use crate::name::BusName;
 
-/// A bus name that nobody else uses, and whose bus is wiped when this is dropped: declare it before all that uses it.
+/// Unique bus name whose bus is wiped on drop. Declare it before everything that uses it.
 #[derive(Debug)]
 pub struct FreshBus(BusName);
 
 impl FreshBus {
-    /// A fresh bus; see [`BusName::fresh`].
+    /// A unique bus; see [`BusName::fresh`].
     #[must_use]
     pub fn new(label: &str) -> Self {
         Self(BusName::fresh(label))

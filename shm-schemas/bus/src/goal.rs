@@ -1,4 +1,4 @@
-//! Goals: one request, answered by a stream of updates until a final one.
+//! Goal service: one request, answered by updates until a final one.
 
 use shm_schemas::service::GOAL;
 use shm_schemas::{GoalRequest, GoalUpdate, Payload};
@@ -9,7 +9,7 @@ use crate::error::BusError;
 use crate::exchange::Exchange;
 use crate::server::{Request, Server};
 
-/// Updates wait 64 deep: more than a second at the 50 Hz of the daemon's supervisor.
+/// Buffer of 64 updates: more than a second at the supervisor's 50 Hz.
 pub(crate) const EXCHANGE: Exchange = Exchange {
     service: GOAL,
     payloads: [GoalRequest::TYPE_NAME, GoalUpdate::TYPE_NAME],
@@ -19,17 +19,17 @@ pub(crate) const EXCHANGE: Exchange = Exchange {
 };
 
 impl Bus {
-    /// Begins to take goals.
+    /// Opens the server of goals.
     ///
     /// # Errors
-    /// [`BusError::Taken`], naming the process, if another one does.
+    /// [`BusError::Taken`], naming the process, if there is a server already.
     pub fn goal_server(&self) -> Result<GoalServer, BusError> {
         Ok(GoalServer {
             port: self.server(EXCHANGE)?,
         })
     }
 
-    /// Prepares to send goals.
+    /// Opens a client of the goal service.
     ///
     /// # Errors
     /// [`BusError::Full`] if there are too many clients.
@@ -40,14 +40,14 @@ impl Bus {
     }
 }
 
-/// Takes goals (the daemon, off its real-time thread).
+/// Server of goals (the daemon, outside its real-time thread).
 #[derive(Debug)]
 pub struct GoalServer {
     port: Server<GoalRequest, GoalUpdate>,
 }
 
 impl GoalServer {
-    /// The next goal that waits.
+    /// The next waiting goal.
     ///
     /// # Errors
     /// [`BusError::Receive`] if a client's shared memory cannot be read.
@@ -56,41 +56,42 @@ impl GoalServer {
     }
 }
 
-/// A goal that was taken. Dropping it ends the stream of updates: send a final update first.
+/// Received goal. Dropping it ends the updates: send a final update first.
 #[derive(Debug)]
 pub struct ActiveGoal {
     request: Request<GoalRequest, GoalUpdate>,
 }
 
 impl ActiveGoal {
-    /// What was asked. It lies in memory that the client can write: copy it once, then check the copy.
+    /// The request, in memory that the client can write: copy it once, then validate the copy.
     #[must_use]
     pub fn request(&self) -> &GoalRequest {
         self.request.payload()
     }
 
-    /// Tells the client.
+    /// Sends an update to the client.
     ///
     /// # Errors
-    /// [`BusError::ClientGone`] if nobody listens any more.
+    /// [`BusError::ClientGone`] if the client no longer waits.
     pub fn update(&self, update: &GoalUpdate) -> Result<(), BusError> {
         self.request.respond(update)
     }
 
-    /// Whether the client asked to end the goal.
+    /// Returns true if the client requested to end the goal.
     #[must_use]
     pub fn cancel_requested(&self) -> bool {
         self.request.is_cancelled()
     }
 
-    /// Whether the client still listens. A killed client is noticed after the next [`Bus::clean_dead`] of anyone.
+    /// Returns true while the client waits. A killed client is detected after the next
+    /// [`Bus::clean_dead`] of any peer.
     #[must_use]
     pub fn client_alive(&self) -> bool {
         self.request.is_awaited()
     }
 }
 
-/// Sends goals.
+/// Client of the goal service.
 #[derive(Debug)]
 pub struct GoalClient {
     port: Client<GoalRequest, GoalUpdate>,
@@ -100,7 +101,8 @@ impl GoalClient {
     /// Sends a goal.
     ///
     /// # Errors
-    /// [`BusError::NoServer`] if no daemon takes goals; [`BusError::TooManyRequests`] if this client has 4 open.
+    /// [`BusError::NoServer`] without a daemon; [`BusError::TooManyRequests`] if this client has 4
+    /// open.
     pub fn send(&self, goal: &GoalRequest) -> Result<PendingGoal, BusError> {
         Ok(PendingGoal {
             pending: self.port.send(goal)?,
@@ -109,7 +111,7 @@ impl GoalClient {
     }
 }
 
-/// A goal on its way. Dropping it tells the daemon that the client is gone.
+/// Open goal of a client. Dropping it informs the daemon.
 #[derive(Debug)]
 pub struct PendingGoal {
     pending: Pending<GoalRequest, GoalUpdate>,
@@ -117,11 +119,11 @@ pub struct PendingGoal {
 }
 
 impl PendingGoal {
-    /// The next update; `None` if there is none yet, and after the final one. Does not wait.
+    /// The next update; `None` if none has arrived, and after the final one. Does not wait.
     ///
     /// # Errors
-    /// [`BusError::ServerGone`] if the daemon went away before a final update; a killed daemon is noticed within
-    /// about 250 ms, if this is called more often than that.
+    /// [`BusError::ServerGone`] if the daemon ended before a final update. A killed daemon is
+    /// detected within about 250 ms of polling.
     #[expect(
         clippy::should_implement_trait,
         reason = "an iterator must not end at `None` and go on later"
@@ -135,13 +137,13 @@ impl PendingGoal {
         Ok(update)
     }
 
-    /// Whether the final update was received.
+    /// Returns true once the final update was received.
     #[must_use]
     pub fn ended(&self) -> bool {
         self.ended
     }
 
-    /// Asks the daemon to end the goal. Updates go on until the final one.
+    /// Requests the daemon to end the goal. Updates continue until the final one.
     pub fn cancel(&self) {
         self.pending.cancel();
     }

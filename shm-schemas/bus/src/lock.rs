@@ -1,4 +1,4 @@
-//! Advisory locks in the bus's folder. They end with the process that holds them, however it ends.
+//! Advisory locks in the bus's folder. The kernel releases them when the holding process ends.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Read};
@@ -12,16 +12,16 @@ use crate::clock::now_ns;
 use crate::error::BusError;
 use crate::folder::Folder;
 
-/// File in the bus's folder by which one process at a time sets something up.
+/// File whose lock serialises set-up on the bus.
 pub(crate) const STARTUP_LOCK: &str = "startup.lock";
-/// File in the bus's folder by which one daemon owns the bus.
+/// File whose lock marks the daemon that owns the bus.
 pub(crate) const OWNER_LOCK: &str = "owner.lock";
 
-/// Who holds a lock, as written into its file.
+/// Holder of a lock, as written into its file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Holder {
     pub(crate) pid: u32,
-    /// When the lock was taken, `CLOCK_MONOTONIC` nanoseconds.
+    /// Time at which the lock was taken, ns of `CLOCK_MONOTONIC`.
     pub(crate) since_ns: u64,
     pub(crate) role: String,
 }
@@ -35,7 +35,7 @@ impl Holder {
         }
     }
 
-    /// From `pid since_ns role`; what cannot be read stays empty, because the holder may be writing just now.
+    /// Parses `pid since_ns role`. Unreadable parts stay empty, because the holder may be writing.
     fn parse(text: &str) -> Self {
         let mut words = text.trim_end().splitn(3, ' ');
         let pid = words
@@ -54,21 +54,21 @@ impl Holder {
     }
 }
 
-/// A held lock.
 #[derive(Debug)]
 pub(crate) struct FileLock {
     file: File,
 }
 
 impl Drop for FileLock {
-    /// Closing alone would not do: a child process has a copy of the file between its fork and its exec.
+    /// Closing is not enough: a child process has a copy of the descriptor between fork and exec.
     fn drop(&mut self) {
         let _ = flock(&self.file, FlockOperation::Unlock);
     }
 }
 
 impl FileLock {
-    /// Who holds the lock now, by the kernel's own list: asking for it could make another process miss it.
+    /// The current holder, from the kernel's lock table. Trying the lock could make another process
+    /// fail to get it.
     pub(crate) fn holder(folder: &Folder, name: &str) -> Option<Holder> {
         let mut file = File::open(folder.path.join(name)).ok()?;
         let holder = read(&mut file);
@@ -77,7 +77,7 @@ impl FileLock {
         is_listed(&locks, holder.pid, inode).then_some(holder)
     }
 
-    /// Takes the lock if nobody has it; otherwise says who has.
+    /// Takes the lock, or returns its holder.
     pub(crate) fn try_take(
         folder: &Folder,
         name: &str,
@@ -87,7 +87,7 @@ impl FileLock {
         loop {
             folder.make()?;
             let mut file = match open(&path) {
-                // Another process wiped the bus just now.
+                // Another process wiped the bus between `make` and `open`.
                 Err(e) if e.kind() == io::ErrorKind::NotFound => continue,
                 opened => opened.map_err(BusError::io("open", &path))?,
             };
@@ -96,7 +96,8 @@ impl FileLock {
                 Err(Errno::WOULDBLOCK) => return Ok(Err(read(&mut file))),
                 Err(e) => return Err(BusError::io("lock", &path)(e.into())),
             }
-            // Between open and lock a wipe may have removed the file: then the lock guards nothing.
+            // A wipe may have removed the file between open and lock; then the lock protects
+            // nothing.
             if is_at(&file, &path) {
                 write(&file, &Holder::this(role)).map_err(BusError::io("write", &path))?;
                 return Ok(Ok(Self { file }));
@@ -117,7 +118,7 @@ fn open(path: &Path) -> io::Result<File> {
     options.open(path)
 }
 
-/// The last component must not be a link, although the folder is private anyway.
+/// Refuses a link as last path component, in addition to the private folder.
 const O_NOFOLLOW: i32 = rustix::fs::OFlags::NOFOLLOW.bits() as i32;
 
 fn is_at(file: &File, path: &Path) -> bool {
@@ -128,7 +129,8 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Whether `/proc/locks` (`proc_locks(5)`) says that this process has locked the whole file of this number.
+/// Searches `/proc/locks` (`proc_locks(5)`) for a lock of this process on the whole file with this
+/// inode.
 fn is_listed(locks: &str, pid: u32, inode: u64) -> bool {
     let (pid, inode) = (pid.to_string(), inode.to_string());
     locks.lines().any(|line| {
@@ -147,7 +149,7 @@ fn read(file: &mut File) -> Holder {
     Holder::parse(&text)
 }
 
-/// Always the same length and in place: truncating and writing anew costs milliseconds on a disk's file system.
+/// Overwrites a constant length in place: truncating costs milliseconds on a disk.
 fn write(file: &File, holder: &Holder) -> io::Result<()> {
     let text = format!("{} {} {:.64}", holder.pid, holder.since_ns, holder.role);
     file.write_all_at(format!("{text:<127}\n").as_bytes(), 0)

@@ -1,7 +1,7 @@
-//! iceoryx2's log lines, cut to a readable length, on their way into `tracing`.
+//! Forwards iceoryx2's log lines to `tracing`, truncated.
 //!
-//! iceoryx2 0.10 prints the whole object that a line is about: up to 29 kB. What happened stands at the beginning of
-//! the message; the object is left out.
+//! iceoryx2 0.10 appends the whole object concerned, up to 29 kB. The event stands at the start of
+//! the message.
 
 use std::fmt::{self, Write};
 use std::sync::Once;
@@ -9,10 +9,11 @@ use std::sync::Once;
 use iceoryx2::prelude::{LogLevel, set_log_level, set_logger};
 use iceoryx2_log_types::Log;
 
-/// Longest line, bytes. Ours: four lines of a terminal.
+/// Maximum line, bytes. Design choice: four lines of a terminal.
 const LINE_MAX: usize = 320;
 
-/// Leads iceoryx2's log into `tracing`; below warnings it is silent, so that nothing is formatted on a tick.
+/// Forwards iceoryx2's warnings and errors to `tracing`. Lower levels are off, so that a tick
+/// formats nothing.
 pub(crate) fn bridge() {
     static ONCE: Once = Once::new();
     static BRIDGE: Bridge = Bridge;
@@ -35,7 +36,6 @@ impl Log for Bridge {
     }
 }
 
-/// The beginning of a message.
 #[derive(Debug, Default)]
 struct Line {
     text: String,
@@ -45,7 +45,7 @@ struct Line {
 impl Line {
     fn of(message: fmt::Arguments<'_>) -> Self {
         let mut line = Self::default();
-        // The only error is the end of the line.
+        // The only error is the truncation.
         let _ = line.write_fmt(message);
         line
     }

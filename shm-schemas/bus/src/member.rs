@@ -1,4 +1,4 @@
-//! What a bus and the ports opened from it share.
+//! State shared by a bus and its ports.
 
 use std::fmt;
 use std::time::{Duration, Instant};
@@ -16,10 +16,9 @@ use crate::remains;
 use crate::shortage;
 use crate::startup::StartupLock;
 
-/// How long a transient refusal may last before its cause counts as left behind by a killed process. Ours.
+/// Time after which a transient error counts as left by a killed process. Design choice.
 const TRANSIENT: Duration = Duration::from_millis(50);
 
-/// One thread's node on a bus.
 #[derive(Debug)]
 pub(crate) struct Member {
     pub(crate) place: Place,
@@ -29,7 +28,7 @@ pub(crate) struct Member {
 }
 
 impl Member {
-    /// Removes what dead processes left, unless another process sets something up just now.
+    /// Removes dead nodes, unless another process is starting up.
     pub(crate) fn clean_dead(&self) -> usize {
         match StartupLock::try_take(&self.place.folder, &self.role) {
             Ok(Some(_startup)) => {
@@ -40,19 +39,19 @@ impl Member {
         }
     }
 
-    /// For setting something up, one process at a time, on ground that killed processes left clean.
+    /// Takes the start-up lock and removes unfinished files.
     pub(crate) fn startup(&self) -> Result<StartupLock, BusError> {
         let lock = StartupLock::take(&self.place.folder, &self.role)?;
         remains::sweep(&self.place);
         Ok(lock)
     }
 
-    /// The error for a refusal of iceoryx2 that will not pass.
+    /// The error for a permanent refusal of iceoryx2.
     pub(crate) fn refused(&self, what: &'static str, why: &impl fmt::Debug) -> BusError {
         shortage::explain(&self.place, what, format!("{why:?}"))
     }
 
-    /// The error for a place that only one may have, and that this node has.
+    /// The error for a service whose only slot is held by `node`.
     pub(crate) fn taken_by(&self, service: &'static str, node: Option<UniqueNodeId>) -> BusError {
         let peer = node.and_then(|id| Peer::find(self.node.config(), id));
         let (role, pid) = peer.map_or(("another process".to_owned(), 0), |peer| {
@@ -61,12 +60,12 @@ impl Member {
         BusError::Taken { service, role, pid }
     }
 
-    /// Opens something under the start-up lock, in spite of what killed processes left.
+    /// Opens a service or port under the start-up lock, and repairs leftovers of killed processes.
     ///
-    /// Places may belong to the dead: clean up, once. A refusal that is transient by its nature is retried for
-    /// [`TRANSIENT`]; if it persists, a killed process left the service half-made or half-removed, and nobody can be
-    /// using it: its description is removed, once. Not so when this process itself is short of something: then the
-    /// service may be whole and in use.
+    /// * No slot: removes dead nodes, once.
+    /// * Transient error: retries for [`TRANSIENT`]. If it persists, a killed process left the
+    ///   service unfinished; no process can use it, and its description is removed, once. Not if
+    ///   this process lacks a resource: the service may then be in use.
     pub(crate) fn open_despite_remains<T, E: Refusal>(
         &self,
         service: &'static str,

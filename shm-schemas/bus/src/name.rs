@@ -1,4 +1,4 @@
-//! The name of a bus.
+//! Name of a bus.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,25 +6,25 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::error::BusError;
 
-/// Longest name, bytes. Ours: together with the longest folder it keeps every path below the 108 bytes of a socket
-/// address, which iceoryx2 needs for its events.
+/// Maximum length, bytes. Together with the longest folder it keeps iceoryx2's event sockets below
+/// the 108 bytes of a socket address. Design choice.
 const NAME_MAX: usize = 24;
 
-/// Which bus: 1 to 24 characters out of `a-z`, `0-9` and `-`, neither first nor last a `-`.
+/// Bus name: 1 to 24 characters out of `a-z`, `0-9` and `-`, with no `-` first or last.
 ///
-/// The name decides the bus's folder. Parse it from `--bus`, or take it
+/// It determines the bus's folder. Parse it from `--bus` or read it
 /// [from the environment](BusName::from_env).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BusName(String);
 
 impl BusName {
-    /// The environment variable that names the bus.
+    /// Environment variable with the bus name.
     pub const ENV: &'static str = "ATAS_BUS";
 
-    /// The bus named by `ATAS_BUS`, or the default `atas` if that is not set.
+    /// The name in `ATAS_BUS`; `atas` if it is not set.
     ///
     /// # Errors
-    /// [`BusError::Name`] if `ATAS_BUS` is set to something that is not a name.
+    /// [`BusError::Name`] if `ATAS_BUS` is not a valid name.
     pub fn from_env() -> Result<Self, BusError> {
         match std::env::var_os(Self::ENV) {
             None => Ok(Self::default()),
@@ -32,8 +32,8 @@ impl BusName {
         }
     }
 
-    /// A name that no other call on this machine returns while this process lives: for tests and demos.
-    /// Only the first 8 letters and digits of `label` are used.
+    /// Unique name on this machine during the life of this process, for tests and demos. Uses the
+    /// first 8 letters and digits of `label`.
     #[must_use]
     pub fn fresh(label: &str) -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
@@ -43,7 +43,8 @@ impl BusName {
             .take(8)
             .collect();
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
-        // At most 1 + 8 + 1 + 7 + 1 + 4 characters; process ids have at most 7 digits (PID_MAX_LIMIT).
+        // At most 1 + 8 + 1 + 7 + 1 + 4 characters; process ids have at most 7 digits
+        // (PID_MAX_LIMIT).
         Self(format!(
             "f{label}-{}-{:x}",
             std::process::id(),

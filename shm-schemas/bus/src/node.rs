@@ -1,4 +1,4 @@
-//! iceoryx2's node: its variant, its settings, its counter.
+//! iceoryx2 node: service variant, settings, node counter.
 
 use std::fs::{File, Permissions};
 use std::io::{self, Write};
@@ -13,19 +13,19 @@ use crate::error::BusError;
 use crate::folder::SHM;
 use crate::place::Place;
 
-/// iceoryx2's variant: shared memory between processes, without a mutex around every port.
+/// iceoryx2's variant for shared memory between processes, without a mutex around every port.
 pub(crate) type Ipc = ipc::Service;
 
-/// Whether a thread has a deadline.
+/// Real-time property of a thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Realtime {
-    /// It has: sending and receiving never wait for a peer that is being set up, and never log.
+    /// Real-time: sending and receiving never wait for a peer during set-up and never log.
     Yes,
-    /// It has not.
+    /// Not real-time.
     No,
 }
 
-/// How long non-real-time nodes wait for a peer that is being set up. Real-time nodes do not wait. Ours.
+/// Time limit for non-real-time nodes to wait for a peer's set-up. Design choice.
 const PEER_WAIT: Duration = Duration::from_millis(100);
 
 /// iceoryx2's settings for a thread.
@@ -36,14 +36,14 @@ pub(crate) fn config(place: &Place, realtime: Realtime) -> Result<Config, BusErr
     } else {
         PEER_WAIT
     };
-    // Cleaning up costs up to 21 ms per dead node and must survive being killed: only `clean` does it.
+    // A clean-up takes up to 21 ms per dead node and must survive a kill, so only `clean` does it.
     config.global.service.cleanup_dead_nodes_on_open = false;
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     Ok(config)
 }
 
-/// Makes a node. Call under the start-up lock only.
+/// Creates a node. Call under the start-up lock only.
 pub(crate) fn create(place: &Place, config: &Config, role: &str) -> Result<Node<Ipc>, String> {
     make_counter(place).map_err(|e| format!("the node counter: {e}"))?;
     let name = NodeName::new(role).map_err(|e| format!("the role {role:?}: {e:?}"))?;
@@ -54,14 +54,15 @@ pub(crate) fn create(place: &Place, config: &Config, role: &str) -> Result<Node<
     builder.create::<Ipc>().map_err(|e| format!("{e:?}"))
 }
 
-/// Makes the counter that iceoryx2 numbers its nodes with, if there is none.
+/// Creates iceoryx2's node counter if there is none.
 ///
-/// iceoryx2 0.10 would make it with `fchmod(0666)`, whatever the umask: for a moment every user could open it writable
-/// and truncate it under us (SIGBUS). It uses one that it finds. `the_counter_is_what_iceoryx2_would_make` compares.
+/// iceoryx2 0.10 would create it with `fchmod(0666)`, whatever the umask: any user could briefly
+/// open it for writing and truncate it (SIGBUS). It uses an existing one. The test
+/// `counter_equals_the_one_of_iceoryx2` compares both.
 fn make_counter(place: &Place) -> io::Result<()> {
     let path = counter(place);
     let mut options = File::options();
-    // As iceoryx2 does it: unreadable until it is finished, so that a half-made one is recognised.
+    // Unreadable until complete, as in iceoryx2, so that an unfinished one is recognised.
     options.write(true).create_new(true).mode(0o200);
     let mut file = match options.open(&path) {
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => return Ok(()),
@@ -71,7 +72,8 @@ fn make_counter(place: &Place) -> io::Result<()> {
     file.set_permissions(Permissions::from_mode(0o600))
 }
 
-/// SHA-1 of `iceoryx2::node::global_management_segment::State`, the type of the counter, as iceoryx2 puts it in the name.
+/// SHA-1 of `iceoryx2::node::global_management_segment::State`, the counter's type, as part of the
+/// file name.
 const COUNTER_TYPE: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5";
 
 fn counter(place: &Place) -> PathBuf {
@@ -82,7 +84,7 @@ fn counter(place: &Place) -> PathBuf {
     ))
 }
 
-/// The version of iceoryx2, a count of zero, padding.
+/// Version of iceoryx2, a count of zero, padding.
 fn counter_bytes() -> [u8; 16] {
     let mut bytes = [0; 16];
     bytes[..8].copy_from_slice(&PackageVersion::get().to_u64().to_ne_bytes());
@@ -105,7 +107,7 @@ mod tests {
             .signal_handling_mode(SignalHandlingMode::Disabled);
         let node = node.create::<Ipc>().expect("a node");
         let mut made = std::fs::read(counter(&place)).expect("iceoryx2 still names it so");
-        // It has counted one node by now.
+        // iceoryx2 has counted its node.
         assert_eq!(made[8], 1);
         made[8] = 0;
         assert_eq!(made, counter_bytes());

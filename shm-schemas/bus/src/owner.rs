@@ -1,4 +1,4 @@
-//! One daemon per bus.
+//! Exclusive ownership of a bus.
 
 use std::fmt;
 
@@ -8,18 +8,18 @@ use crate::folder::Folder;
 use crate::lock::{FileLock, OWNER_LOCK};
 use crate::name::BusName;
 
-/// The process that owns a bus.
+/// Process that owns a bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Owner {
-    /// What it took the bus as.
+    /// Its role.
     pub role: String,
-    /// Its process id.
+    /// Process id.
     pub pid: u32,
 }
 
 impl Owner {
-    /// Who owns a bus, without a lock taken or a bus joined: so also of one whose owner says nothing. `None` if nobody does, or if
-    /// it cannot be told.
+    /// The owner of a bus; `None` if there is none or it cannot be determined. Needs no lock and no
+    /// answer of the owner.
     #[must_use]
     pub fn of(bus: &BusName) -> Option<Self> {
         let folder = Folder::of(bus).ok()?;
@@ -37,7 +37,7 @@ impl fmt::Display for Owner {
     }
 }
 
-/// The right to control the robot of one bus. Keep it as long as the daemon runs; it ends with the process.
+/// Exclusive right to control the robot of one bus. Ends on drop or with the process.
 #[derive(Debug)]
 pub struct OwnerLock {
     pub(crate) folder: Folder,
@@ -45,7 +45,7 @@ pub struct OwnerLock {
 }
 
 impl OwnerLock {
-    /// Takes the bus, before anything else is opened on it. Does not wait.
+    /// Takes the bus without waiting. Call before opening anything on it.
     ///
     /// # Errors
     /// [`BusError::Owned`], naming the owner, if there is one.

@@ -1,4 +1,4 @@
-//! Who is on a bus.
+//! Peers on a bus.
 
 use std::fmt;
 
@@ -11,14 +11,14 @@ use crate::node::Ipc;
 use crate::place::Place;
 use crate::shortage;
 
-/// Someone on the bus.
+/// Process or thread on the bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Peer {
-    /// The role it opened the bus with; empty if unknown.
+    /// Role it opened the bus with; empty if unknown.
     pub role: String,
-    /// Its process id; 0 if unknown.
+    /// Process id; 0 if unknown.
     pub pid: u32,
-    /// False once it died and until someone [cleans up](crate::Bus::clean_dead).
+    /// False between its death and the next [clean-up](crate::Bus::clean_dead).
     pub alive: bool,
 }
 
@@ -29,7 +29,6 @@ impl fmt::Display for Peer {
 }
 
 impl Peer {
-    /// Everyone on the bus.
     pub(crate) fn list(place: &Place, config: &Config) -> Result<Vec<Self>, BusError> {
         let mut peers = Vec::new();
         let listed = Node::<Ipc>::list(config, |state| {
@@ -46,7 +45,7 @@ impl Peer {
         }
     }
 
-    /// The one with this id; `None` if it is gone.
+    /// The peer with this id, if it exists.
     pub(crate) fn find(config: &Config, id: UniqueNodeId) -> Option<Self> {
         Node::<Ipc>::state_of(config, id)
             .ok()
@@ -58,7 +57,7 @@ impl Peer {
         let (details, alive) = match state {
             NodeState::Alive(view) => (view.details().as_ref(), true),
             NodeState::Dead(view) => (view.details().as_ref(), false),
-            // Cannot be examined, so it may be alive.
+            // Inaccessible nodes may be alive.
             NodeState::Inaccessible(_) => (None, true),
             NodeState::Undefined(_) => (None, false),
         };

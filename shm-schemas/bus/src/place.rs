@@ -1,8 +1,8 @@
-//! The place of a bus: its folder, and what its names in `/dev/shm` begin with.
+//! Location of a bus: its folder and the prefix of its names in `/dev/shm`.
 //!
-//! `/dev/shm` belongs to everybody: any user may make files there and read the names of ours. So the prefix is drawn at
-//! random for each life of the bus and kept in the private folder. Nobody can prepare a file for it, and what a stranger
-//! makes under it later is no part of the bus: it is neither opened nor counted.
+//! In `/dev/shm` any user can create files and list names. Each life of the bus therefore draws a
+//! random prefix and keeps it in the private folder. No other user can create a file in advance;
+//! one created later is neither opened nor counted.
 
 use std::ffi::OsStr;
 use std::fs::{self, Metadata, OpenOptions};
@@ -19,19 +19,19 @@ use crate::folder::{Folder, SHM, entries_named};
 use crate::name::BusName;
 use crate::user::uid;
 
-/// File in the bus's folder that holds the prefix.
+/// File in the bus's folder that contains the prefix.
 pub(crate) const PREFIX: &str = "prefix";
 
-/// The place of one bus, for as long as it lives.
+/// Location of one bus during one life.
 #[derive(Clone, Debug)]
 pub(crate) struct Place {
     pub(crate) folder: Folder,
-    /// What every name of the bus in `/dev/shm` begins with.
+    /// Prefix of all names of the bus in `/dev/shm`.
     pub(crate) prefix: String,
 }
 
 impl Place {
-    /// The place whose prefix stands in the folder, if one does. Call under the start-up lock only.
+    /// The location stored in the folder, if any. Call under the start-up lock only.
     pub(crate) fn read(folder: &Folder) -> Result<Option<Self>, BusError> {
         let path = folder.path.join(PREFIX);
         match fs::read_to_string(&path) {
@@ -44,10 +44,11 @@ impl Place {
         }
     }
 
-    /// A place with a new prefix. Call under the start-up lock only, when nobody is on the bus.
+    /// Draws and stores a new prefix. Call under the start-up lock only, when no process is on the
+    /// bus.
     pub(crate) fn draw(folder: &Folder) -> Result<Self, BusError> {
         let prefix = format!("{}_{:016x}_", folder.bus, nonce());
-        // A name of its own first: a file that is there is whole, whenever its maker is killed.
+        // Writes to a temporary name first, so that the final file is always complete.
         let (path, new) = (folder.path.join(PREFIX), folder.path.join("prefix.new"));
         write(&new, &prefix)
             .and_then(|()| fs::rename(&new, &path))
@@ -66,7 +67,7 @@ impl Place {
         &self.folder.path
     }
 
-    /// iceoryx2's settings for this place.
+    /// iceoryx2's settings for this location.
     pub(crate) fn config(&self) -> Result<Config, BusError> {
         let why = |e| BusError::UnsafeRoot {
             path: self.root().to_owned(),
@@ -79,12 +80,12 @@ impl Place {
         Ok(config)
     }
 
-    /// Everything of this bus in `/dev/shm`.
+    /// All files of this bus in `/dev/shm`.
     pub(crate) fn shared_memory(&self) -> impl Iterator<Item = (PathBuf, Metadata)> + use<> {
         self.named().filter(|(_, meta)| is_ours(meta))
     }
 
-    /// What a stranger put under our names into `/dev/shm`.
+    /// Path and owner of a foreign file in `/dev/shm` with the bus's prefix.
     pub(crate) fn squatted(&self) -> Option<(PathBuf, u32)> {
         let stranger = self.named().find(|(_, meta)| !is_ours(meta));
         stranger.map(|(path, meta)| (path, meta.uid()))

@@ -1,4 +1,4 @@
-//! The writing side of a stream.
+//! Write port of a stream.
 
 use std::fmt;
 
@@ -19,25 +19,25 @@ use crate::refusal::{loan_text, send_text};
 use crate::shortage::{require_space, require_stack};
 use crate::stream::{Factory, PATTERN, known, on_degradation};
 
-/// Writes one stream.
+/// Writer of one stream.
 pub struct Publisher<T: Payload> {
     port: IoxPublisher<Ipc, T, ()>,
     stream: &'static Stream,
 }
 
 impl Bus {
-    /// Begins to write a stream of the table [`crate::STREAMS`].
+    /// Opens a writer of a stream in [`crate::STREAMS`].
     ///
     /// # Errors
-    /// [`BusError::Taken`], naming the process, if the stream has its writer already; [`BusError::NoSpace`] if
-    /// `/dev/shm` is too full.
+    /// [`BusError::Taken`], naming the process, if the stream has its writer already;
+    /// [`BusError::NoSpace`] if `/dev/shm` is too full.
     pub fn publisher<T: Payload>(&self, service: &str) -> Result<Publisher<T>, BusError> {
         let stream = known::<T>(service)?;
         require_stack(stream.service)?;
         self.make_publisher(stream)
     }
 
-    /// Not inlined, so that its stack is only taken after [`require_stack`].
+    /// Not inlined: uses its stack after [`require_stack`].
     #[inline(never)]
     fn make_publisher<T: Payload>(
         &self,
@@ -71,7 +71,8 @@ fn create_publisher<T: Payload>(
     factory: &Factory<T>,
     realtime: Realtime,
 ) -> Result<IoxPublisher<Ipc, T, ()>, PublisherCreateError> {
-    // Streams overflow, so there is no back-pressure; should a peer misbehave, its payload is lost, not our time.
+    // Streams overflow, so there is no back-pressure. If a peer misbehaves, the payload is
+    // discarded without delay.
     let builder = factory.publisher_builder().max_loaned_samples(1);
     let builder = builder.backpressure_strategy(BackpressureStrategy::DiscardData);
     let degraded = on_degradation(realtime);
@@ -93,7 +94,7 @@ impl<T: Payload> Publisher<T> {
         self.delivered(sample.write_payload(*payload).send())
     }
 
-    /// Fills a payload, zero at first, where the readers will find it, and sends it. Never waits.
+    /// Fills a zeroed payload in place and sends it. Never waits.
     ///
     /// # Errors
     /// As [`Publisher::send`].
@@ -107,7 +108,8 @@ impl<T: Payload> Publisher<T> {
         self.delivered(sample.send())
     }
 
-    /// Lets readers that joined since the last payload have the history now. Only streams with long pauses need it.
+    /// Delivers the history to readers that joined since the last payload. Needed by streams with
+    /// long pauses.
     ///
     /// # Errors
     /// [`BusError::Send`] if a reader cannot be reached.

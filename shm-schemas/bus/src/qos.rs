@@ -1,8 +1,9 @@
-//! How each stream is carried: one line per service, the same in every process.
+//! Settings of each stream: one row per service, identical in every process.
 //!
-//! All streams overflow safely: a slow reader loses the oldest payloads, a writer never waits. The streams of the
-//! 1 kHz loop have a small, closed set of peers, because a peer that joins or leaves costs the others a memory map
-//! inside their next call (up to 481 µs measured); observers read what the daemon's non-real-time side publishes.
+//! All streams overflow safely: a slow reader loses the oldest payloads, a writer never waits. The
+//! streams of the 1 kHz loop have few peers: one that joins or leaves causes a memory map in the
+//! others' next call (up to 481 µs measured). Observers read the streams of the daemon's
+//! non-real-time side.
 
 use std::mem::size_of;
 
@@ -13,30 +14,30 @@ use shm_schemas::{
     View, WheelCommands, WorldTruth,
 };
 
-/// How one publish-subscribe service is carried.
+/// Settings of one publish-subscribe service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
-    /// Name of the service.
+    /// Service name.
     pub service: &'static str,
     /// Type name of its payload.
     pub payload: &'static str,
-    /// Payloads that wait for a reader; more, and the oldest are lost.
+    /// Capacity of a reader's buffer, payloads; the oldest are lost on overflow.
     pub buffer: usize,
-    /// Newest payloads that a reader who joins later still gets.
+    /// Number of past payloads delivered to a reader that joins.
     pub history: usize,
-    /// Most writers at a time.
+    /// Maximum number of writers.
     pub publishers: usize,
-    /// Most readers at a time.
+    /// Maximum number of readers.
     pub subscribers: usize,
     /// Size of one payload, bytes.
     pub payload_bytes: usize,
 }
 
-/// Samples a reader holds at a time while it looks for the newest.
+/// Maximum number of samples that a reader borrows at once.
 pub const BORROWED: usize = 2;
-/// Nodes beyond the peers: dead ones keep their place until someone cleans up. Ours.
+/// Nodes beyond the peers, because a dead node keeps its slot until a clean-up. Design choice.
 const SPARE_NODES: usize = 4;
-/// iceoryx2's header before each payload, bytes, rounded up.
+/// iceoryx2's header of each payload, bytes, rounded up.
 const HEADER_BYTES: usize = 128;
 
 const fn stream<T: Payload>(
@@ -56,13 +57,15 @@ const fn stream<T: Payload>(
     }
 }
 
-/// Every stream: service, `[buffer, history]`, `[publishers, subscribers]`.
+/// All streams: service, `[buffer, history]`, `[publishers, subscribers]`.
 ///
-/// Frames wait 256 deep, so that a reader that was not scheduled for a quarter of a second sees every frame; commands 4
-/// deep, because an old command is worth nothing; targets 16 deep and not kept, because a reader that comes later has no use for
-/// them; reports 256 deep, for readers that wake a few times a second; events 1024
-/// deep and kept, so that a reader that comes when a task has ended sees the whole of it;
-/// recorded inputs 288 deep for one recorder, which looks every millisecond, because a replay needs every one of them.
+/// Buffers:
+/// * frames 256: a reader that is not scheduled for a quarter of a second still gets every frame
+/// * commands 4: an old command is useless
+/// * targets 16, without history: a later reader cannot use them
+/// * reports 256: for readers that wake a few times per second
+/// * events 1024, with history: a reader that joins after a task gets all its events
+/// * recorded inputs 288: one recorder polls every millisecond, and a replay needs every input
 pub const STREAMS: [Stream; 18] = [
     stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
     stream::<HandFrame>(at::HAND_FRAME[1], [256, 1], [1, 4]),
@@ -85,20 +88,20 @@ pub const STREAMS: [Stream; 18] = [
 ];
 
 impl Stream {
-    /// The line for a service and its payload.
     pub(crate) fn of<T: Payload>(service: &str) -> Option<&'static Self> {
         STREAMS
             .iter()
             .find(|line| line.service == service && line.payload == T::TYPE_NAME)
     }
 
-    /// Most processes that may have the service open.
+    /// Maximum number of processes that have the service open.
     #[must_use]
     pub const fn nodes(&self) -> usize {
         self.publishers + self.subscribers + SPARE_NODES
     }
 
-    /// Shared memory of one publisher: every sample that can be waiting, borrowed, remembered or in the making.
+    /// Shared memory of one publisher, bytes: all samples that can be queued, borrowed, kept as
+    /// history or being written.
     pub(crate) fn publisher_bytes(&self) -> usize {
         let samples = self.subscribers * (self.buffer + BORROWED) + self.history + 1;
         samples * (self.payload_bytes + HEADER_BYTES)

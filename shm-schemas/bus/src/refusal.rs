@@ -1,4 +1,4 @@
-//! What lies behind a refusal of iceoryx2.
+//! Classification of iceoryx2's errors.
 
 use std::fmt;
 
@@ -17,23 +17,23 @@ use iceoryx2::service::builder::request_response::{
 use iceoryx2::service::port_factory::client::ClientCreateError;
 use iceoryx2::service::port_factory::server::ServerCreateError;
 
-/// What lies behind a refusal of iceoryx2.
+/// Class of an iceoryx2 error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Cause {
-    /// It may pass when others finish what they are doing.
+    /// May disappear when other processes finish their set-up.
     Transient,
-    /// All places are taken, some of them perhaps by the dead.
+    /// All slots are taken, some of them perhaps by dead nodes.
     NoPlace,
-    /// It will not pass.
+    /// Does not disappear on a retry.
     Permanent,
 }
 
-/// An error of iceoryx2.
+/// Error of iceoryx2.
 pub(crate) trait Refusal: fmt::Debug {
     fn cause(&self) -> Cause;
 }
 
-/// Texts instead of formatting, because these errors can arise on a tick.
+/// Static texts, because these errors can arise in a tick, where formatting is not allowed.
 pub(crate) fn send_text(error: SendError) -> &'static str {
     match error {
         SendError::LoanError(error) => loan_text(error),

@@ -1,13 +1,14 @@
-//! What killed processes leave behind, and how it goes away.
+//! Removal of the files that killed processes leave behind.
 //!
-//! * **Dead nodes** hold places at services: [`crate::clean`] removes them.
-//! * **Half-made files**: a process killed between creating and finishing a file leaves it empty or unreadable.
-//!   iceoryx2 0.10 waits for such a file to be finished, for an empty shared memory without end. [`sweep`] removes
-//!   them. It runs under the start-up lock, so nobody of ours can be making them.
-//! * **Half-made services**: a description without its shared memory, or one whose last user died while removing it.
-//!   They are recognised by the error they give: [`crate::member::Member::open_despite_remains`] has them removed and
-//!   makes them again.
-//! * **Nobody left**: the first process on a bus begins on clean ground: [`clear`].
+//! * **Dead nodes** keep slots of services: [`crate::clean`] removes them.
+//! * **Unfinished files**: a process killed while it creates a file leaves it empty or unreadable.
+//!   iceoryx2 0.10 waits for its completion, for empty shared memory without end.
+//!   [`sweep`] removes them under the start-up lock, so no process of the bus can be
+//!   creating them.
+//! * **Unfinished services**: a description without its shared memory, or one whose last user died
+//!   while removing it. They are recognised by their error;
+//!   [`crate::member::Member::open_despite_remains`] removes and recreates them.
+//! * **Empty bus**: the first process on a bus removes everything: [`clear`].
 
 use std::fs::{self, Metadata};
 use std::os::unix::fs::MetadataExt;
@@ -23,11 +24,11 @@ use crate::lock::{OWNER_LOCK, STARTUP_LOCK};
 use crate::place::{PREFIX, Place};
 use crate::stop::STOP_SOCKET;
 
-/// A file that is still unfinished after this time has no maker. Processes of ours are excluded by the lock; this is
-/// for peers in other languages, which finish a file within some 100 µs. Ours.
+/// Time after which an unfinished file counts as abandoned. The lock excludes Rust processes; peers
+/// in other languages finish a file within about 100 µs. Design choice.
 const UNFINISHED: Duration = Duration::from_millis(20);
 
-/// Removes half-made files. Call under the start-up lock only.
+/// Removes unfinished files. Call under the start-up lock only.
 pub(crate) fn sweep(place: &Place) {
     let suspects: Vec<PathBuf> = half_made(place).collect();
     if suspects.is_empty() {
@@ -46,16 +47,16 @@ fn half_made(place: &Place) -> impl Iterator<Item = PathBuf> {
     place.shared_memory().chain(services).filter_map(unfinished)
 }
 
-/// iceoryx2 gives a file its size before its content and the owner's right to read when it is finished.
+/// iceoryx2 sets the size before the content, and the owner's read permission at the end.
 fn is_half_made(meta: &Metadata) -> bool {
     meta.is_file() && (meta.len() == 0 || meta.mode() & 0o400 == 0)
 }
 
-/// What belongs to the bus and not to a life of it: the daemon holds some of it before it joins.
+/// Files that survive a restart of the bus: the daemon opens some of them before it joins.
 const LASTING: [&str; 4] = [OWNER_LOCK, STARTUP_LOCK, PREFIX, STOP_SOCKET];
 
-/// Removes everything but what is [`LASTING`]; returns how many entries. Call under the start-up lock, when nobody is
-/// alive.
+/// Removes everything except [`LASTING`]; returns the number of entries. Call under the start-up
+/// lock, when no peer is alive.
 pub(crate) fn clear(place: &Place) -> usize {
     let lasts = |path: &Path| LASTING.iter().any(|name| path.ends_with(name));
     let files = entries(place.root())
@@ -65,7 +66,7 @@ pub(crate) fn clear(place: &Place) -> usize {
     files.chain(memory).filter(|path| remove(path)).count()
 }
 
-/// Removes a file or a folder with all that is in it; links are not followed.
+/// Removes a file, or a folder with its content; links are not followed.
 pub(crate) fn remove(path: &Path) -> bool {
     let removed = match fs::symlink_metadata(path) {
         Ok(meta) if meta.is_dir() => fs::remove_dir_all(path),
@@ -77,7 +78,8 @@ pub(crate) fn remove(path: &Path) -> bool {
     removed.is_ok()
 }
 
-/// Removes the description of a service that nobody can open. Call under the start-up lock only.
+/// Removes the description of a service that no process can open. Call under the start-up lock
+/// only.
 pub(crate) fn forget_service(place: &Place, service: &str, pattern: MessagingPattern) {
     type Hasher = <ipc::Service as Service>::ServiceNameHasher;
     let Ok(name) = ServiceName::new(service) else {

@@ -1,4 +1,4 @@
-//! The serving side of an exchange.
+//! Server side of a request-response service.
 
 use std::fmt;
 
@@ -18,13 +18,12 @@ use crate::node::Ipc;
 use crate::refusal::{loan_text, send_text};
 use crate::shortage::{require_space, require_stack};
 
-/// The serving side.
 pub(crate) struct Server<Q: Payload, A: Payload> {
     port: IoxServer<Ipc, Q, (), A, ()>,
     service: &'static str,
 }
 
-/// One request at the serving side. Dropping it ends the exchange.
+/// Open request at the server. Dropping it ends the exchange.
 pub(crate) struct Request<Q: Payload, A: Payload> {
     request: ActiveRequest<Ipc, Q, (), A, ()>,
     service: &'static str,
@@ -39,7 +38,7 @@ impl Bus {
         self.make_server(exchange)
     }
 
-    /// Not inlined, so that its stack is only taken after [`require_stack`].
+    /// Not inlined: uses its stack after [`require_stack`].
     #[inline(never)]
     fn make_server<Q: Payload, A: Payload>(
         &self,
@@ -117,12 +116,12 @@ impl<Q: Payload, A: Payload> Request<Q, A> {
             .map_err(|e| failed(send_text(e)))
     }
 
-    /// Whether the client asked for an end.
+    /// Returns true if the client requested an end.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.request.has_disconnect_hint()
     }
 
-    /// Whether the client still listens. A killed client counts as listening until someone cleans up.
+    /// Returns true while the client waits. A killed client counts as waiting until a clean-up.
     pub(crate) fn is_awaited(&self) -> bool {
         self.request.is_connected()
     }

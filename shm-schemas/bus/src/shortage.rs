@@ -1,4 +1,5 @@
-//! The true cause of a refusal: iceoryx2 says `InternalError` of much that the operating system said clearly.
+//! Resource checks: find the real cause when iceoryx2 returns `InternalError` for an error of the
+//! operating system.
 
 use std::fs::File;
 use std::io;
@@ -12,17 +13,18 @@ use crate::folder::SHM;
 use crate::place::Place;
 use crate::user::User;
 
-/// Free room in `/dev/shm` beyond the payloads: connections, service descriptions, growth of others. Ours.
+/// Free space in `/dev/shm` beyond the payloads, for connections, service descriptions and other
+/// processes. Design choice.
 const RESERVE_BYTES: u64 = 4 << 20;
-/// Descriptors that opening a service may need at a time; a publisher with many readers holds one for each. Ours.
+/// Descriptors that opening a service may need; a publisher needs one per reader. Design choice.
 const DESCRIPTORS: usize = 24;
-/// Files that opening a service may need to make. Ours.
+/// Files that opening a service may create. Design choice.
 const INODES: u64 = 16;
-/// Stack that must be left: opening a service puts the largest payloads on it several times over when nothing is
-/// optimised. `tests/shortage.rs` tries the sizes around it. Ours.
+/// Stack needed to open a service: unoptimised code copies the largest payloads several times.
+/// `tests/shortage.rs` runs smaller and larger stacks. Design choice.
 const STACK_BYTES: usize = 512 << 10;
 
-/// The error for a refusal of iceoryx2: what is short, else who stands in the way, else iceoryx2's own words.
+/// The error for a refusal of iceoryx2: a shortage, else a foreign file, else iceoryx2's message.
 pub(crate) fn explain(place: &Place, what: &'static str, why: String) -> BusError {
     if let Some(why) = find(place) {
         return BusError::Short { what, why };
@@ -45,7 +47,7 @@ pub(crate) fn explain(place: &Place, what: &'static str, why: String) -> BusErro
     }
 }
 
-/// What this process or this machine is short of, in words, with what to do.
+/// Description of the resource that is short, with the remedy.
 pub(crate) fn find(place: &Place) -> Option<String> {
     no_descriptors()
         .or_else(|| no_room(Path::new(SHM)))
@@ -71,7 +73,7 @@ fn no_descriptors() -> Option<String> {
 fn no_room(folder: &Path) -> Option<String> {
     let stat = rustix::fs::statvfs(folder).ok()?;
     let (free, place) = (free_bytes(&stat), folder.display());
-    // A file system that does not count its inodes says that it has none at all.
+    // A file system that does not count inodes reports a total of zero.
     if stat.f_files > 0 && stat.f_favail < INODES {
         return Some(format!(
             "{place} has {} inodes free and {INODES} are needed; remove files there, or mount it with more",
@@ -90,7 +92,8 @@ fn free_bytes(stat: &StatVfs) -> u64 {
     stat.f_bavail.saturating_mul(stat.f_frsize)
 }
 
-/// Refuses when `/dev/shm` has no room for so many bytes and the reserve: the kernel would kill us later (SIGBUS).
+/// Rejects if `/dev/shm` lacks space for `bytes` plus the reserve: a later access would raise
+/// SIGBUS.
 pub(crate) fn require_space(what: &'static str, bytes: usize) -> Result<(), BusError> {
     let needed = bytes as u64 + RESERVE_BYTES;
     let shm = Path::new(SHM);
@@ -106,7 +109,7 @@ pub(crate) fn require_space(what: &'static str, bytes: usize) -> Result<(), BusE
     })
 }
 
-/// Refuses when the stack of this thread is too small: it would overflow (SIGSEGV).
+/// Rejects if the stack of this thread is too small: it would overflow (SIGSEGV).
 pub(crate) fn require_stack(what: &'static str) -> Result<(), BusError> {
     match stacker::remaining_stack() {
         Some(free) if free < STACK_BYTES => Err(BusError::Short {

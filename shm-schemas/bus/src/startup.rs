@@ -1,4 +1,4 @@
-//! The start-up lock: one process at a time sets something up.
+//! Start-up lock: serialises set-up on a bus.
 
 use std::time::{Duration, Instant};
 
@@ -6,21 +6,19 @@ use crate::error::BusError;
 use crate::folder::Folder;
 use crate::lock::{FileLock, Holder, STARTUP_LOCK};
 
-/// How long to wait for another process's start-up. A start-up takes some milliseconds; ours.
+/// Time limit for another process's start-up, which takes a few milliseconds. Design choice.
 const WAIT: Duration = Duration::from_secs(2);
-/// Pause between two attempts.
 const POLL: Duration = Duration::from_millis(1);
 
-/// The lock under which nodes, services and ports of a bus are set up.
+/// Lock for creating nodes, services and ports of a bus.
 ///
-/// It makes start-up free of races, and it proves that what is half-made was left by a killed process.
+/// It excludes races, and it proves that an unfinished file was left by a killed process.
 #[derive(Debug)]
 pub(crate) struct StartupLock {
     _lock: FileLock,
 }
 
 impl StartupLock {
-    /// Waits for the lock.
     pub(crate) fn take(folder: &Folder, role: &str) -> Result<Self, BusError> {
         let begin = Instant::now();
         loop {
@@ -39,7 +37,6 @@ impl StartupLock {
         }
     }
 
-    /// The lock, if nobody has it.
     pub(crate) fn try_take(folder: &Folder, role: &str) -> Result<Option<Self>, BusError> {
         Ok(Self::attempt(folder, role)?.ok())
     }

@@ -1,4 +1,4 @@
-//! Streams: opening one line of the table.
+//! Opening of streams.
 
 use iceoryx2::port::DegradationAction;
 use iceoryx2::prelude::{MessagingPattern, ServiceName};
@@ -38,7 +38,6 @@ impl Member {
     }
 }
 
-/// The line of the table.
 pub(crate) fn known<T: Payload>(service: &str) -> Result<&'static Stream, BusError> {
     let unknown = || BusError::Unknown {
         service: service.to_owned(),
@@ -47,7 +46,7 @@ pub(crate) fn known<T: Payload>(service: &str) -> Result<&'static Stream, BusErr
     Stream::of::<T>(service).ok_or_else(unknown)
 }
 
-/// A peer that cannot be reached is logged, but not on a tick.
+/// Unreachable peers are logged, except on real-time threads.
 pub(crate) fn on_degradation(realtime: Realtime) -> DegradationAction {
     match realtime {
         Realtime::Yes => DegradationAction::Ignore,

@@ -1,4 +1,4 @@
-//! The reading side of a stream.
+//! Read port of a stream.
 
 use std::fmt;
 
@@ -13,24 +13,25 @@ use crate::qos::Stream;
 use crate::shortage::{require_space, require_stack};
 use crate::stream::{Factory, PATTERN, known, on_degradation};
 
-/// Reads one stream.
+/// Reader of one stream.
 pub struct Subscriber<T: Payload> {
     port: IoxSubscriber<Ipc, T, ()>,
     stream: &'static Stream,
 }
 
 impl Bus {
-    /// Begins to read a stream of the table [`crate::STREAMS`]. The writer need not exist yet, and may come and go.
+    /// Opens a reader of a stream in [`crate::STREAMS`]. Writers may start and end at any time.
     ///
     /// # Errors
-    /// [`BusError::Full`] if all places for readers are taken; [`BusError::NoSpace`] if `/dev/shm` is too full.
+    /// [`BusError::Full`] if all reader slots are taken; [`BusError::NoSpace`] if `/dev/shm` is too
+    /// full.
     pub fn subscriber<T: Payload>(&self, service: &str) -> Result<Subscriber<T>, BusError> {
         let stream = known::<T>(service)?;
         require_stack(stream.service)?;
         self.make_subscriber(stream)
     }
 
-    /// Not inlined, so that its stack is only taken after [`require_stack`].
+    /// Not inlined: uses its stack after [`require_stack`].
     #[inline(never)]
     fn make_subscriber<T: Payload>(
         &self,
@@ -65,14 +66,14 @@ fn create_subscriber<T: Payload>(
 }
 
 impl<T: Payload> Subscriber<T> {
-    /// Copies the newest payload that waits into `out` and drops the older ones. False, and `out` unchanged, if none
-    /// waits. Never waits, never allocates.
+    /// Copies the newest payload into `out` and drops older ones. Returns false, with `out`
+    /// unchanged, if there is none. Never waits, never allocates.
     ///
     /// # Errors
     /// [`BusError::Receive`] if the shared memory of a writer cannot be read.
     pub fn newest(&mut self, out: &mut T) -> Result<bool, BusError> {
         let mut newest = None;
-        // Bounded, because a writer that floods must not keep the reader here.
+        // Bounded, so that a flooding writer cannot block the reader.
         for _ in 0..self.capacity() {
             match self.port.receive().map_err(|e| self.unreceived(&e))? {
                 Some(sample) => newest = Some(sample),
@@ -82,8 +83,8 @@ impl<T: Payload> Subscriber<T> {
         Ok(newest.map(|sample| *out = *sample).is_some())
     }
 
-    /// Shows at most `max` waiting payloads to `each`, oldest first, and drops them. Returns how many. Never waits,
-    /// never allocates.
+    /// Passes at most `max` payloads to `each`, oldest first, and drops them. Returns their number.
+    /// Never waits, never allocates.
     ///
     /// # Errors
     /// [`BusError::Receive`] if the shared memory of a writer cannot be read.
@@ -97,14 +98,13 @@ impl<T: Payload> Subscriber<T> {
         Ok(max)
     }
 
-    /// Whether a payload waits, without taking it. A writer that cannot be read has nothing to offer. Never waits, never
+    /// Returns true if a payload is waiting; false if the writer cannot be read. Never waits, never
     /// allocates.
     #[must_use]
     pub fn has_news(&self) -> bool {
         self.port.has_samples().unwrap_or(false)
     }
 
-    /// Most payloads that can wait.
     fn capacity(&self) -> usize {
         self.stream.buffer * self.stream.publishers
     }

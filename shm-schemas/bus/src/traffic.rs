@@ -1,4 +1,4 @@
-//! How many write and read a stream, for people who look at the bus itself.
+//! Numbers of writers and readers of a stream, for diagnosis.
 
 use iceoryx2::prelude::ServiceName;
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError as OpenError;
@@ -16,18 +16,18 @@ use crate::qos::Stream;
 /// Ports that are open on a stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Who writes.
+    /// Number of writers.
     pub writers: usize,
-    /// Who reads.
+    /// Number of readers.
     pub readers: usize,
 }
 
 impl Bus {
-    /// Counts who writes and reads a stream, without becoming one of them and without making it. Nobody, if nobody ever
-    /// opened it.
+    /// Counts writers and readers of a stream without opening a port or creating the service. Zero
+    /// if it does not exist.
     ///
     /// # Errors
-    /// It cannot be looked at: a peer of another version has it open.
+    /// [`BusError::Open`] if a peer of another version has the stream open.
     pub fn traffic(&self, stream: &'static Stream) -> Result<Traffic, BusError> {
         macro_rules! count {
             ($($payload:ident)*) => {

@@ -1,12 +1,11 @@
-//! Who owns what.
+//! Users of the operating system.
 
 use std::fmt;
 
-/// A user of the machine; prints as its name, or as its number if it has none.
+/// User of the machine; prints its name, or its number if it has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct User(pub(crate) u32);
 
-/// The user of this process.
 pub(crate) fn uid() -> u32 {
     rustix::process::geteuid().as_raw()
 }

@@ -1,4 +1,4 @@
-//! What sending and receiving allocate: the tick depends on it.
+//! Allocations of sending and receiving; the tick depends on these counts.
 
 use allocation_counter::measure;
 use shm_bus::{Bus, FreshBus, Realtime};

@@ -1,4 +1,4 @@
-//! What killed processes leave does not hinder the next ones (fault F51).
+//! Leftovers of killed processes do not disturb later processes (fault F51).
 
 mod common;
 
@@ -16,7 +16,7 @@ fn open(bus: &BusName, role: &str) -> Bus {
     Bus::open(bus, role, Realtime::No).expect("the bus opens")
 }
 
-/// A daemon's start-up, as far as the bus is concerned.
+/// Opens the bus as a daemon does at start-up.
 fn start_daemon(name: &BusName) -> impl Sized + use<> {
     let owner = OwnerLock::take(name, "atasd").expect("sole owner");
     let bus = open(name, "atasd");
@@ -31,7 +31,6 @@ fn start_daemon(name: &BusName) -> impl Sized + use<> {
     (owner, bus, command, status, goals, control)
 }
 
-/// What the peer processes do.
 #[test]
 fn peer() {
     let Some((role, name)) = peer_role() else {
@@ -57,7 +56,8 @@ fn peer() {
     }
 }
 
-/// Kills daemons at many moments of their start-up; each time the next one must start and be heard.
+/// Kills daemons at many moments of their start-up; each time the next daemon must start and
+/// `check` must pass.
 fn kill_during_startup(name: &BusName, mut heard: impl FnMut()) {
     for step in 0..24 {
         let daemon = Peer::spawn(name, "daemon");
@@ -85,7 +85,7 @@ fn start_up_survives_kills_with_an_observer_attached() {
     let client = bus.control_client().expect("client");
     kill_during_startup(&name, || {
         commands.drain(4, |_| {}).expect("read");
-        // The server exists, though it does not answer.
+        // The server exists but does not answer.
         let unanswered = client
             .call(&Default::default(), Duration::ZERO)
             .expect_err("no answer");
@@ -113,19 +113,18 @@ fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
         .collect()
 }
 
-/// Shared memory of a bus.
 fn memory(name: &BusName, ending: &str) -> Vec<PathBuf> {
     let mut all = files(Path::new("/dev/shm"), ending);
     all.retain(|path| path.to_string_lossy().contains(&format!("/{name}_")));
     all
 }
 
-/// Puts a bus, on which an observer lives, into a state that a kill at the wrong moment leaves, and starts a daemon.
+/// Damages a bus with an observer as a kill at the wrong moment would, and starts a daemon.
 fn check_recovery(label: &str, spoil: impl FnOnce(&BusName, &Path)) {
     let name = FreshBus::new(label);
     let observer = open(&name, "observer");
     {
-        // Makes the service, so that there is something to spoil; the daemon is the one who opens it again.
+        // Creates the service to damage; the next daemon opens it again.
         let maker = Peer::start(&name, "daemon");
         spoil(&name, observer.folder());
         maker.kill();
@@ -191,7 +190,7 @@ fn garbled_descriptions_are_made_again() {
     });
 }
 
-/// Without the notes this fails: the places of the killed daemon are then lost until the observer leaves.
+/// Fails without the tag backup: the killed daemon's slots are then lost until the observer leaves.
 #[test]
 fn places_are_not_lost_when_a_cleaner_is_killed() {
     let name = FreshBus::new("cleaner");
@@ -208,7 +207,7 @@ fn places_are_not_lost_when_a_cleaner_is_killed() {
         .find(|path| path.is_dir() && !before.contains(path))
         .expect("a node");
     daemon.kill();
-    // Where a cleaner has removed the tags and dies before it gives the places back.
+    // State after a cleaner removed the tags and died before releasing the slots.
     let notes = observer
         .folder()
         .join("cleaning")

@@ -1,4 +1,4 @@
-//! Goals and control: the round trip, and what happens when one side goes away.
+//! Goals and control requests: round trip, and behaviour when one side ends.
 
 mod common;
 
@@ -43,7 +43,6 @@ fn take(server: &GoalServer) -> ActiveGoal {
     taken.expect("a goal")
 }
 
-/// What the peer processes do.
 #[test]
 fn peer() {
     let Some((role, name)) = peer_role() else {
@@ -176,7 +175,7 @@ fn a_killed_client_is_noticed_after_cleaning_up() {
     client.kill();
     until("the client is gone", || {
         bus.clean_dead();
-        // Taking requests is what makes the server look at its connections.
+        // The server updates its connections when it polls.
         server.poll().expect("polled");
         !active.client_alive()
     });

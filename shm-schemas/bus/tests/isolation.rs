@@ -1,4 +1,4 @@
-//! A bus is alone: other buses, other users and iceoryx2's own defaults stay out of it.
+//! Isolation of a bus from other buses, other users and iceoryx2's defaults.
 
 mod common;
 
@@ -90,8 +90,8 @@ fn wiping_leaves_nothing_and_spares_the_living() {
     Bus::wipe(&name).expect("an empty bus is wiped as well");
 }
 
-/// A feature of a dependency is chosen in the manifests of the workspace, so these are what is looked at; the test
-/// above looks at what iceoryx2 then does.
+/// Checks the workspace's manifests, which select the features of iceoryx2; the test above checks
+/// the resulting modes.
 #[test]
 fn the_bus_is_never_opened_to_every_user() {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
@@ -169,7 +169,7 @@ fn nothing_is_open_to_others_for_a_moment() {
     );
 }
 
-/// Runs what needs another user; as root it is `nobody`.
+/// Runs a test that needs another user (`nobody`); requires root.
 #[allow(clippy::print_stderr, reason = "a test that cannot run says so")]
 fn as_another_user(what: impl FnOnce(u32)) {
     if rustix::process::geteuid().is_root() {
@@ -184,7 +184,7 @@ fn files_of_strangers_are_no_part_of_the_bus() {
     as_another_user(|stranger| {
         let name = FreshBus::new("squat");
         let bus = open(&name, "here");
-        // What a stranger can know of a living bus: its prefix, and how iceoryx2 names things.
+        // Names that another user can derive from the prefix and iceoryx2's naming scheme.
         let squatted = ["x", "node.0_10_0.y", "z.dynamic", "1.connection", "2.data"]
             .map(|rest| Path::new("/dev/shm").join(format!("{}{rest}", bus.prefix())));
         for path in &squatted {
@@ -231,7 +231,6 @@ fn looking_at_a_bus_that_nobody_made_leaves_nothing() {
     assert_eq!(memory(&mistyped), Vec::<std::path::PathBuf>::new());
 }
 
-/// What the peer processes do.
 #[test]
 fn peer() {
     let Some((role, name)) = peer_role() else {
@@ -246,7 +245,7 @@ fn peer() {
             panic!("{error}");
         };
         assert_eq!(user, "root");
-        // Short enough for a column of a table: all of the bus's memory, not one file of it.
+        // The path names the prefix of all the bus's memory, not one file, and fits a table column.
         let (begin, drawn) = (format!("/dev/shm/{name}_"), "0123456789abcdef_*");
         let place = place.to_string_lossy();
         assert!(
@@ -255,7 +254,7 @@ fn peer() {
         );
         assert_eq!(place.len(), begin.len() + drawn.len(), "{place}");
     }
-    // Of a bus that nobody has, a stranger can only say where he may not look.
+    // For a missing bus, the error names the folders that this user may not read.
     let nowhere = BusName::fresh("nowhere");
     let absent = Bus::join(&nowhere, "stranger", Realtime::No).expect_err("no such bus");
     let told = absent.to_string();

@@ -1,5 +1,5 @@
-//! The page that tells the protocol to those who write a peer in another language: its tables are made from the schema and
-//! from the services' settings, its numbers are held to the code's.
+//! Checks that the protocol page for peers in other languages matches the code: tables and quoted
+//! numbers.
 
 use std::fmt::Write;
 
@@ -52,7 +52,7 @@ fn exchanges() -> String {
     table
 }
 
-/// The type of a field as C would write it, dimensions last.
+/// Type of a field in C notation, dimensions last.
 fn written(kind: &Type) -> String {
     let (mut kind, mut dimensions) = (kind, String::new());
     while let Type::Array(of, count) = kind {
@@ -92,7 +92,7 @@ fn payload(text: &mut String, payload: &PayloadType) {
     }
 }
 
-/// What travels on the tick's path, in goals and in requests; the C header has all.
+/// Payloads of the control loop, goals and requests; the C header contains all.
 const SHOWN: [&str; 16] = [
     "Stamp",
     "HandFrame",
@@ -142,7 +142,6 @@ fn codes() -> String {
     text
 }
 
-/// The page with its tables made anew.
 fn page() -> String {
     let mut page = PAGE.to_owned();
     let tables = [
@@ -180,7 +179,6 @@ fn the_tables_of_the_page_are_the_schemas() {
     }
 }
 
-/// Sentences of the page that quote a number of the code.
 #[test]
 fn the_page_quotes_the_numbers_of_the_code() {
     let check =

@@ -1,4 +1,4 @@
-//! A process that is short of something is told of what, and breaks nothing for the others.
+//! A process without resources gets an error that names them and does not affect other processes.
 
 mod common;
 
@@ -18,7 +18,7 @@ fn observe(name: &BusName) -> Result<(), BusError> {
     Ok(())
 }
 
-/// Lets this process have so many descriptors more than it has.
+/// Limits this process to `more` descriptors beyond those in use.
 fn allow_descriptors(more: u64) {
     let used = fs::read_dir("/proc/self/fd").expect("listed").count() as u64 - 1;
     let limit = Rlimit {
@@ -28,7 +28,6 @@ fn allow_descriptors(more: u64) {
     setrlimit(Resource::Nofile, limit).expect("below the hard limit");
 }
 
-/// What the peer processes do.
 #[test]
 fn peer() {
     let Some((role, name)) = peer_role() else {

@@ -1,4 +1,4 @@
-//! A stop gets through, whatever the bus is in.
+//! A stop request reaches the daemon in every state of the bus.
 
 mod common;
 
@@ -23,7 +23,7 @@ fn folder(name: &BusName) -> PathBuf {
     bus.folder().to_owned()
 }
 
-/// A daemon with a bus, its servers, a listener, and a tick that looks every millisecond.
+/// A daemon with a bus, its servers, a listener, and a tick that polls every millisecond.
 fn daemon(name: &BusName, ticks: bool) {
     let owner = OwnerLock::take(name, "atasd").expect("sole owner");
     let listener = Arc::new(Listener::open(&owner).expect("a listener"));
@@ -44,7 +44,6 @@ fn daemon(name: &BusName, ticks: bool) {
     }
 }
 
-/// What the peer processes do.
 #[test]
 fn peer() {
     let Some((role, name)) = peer_role() else {
@@ -67,7 +66,7 @@ fn peer() {
             check_stopped(&name, 100);
         }
         "poor" => {
-            // Every descriptor is in use, as with too many observers.
+            // Exhausts all descriptors, as too many observers would.
             let owner = OwnerLock::take(&name, "atasd").expect("sole owner");
             let listener = Listener::open(&owner).expect("a listener");
             let signal = listener.signal();
@@ -122,7 +121,6 @@ fn peer() {
     }
 }
 
-/// Leaves a file system neither a byte nor an inode.
 fn fill(folder: &Path) {
     let full = |e: io::Error| assert_eq!(e.kind(), io::ErrorKind::StorageFull, "{e}");
     let mut ballast = fs::File::create(folder.join("ballast")).expect("room for a first file");

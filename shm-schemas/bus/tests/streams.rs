@@ -28,7 +28,6 @@ fn open(bus: &BusName, role: &str) -> Bus {
     Bus::open(bus, role, Realtime::No).expect("the bus opens")
 }
 
-/// What the peer processes do.
 #[test]
 fn peer() {
     let Some((role, name)) = peer_role() else {

@@ -1,9 +1,9 @@
-//! Layouts: where a fingertip's elements sit and along which axes they feel.
+//! Sensor layouts: positions and sensing axes of the elements of a fingertip.
 //!
-//! Everything is in the tip frame: z out of the middle of the sensing face, y = u × z with u the direction that points up
-//! when the hand hangs straight down (−x of the hand), made normal to z. Its origin is the centre of a dome, and stands
-//! behind the middle of any other face by [`NamedLayout::depth_m`]. A frame on the bus carries the layout's hash; a reader with
-//! another layout refuses it.
+//! All values are in the tip frame: z points out of the centre of the sensing face, y = u × z. Here
+//! u is up for a hand that points straight down (−x of the hand), made normal to z. The origin is
+//! the centre of a dome; for any other face it is [`NamedLayout::depth_m`] behind the face centre.
+//! A frame on the bus carries the hash of its layout; readers reject a frame with another hash.
 
 use crate::capacity::ELEMENTS;
 use core::hash::Hasher;
@@ -13,7 +13,7 @@ mod named;
 
 pub use named::{Grid, Millimetres, NamedLayout, UnknownLayout};
 
-/// One fingertip's elements. The first `count` entries of each array are used.
+/// Elements of one fingertip. The first `count` entries of each array are used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Layout {
@@ -28,38 +28,42 @@ pub struct Layout {
     /// Second tangent t2 (up made normal to d) of each element, unit vectors, tip frame.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub tangent2: [[f64; 3]; ELEMENTS],
-    /// Where each element sits, tip frame, m.
+    /// Position of each element, tip frame, m.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     pub position_m: [[f64; 3]; ELEMENTS],
     /// Sensing area of one element, m².
     pub element_area_m2: f64,
 }
 
-/// Half-angle of the sensing cap of `dome-41`, rad (35°, tactile design: ours).
+/// Half-angle of the sensing cap of `dome-41`, rad (35°; design choice, tactile design).
 pub const DOME_HALF_ANGLE_RAD: f64 = 35.0 * core::f64::consts::PI / 180.0;
-/// Radius of the built-in domes, m (ours).
+/// Radius of the built-in domes, m (design choice).
 pub const DOME_RADIUS_M: f64 = 0.015;
-/// Sensing area of one element of `pad-N`, m²: taxels of commercial pads stand 4 to 5 mm apart.
+/// Sensing area of one element of `pad-N`, m². Elements of commercial pads are 4 to 5 mm apart.
 pub const PAD_ELEMENT_AREA_M2: f64 = 2.0e-5;
 /// Elements per ring of `dome-41`, from the pole outwards.
 const RINGS: [usize; 4] = [1, 7, 13, 20];
 
-/// How far from 1 the length of a direction may be: rounding in hand-written files, nothing more. Ours.
+/// Tolerance on the length of a unit vector. Design choice: rounding in hand-written files only.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Layout {
-    /// Names that observers know by their hash, beside `pad-N`: see [`NamedLayout`] for all others.
+    /// Layout names that observers recognise by hash, in addition to `pad-N`; see [`NamedLayout`]
+    /// for all others.
     pub const NAMES: [&'static str; 4] =
         ["dome-41", "dome-1", "flat-4x4-4.5", "cylinder-4x4-4.5-12"];
 
-    /// The layout with this name, see [`NamedLayout`].
+    /// Returns the layout with this name; see [`NamedLayout`].
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         name.parse().ok().map(NamedLayout::layout)
     }
 
-    /// A layout of elements with these outward normals at these places, tip frame, m. `None` if there are none or too many,
-    /// or a normal is no unit vector or points up or down, so that it leaves the tangents open, or a place is not finite.
+    /// Creates a layout from outward normals and positions, tip frame, m.
+    ///
+    /// Returns `None` if the number of elements is 0 or above [`ELEMENTS`], a position is not
+    /// finite, or a normal is no unit vector. A normal that points up or down is also rejected,
+    /// because it does not define the tangents.
     #[must_use]
     pub fn of_elements(
         elements: impl IntoIterator<Item = ([f64; 3], [f64; 3])>,
@@ -67,7 +71,7 @@ impl Layout {
     ) -> Option<Self> {
         let mut layout = Self::empty(0, element_area_m2);
         for (normal, position_m) in elements {
-            // False for NaN as well.
+            // Also false for NaN.
             let is_unit = (libm::sqrt(dot(normal, normal)) - 1.0).abs() <= UNIT_TOLERANCE;
             let leans = libm::hypot(normal[1], normal[2]) > UNIT_TOLERANCE;
             let is_somewhere = position_m.iter().all(|x| x.is_finite());
@@ -80,18 +84,19 @@ impl Layout {
         (layout.count > 0).then_some(layout)
     }
 
-    /// The paper's dome: 41 elements of equal area in rings 1+7+13+20 within a 35° cap.
+    /// Creates the dome of the paper: 41 elements of equal area in rings 1+7+13+20 within a 35°
+    /// cap.
     #[must_use]
     pub fn dome_41() -> Self {
         Self::rings(&RINGS)
     }
 
-    /// One element at the pole of the same dome.
+    /// Creates a layout of one element at the pole of the same dome.
     fn dome_1() -> Self {
         Self::rings(&RINGS[..1])
     }
 
-    /// A flat pad. Where its elements sit is not known here, so all stand at the pole.
+    /// Creates a flat pad. Element positions are unknown, so all are at the pole.
     fn pad(count: usize) -> Self {
         let mut pad = Self::empty(count, PAD_ELEMENT_AREA_M2);
         for element in 0..count {
@@ -112,8 +117,8 @@ impl Layout {
         }
     }
 
-    /// Equal-area rings: ring r of n elements lies at the polar angle that halves its share of the cap's area,
-    /// φ = 2π(i + (r mod 2)/2)/n, d = z·cosθ + sinθ(y·cosφ + u·sinφ).
+    /// Creates equal-area rings. A ring of n elements has the polar angle that halves its share of
+    /// the cap area, φ = 2π(i + (r mod 2)/2)/n for ring r, d = z·cosθ + sinθ(y·cosφ + u·sinφ).
     fn rings(rings: &[usize]) -> Self {
         let count: usize = rings.iter().sum();
         let depth = 1.0 - libm::cos(DOME_HALF_ANGLE_RAD);
@@ -137,7 +142,7 @@ impl Layout {
         layout
     }
 
-    /// Element at a place, with the tangents that belong to its normal.
+    /// Sets normal, tangents and position of an element.
     fn set(&mut self, element: usize, d: [f64; 3], position_m: [f64; 3]) {
         // With y = u × z and x = y × z, up is u = −x.
         let up = [-1.0, 0.0, 0.0];
@@ -153,8 +158,8 @@ impl Layout {
         self.position_m[element] = position_m;
     }
 
-    /// Whether every element sits on one sphere about the tip frame's origin and feels straight out of it: its place then
-    /// follows from its direction.
+    /// Returns true if all elements are on one sphere about the tip origin with radial normals. The
+    /// positions then follow from the normals.
     fn is_dome(&self) -> bool {
         let radius_m = libm::sqrt(dot(self.position_m[0], self.position_m[0]));
         let elements = self.normal.iter().zip(&self.position_m);
@@ -163,8 +168,8 @@ impl Layout {
         })
     }
 
-    /// FNV-1a 64 of the element count and of every direction, as it travels in [`crate::HandFrame::layout_hash`]; of every
-    /// place as well unless it is a dome.
+    /// Returns the FNV-1a 64 hash of element count, normals and tangents, used in
+    /// [`crate::HandFrame::layout_hash`]. Positions are included unless the layout is a dome.
     #[must_use]
     pub fn hash(&self) -> u64 {
         let tables = [
@@ -184,12 +189,13 @@ impl Layout {
     }
 }
 
-/// In micro-units: equal layouts written by other languages hash equally in spite of rounding.
+/// Rounds to micro-units, so that equal layouts of other languages have equal hashes despite
+/// rounding.
 fn micro(value: f64) -> i64 {
     libm::round(value * 1e6) as i64
 }
 
-/// The direction at a polar angle from z and an azimuth from y towards up.
+/// Returns the direction at a polar angle from z and an azimuth from y towards up.
 fn on_sphere(theta: f64, phi: f64) -> [f64; 3] {
     let (sin_theta, cos_theta) = libm::sincos(theta);
     let (sin_phi, cos_phi) = libm::sincos(phi);

@@ -1,4 +1,4 @@
-//! Layouts that have a name: the shape of a fingertip's sensing face, and how its elements are spread over it.
+//! Named sensor layouts: shape of a fingertip's sensing face and distribution of its elements.
 
 use core::fmt;
 use core::str::FromStr;
@@ -6,22 +6,25 @@ use core::str::FromStr;
 use super::{DOME_RADIUS_M, Layout};
 use crate::capacity::ELEMENTS;
 
-/// A layout that a configuration, a robot file or a command line names. [`fmt::Display`] writes what [`FromStr`] reads.
+/// Layout named in a configuration, a robot file or a command line. [`fmt::Display`] writes the
+/// format that [`FromStr`] reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum NamedLayout {
     /// `dome-41`: the paper's dome, rings of 1+7+13+20 elements on a 35° cap.
     Dome41,
-    /// `dome-1`: one three-axis element at the pole of the same dome, such as a single OMD dome.
+    /// `dome-1`: one three-axis element at the pole of the same dome, such as a single OMD sensor.
     Dome1,
-    /// `pad-N`: N elements that all feel along the tip's axis, and nobody says where they sit.
+    /// `pad-N`: N elements along the tip axis, at unknown positions.
     Pad {
         /// Elements, 1 to [`ELEMENTS`].
         count: usize,
     },
-    /// `flat-RxC-P`: a flat pad, rows from top to bottom of a hand that hangs straight down, columns across.
+    /// `flat-RxC-P`: flat pad; rows from top to bottom of a hand that points straight down, columns
+    /// across.
     Flat(Grid),
-    /// `cylinder-RxC-P-Q`: the same grid bent about the line through the tip's middle that the rows stand on.
+    /// `cylinder-RxC-P-Q`: the same grid, bent about an axis parallel to the columns through the
+    /// tip origin.
     Cylinder(Grid, Millimetres),
 }
 
@@ -33,32 +36,34 @@ pub struct Grid {
     pub rows: usize,
     /// Columns, along y of the tip.
     pub columns: usize,
-    /// From one element to the next in a row or column.
+    /// Distance between neighbouring elements in a row or column.
     pub pitch: Millimetres,
 }
 
-/// A length as a name says it.
+/// Length in millimetres, as written in a layout name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Millimetres(pub f64);
 
-/// What no layout is called.
+/// Error for an unknown layout name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownLayout;
 
-/// Distance between elements that a name may say, mm (ours: from finer than any skin to one element per fingertip).
+/// Allowed distance between elements, mm. Design choice: from finer than any skin to one element
+/// per fingertip.
 const PITCH_MM: [f64; 2] = [0.5, 30.0];
-/// Radius of a cylinder that a name may say, mm.
+/// Allowed cylinder radius, mm.
 const RADIUS_MM: [f64; 2] = [2.0, 100.0];
-/// How far round its cylinder an element may sit, rad: the outermost must still feel what the tip is pressed on (ours: 80°).
+/// Largest angle of an element around its cylinder, rad. Design choice, 80°: the outermost elements
+/// must still measure the contact.
 const ROUND_RAD: f64 = 80.0 * core::f64::consts::PI / 180.0;
 
 impl NamedLayout {
-    /// What names look like, for messages.
+    /// Formats of layout names, for messages.
     pub const FORMS: &'static str = "dome-41, dome-1, pad-N with N taxels, flat-RxC-P with R rows and C columns P mm apart, or \
                                      cylinder-RxC-P-Q bent to a radius of Q mm";
 
-    /// Where its elements sit and along which axes they feel.
+    /// Returns positions and axes of the elements.
     #[must_use]
     pub fn layout(self) -> Layout {
         match self {
@@ -71,8 +76,9 @@ impl NamedLayout {
         }
     }
 
-    /// Outward normal and place, tip frame, m, of the point of a flat or bent face that is this far down and across from its
-    /// middle, m, along the face. A dome has no such lines.
+    /// Returns outward normal and position, tip frame, m, of a point on a flat or bent face. The
+    /// point is given by its distances down and across from the face centre, m, along the face. Not
+    /// meaningful for a dome.
     #[must_use]
     pub fn place(self, down_m: f64, across_m: f64) -> ([f64; 3], [f64; 3]) {
         let depth_m = self.depth_m();
@@ -85,14 +91,14 @@ impl NamedLayout {
         ([0.0, sin, cos], [down_m, radius_m * sin, out_m])
     }
 
-    /// Whether its face is part of a sphere.
+    /// Returns true if the face is part of a sphere.
     #[must_use]
     pub fn is_dome(self) -> bool {
         matches!(self, Self::Dome41 | Self::Dome1)
     }
 
-    /// Distance of the face's middle from the tip frame's origin, m: at least half of the face's height, so that a hand that
-    /// keeps this far above a table touches it with nothing of the face.
+    /// Distance of the face centre from the tip origin, m. It is at least half the face height, so
+    /// that a hand at this height above a table does not touch it with the face.
     #[must_use]
     pub fn depth_m(self) -> f64 {
         match self {
@@ -104,7 +110,7 @@ impl NamedLayout {
 }
 
 impl Millimetres {
-    /// In metres.
+    /// Returns the length in metres.
     #[must_use]
     pub fn metres(self) -> f64 {
         self.0 * 1e-3
@@ -112,14 +118,14 @@ impl Millimetres {
 
     fn read(text: &str, [least, most]: [f64; 2]) -> Result<Self, UnknownLayout> {
         let value: f64 = text.parse().map_err(|_| UnknownLayout)?;
-        // False for NaN as well.
+        // Also false for NaN.
         let possible = value >= least && value <= most;
         possible.then_some(Self(value)).ok_or(UnknownLayout)
     }
 }
 
 impl Grid {
-    /// How high and how wide the face is along itself, m.
+    /// Returns height and width along the face, m.
     #[must_use]
     pub fn size_m(self) -> [f64; 2] {
         [self.rows, self.columns].map(|elements| elements as f64 * self.pitch.metres())
@@ -129,7 +135,7 @@ impl Grid {
         0.5 * self.size_m()[0]
     }
 
-    /// The elements, row by row.
+    /// Creates the layout, row by row.
     fn layout(self, place: impl Fn(f64, f64) -> ([f64; 3], [f64; 3])) -> Layout {
         let pitch_m = self.pitch.metres();
         let mut layout = Layout::empty(self.rows * self.columns, pitch_m * pitch_m);
@@ -140,7 +146,7 @@ impl Grid {
         layout
     }
 
-    /// How far down and across from the middle of the face each element sits, row by row, m.
+    /// Returns the distances of each element down and across from the face centre, row by row, m.
     pub fn places_m(self) -> impl Iterator<Item = (f64, f64)> {
         let pitch_m = self.pitch.metres();
         let from_middle_m =

@@ -1,4 +1,4 @@
-//! Codes: every known value round-trips, every unknown value stays readable.
+//! Known values of a code round-trip; unknown values remain readable.
 
 use shm_schemas::*;
 use std::collections::HashSet;

@@ -29,7 +29,7 @@ fn axes_are_unit_orthonormal_and_right_handed() {
         }
         assert!(close(t1, cross(t2, d)), "element {i}");
         assert!(dot(d, t2).abs() < 1e-12, "element {i}");
-        // t2 is up (−x) made normal to d.
+        // t2 is up (−x), made normal to d.
         let along = -d[0];
         let up = [-1.0 - d[0] * along, -d[1] * along, -d[2] * along];
         let norm = dot(up, up).sqrt();
@@ -80,7 +80,7 @@ fn elements_have_equal_area_and_neighbours_in_a_ring_are_evenly_spread() {
     }
 }
 
-/// Other languages compute the hash from the text of the convention: it must never drift.
+/// Other languages compute the hash from the protocol text, so it must not change.
 #[test]
 fn hashes_are_pinned() {
     for (name, hash) in [
@@ -110,7 +110,7 @@ fn another_layout_has_another_hash() {
     for (i, a) in variants.iter().enumerate() {
         assert!(variants[..i].iter().all(|b| b != a), "variant {i}");
     }
-    // Rounding noise of another implementation, and elements that are not used, do not matter.
+    // Rounding differences and unused elements do not change the hash.
     assert_eq!(changed(&|l| l.normal[5][0] += 1e-10), dome.hash());
     assert_eq!(changed(&|l| l.normal[60] = [1.0; 3]), dome.hash());
 }

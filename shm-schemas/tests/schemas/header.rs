@@ -1,4 +1,4 @@
-//! The C header: what it says is made from the schema, and a C compiler agrees with every size, place and checksum.
+//! The C header matches the schema, and a C compiler confirms every size, offset and checksum.
 
 use shm_schemas::catalogue::{CODES, PAYLOADS};
 use shm_schemas::schema::{CodeType, Field, PayloadType, Type};
@@ -10,10 +10,10 @@ use zerocopy::IntoBytes;
 
 const GOLDEN: &str = include_str!("../../atas.h");
 
-/// What stands before the payloads; `#include`s, the seal and the layouts' hash are the same for all.
+/// Fixed start of the header: `#include`s, checksum and layout hash functions.
 const HEAD: &str = include_str!("head.h");
 
-/// `ModuleEvent` becomes `module_event`.
+/// Converts `ModuleEvent` to `module_event`.
 fn snake(name: &str) -> String {
     let mut text = String::new();
     for (i, c) in name.char_indices() {
@@ -25,7 +25,7 @@ fn snake(name: &str) -> String {
     text
 }
 
-/// The lines of a documentation comment without Rust's links.
+/// Writes the lines of a documentation comment without Rust links.
 fn comment(text: &mut String, indent: &str, about: &[&str]) {
     for line in about {
         let plain = line
@@ -36,7 +36,7 @@ fn comment(text: &mut String, indent: &str, about: &[&str]) {
     }
 }
 
-/// A C declaration of a name of this type: the type, the name, the dimensions from the outermost to the innermost.
+/// Returns a C declaration: type, name, dimensions from the outermost to the innermost.
 fn declaration(kind: &Type, name: &str) -> String {
     let (mut kind, mut name) = (kind, name.to_owned());
     while let Type::Array(of, count) = kind {
@@ -194,7 +194,7 @@ fn what_is_part_of_a_payload_is_declared_before_it() {
     }
 }
 
-/// A sealed frame, as the C program makes it too.
+/// Creates the sealed frame that the C program also creates.
 fn frame() -> HandFrame {
     let mut frame = HandFrame {
         layout_hash: Layout::dome_41().hash(),

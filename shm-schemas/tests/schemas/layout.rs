@@ -1,4 +1,4 @@
-//! The golden layout: size, alignment and every field of every payload.
+//! Golden layout: size, alignment and fields of every payload.
 
 use shm_schemas::Payload;
 use shm_schemas::*;
@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 type Fields = &'static [(&'static str, usize, usize)];
 
-/// Every payload of the crate: name, versioned type name, size, alignment, fields.
+/// Returns name, versioned type name, size, alignment and fields of every payload.
 fn payloads() -> Vec<(&'static str, &'static str, usize, usize, Fields)> {
     macro_rules! list {
         ($($name:ident)*) => {

@@ -1,4 +1,4 @@
-//! Tests of the words on the bus: what is pinned for ever, and what bytes from anywhere must not break.
+//! Tests of the bus schema: pinned layouts and texts, and robustness against arbitrary bytes.
 
 mod codes;
 mod dome;

@@ -1,4 +1,4 @@
-//! Layouts by name: what a name means, and what is no name.
+//! Parsing, formatting and geometry of named layouts.
 
 use shm_schemas::Layout;
 use shm_schemas::layout::NamedLayout;
@@ -39,7 +39,7 @@ fn what_is_no_name_is_refused() {
         "cylinder-4x4-4.5",
         "cylinder-4x4-4.5-1",
         "cylinder-4x4-4.5-12-3",
-        // Its outermost elements would look backwards.
+        // The outermost elements would face backwards.
         "cylinder-1x8-10-5",
         "Flat-4x4-4.5",
     ] {
@@ -64,7 +64,7 @@ fn a_flat_pad_is_a_grid_before_its_frame_and_all_its_elements_look_ahead() {
         let off = |axis: usize| (pad.position_m[element][axis] - place_m[axis]).abs();
         assert!((0..3).all(|axis| off(axis) < 1e-12), "{element}");
     }
-    // A face that is taller than a dome stands so far ahead that it touches a table with nothing.
+    // A face taller than a dome is moved ahead so that it does not touch a table.
     let tall = Layout::named("flat-8x2-5").expect("a layout");
     assert_eq!(tall.position_m[0][2], 0.02);
 }
@@ -75,7 +75,7 @@ fn a_cylinder_bends_the_grid_and_keeps_the_distances_along_it() {
     let pad = Layout::named("cylinder-3x4-4.5-12").expect("a layout");
     for element in 0..pad.count {
         let (normal, [_, y, z]) = (pad.normal[element], pad.position_m[element]);
-        // Its axis goes through the middle of the tip frame, along x.
+        // The cylinder axis passes through the tip origin, along x.
         assert!((y.hypot(z) - radius_m).abs() < 1e-12, "{element}");
         assert!((normal[1] * radius_m - y).abs() < 1e-12, "{element}");
         assert_eq!(normal[0], 0.0);
@@ -85,7 +85,7 @@ fn a_cylinder_bends_the_grid_and_keeps_the_distances_along_it() {
     assert!((pad.position_m[4][0] - pad.position_m[0][0] - pitch_m).abs() < 1e-12);
 }
 
-/// Two pads that look the same way everywhere differ in where their elements sit.
+/// Pads with equal normals differ in the element positions.
 #[test]
 fn places_are_part_of_the_hash_where_they_do_not_follow_from_directions() {
     let names = [
@@ -100,6 +100,6 @@ fn places_are_part_of_the_hash_where_they_do_not_follow_from_directions() {
     for (i, a) in hashes.iter().enumerate() {
         assert!(!hashes[..i].contains(a), "{}", names[i]);
     }
-    // Other languages compute them from the text of the protocol.
+    // Other languages compute these hashes from the protocol text.
     assert_eq!(hashes[1], 0x97e0_4f9a_9ea4_6b5d, "{:#x}", hashes[1]);
 }

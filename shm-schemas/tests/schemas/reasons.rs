@@ -1,8 +1,8 @@
-//! Reasons print as one clear sentence each.
+//! Text of every reason.
 
 use shm_schemas::{Body, BodyPair, Cause, GoalKind, Mode, ModuleId, Reason};
 
-/// One row per cause: a reason and its sentence.
+/// One row per cause: a reason and its text.
 fn table() -> Vec<(Reason, &'static str)> {
     let limit = |cause, value, limit, index| Reason::limit(cause, value, limit).about(index);
     let body = |hand, joint| Body { hand, joint };
@@ -135,7 +135,7 @@ fn table() -> Vec<(Reason, &'static str)> {
             "closed to 26.2 mm and touched nothing; is the object there?",
         ),
         (
-            // What was pressed with may lie just below the limit: nobody says that more is needed.
+            // The force applied may lie just below the limit, so the text does not ask for more.
             limit(Cause::TOO_HEAVY, 7.93, 8.0, 0),
             "7.93 N do not hold it, and the fingers may press with 8.00 N at most (`grasp.f2_max_n`): object too heavy",
         ),
@@ -336,7 +336,7 @@ fn every_cause_has_its_sentence() {
     }
 }
 
-/// What a user typed stands in the sentence as it was typed.
+/// Values are printed in the unit of the command line or the target file.
 #[test]
 fn values_are_said_in_the_unit_that_they_are_typed_in() {
     let goal = |index: usize, value: f64, limit: f64| {
@@ -414,7 +414,7 @@ fn a_reason_names_the_module_that_saw_it() {
     );
 }
 
-/// Words from the bus may hold anything.
+/// Bytes from the bus may have any value.
 #[test]
 fn a_reason_of_unknown_codes_still_prints() {
     for (reason, sentence) in [

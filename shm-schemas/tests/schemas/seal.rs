@@ -1,4 +1,4 @@
-//! Seals: no flipped bit passes.
+//! The checksum detects every flipped bit.
 
 use shm_schemas::{Hand, HandFrame, JointCommand, JointState, Layout, Stamp};
 use zerocopy::{FromBytes, IntoBytes};
@@ -69,7 +69,7 @@ fn flipped_bits_of_a_joint_state_are_noticed() {
 #[test]
 fn flipped_bits_of_a_frame_are_noticed() {
     let mut bytes = frame().as_bytes().to_vec();
-    // 101 is prime to the length, so the samples fall on every kind of byte and every bit of it.
+    // 101 is coprime to the length, so the samples cover all kinds of bytes and all bit positions.
     for bit in (0..8 * bytes.len()).step_by(101) {
         bytes[bit / 8] ^= 1 << (bit % 8);
         assert!(
@@ -106,7 +106,7 @@ fn an_unsealed_payload_is_not_intact() {
     );
 }
 
-/// CRC-32 (IEEE 802.3, reflected, as in zlib), bit by bit: an independent statement of the seal.
+/// Independent bitwise CRC-32 (IEEE 802.3, reflected, as in zlib).
 fn crc32_bitwise(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, |crc, &byte| {
         (0..8).fold(crc ^ u32::from(byte), |crc, _| {

@@ -1,4 +1,4 @@
-//! The service table: names that cannot be confused.
+//! Service names are unique and well-formed.
 
 use shm_schemas::service::*;
 use std::collections::HashSet;

@@ -1,4 +1,4 @@
-//! Text: cut at character boundaries, never trusted.
+//! Text is cut at character boundaries; invalid bytes are tolerated.
 
 use shm_schemas::Text;
 
@@ -33,7 +33,7 @@ fn bytes_that_are_not_text_read_as_empty() {
     ] {
         assert_eq!(Text(bytes).as_str(), "", "{bytes:x?}");
     }
-    // What follows the end of the text does not matter.
+    // Bytes after the end of the text are ignored.
     assert_eq!(Text([b'a', 0, 0xff, 0xff]).as_str(), "a");
 }
 

@@ -1,8 +1,7 @@
 //! Time per agent-frame of every engine: `cargo bench -p field`.
 //!
-//! The work is that of an evolution's first generations: 64 random tables, eight goals each. The throughput that criterion
-//! prints is in agent-frames; the table that follows gives ns per agent-frame and the speed-up over the scalar reference
-//! measured in the same run.
+//! Workload: 64 random tables with eight goals each, as in early generations. The final table gives
+//! ns per agent-frame and the speed-up over the scalar reference.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -33,7 +32,7 @@ fn trials(model: &Model) -> Vec<Trial> {
     tables
 }
 
-/// N with two walls and four posts: what obstacles cost.
+/// Preset N with two walls and four posts.
 fn walled() -> Preset {
     let wall = |y_px: f32| Wall {
         from_px: [-120.0, y_px],

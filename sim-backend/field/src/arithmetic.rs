@@ -1,9 +1,9 @@
-//! Comparisons whose bits do not depend on the engine, and what they compare with.
+//! Comparisons with the same bits on every engine.
 
-/// Below this squared distance two centres coincide; keeps `0 / 0` out of the contact direction (ours).
+/// Squared distance of coincident centres, px²; prevents `0 / 0`. Design choice.
 pub(crate) const COINCIDENT_SQ: f32 = 1e-12;
 
-/// `max` and `min` as the SIMD instructions define them, so that the bits agree.
+/// Maximum as in SIMD instructions; [`lesser`] is the minimum.
 #[inline]
 pub(crate) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

@@ -1,53 +1,50 @@
-//! Chance: which sensors say the opposite and which wheels slip in a frame.
+//! Random noise of one frame: inverted sensors and slipping wheels.
 //!
-//! **In**: the noise of a preset, the state of a trial's stream. **Out**: what goes wrong for each agent. Whole numbers only,
-//! drawn whatever the agents do, so that every engine draws the same and a trial that is repeated repeats its noise.
+//! Integers only, drawn independently of the agents' actions: all engines draw the same noise.
 
 use serde::{Deserialize, Serialize};
 
 use crate::responses::Wheels;
 
-/// Chances are counted in parts of this: ten bits of a random word each.
+/// Bits of a random word per event.
 pub(crate) const PARTS_LOG2: u32 = 10;
-/// The ten bits.
 pub(crate) const PART_BITS: u32 = (1 << PARTS_LOG2) - 1;
 /// Shifts of one step of a stream (Marsaglia 2003, "Xorshift RNGs").
 pub(crate) const XORSHIFT: [u32; 3] = [13, 17, 5];
 
-/// Chances in 1024 per frame, drawn from the trial's own stream. Whole numbers, so that every engine draws the same.
+/// Noise probabilities per frame, in 1/1024.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
-    /// Of each sensor: that it says the opposite. 512 makes it blind.
+    /// Inversion of a sensor; 512 makes it useless.
     pub sensor_flips_per_1024: u16,
-    /// Of each wheel: that it slips and stands still for the frame. 1024 stops everybody.
+    /// Slip of a wheel, which then stands still; 1024 stops all agents.
     pub wheel_slips_per_1024: u16,
 }
 
 impl Noise {
-    /// Nothing goes wrong.
+    /// No noise.
     pub const NONE: Self = Self {
         sensor_flips_per_1024: 0,
         wheel_slips_per_1024: 0,
     };
 
-    /// Whether nothing ever goes wrong.
+    /// Returns true without noise.
     #[must_use]
     pub fn is_none(self) -> bool {
         self == Self::NONE
     }
 }
 
-/// The stream of one trial. Never 0.
+/// State of a trial's random stream. Never 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stream(pub(crate) u32);
 
-/// What goes wrong for one agent in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Upset {
-    /// Bits of the row that are the opposite of what the sensors should say.
+    /// Inverted bits of the row.
     pub(crate) flips: u8,
-    /// Left and right wheel: whether it stands still.
+    /// True if the left or right wheel slips.
     pub(crate) slips: [bool; 2],
 }
 
@@ -60,8 +57,8 @@ impl Stream {
         self.0
     }
 
-    /// What goes wrong in a frame, agent by agent, and the stream of the next frame. Three words an agent: three IR sensors,
-    /// two photo sensors, two wheels.
+    /// Draws the noise of each agent; returns it with the stream of the next frame. Three words per
+    /// agent: IR sensors, photo sensors, wheels.
     pub(crate) fn frame<const MOST: usize>(
         mut self,
         noise: Noise,
@@ -92,7 +89,6 @@ impl Stream {
 }
 
 impl Upset {
-    /// The levels that the wheels really turn at.
     pub(crate) fn turning(self, wheels: Wheels) -> Wheels {
         let level = |level, slips: bool| if slips { 0 } else { level };
         Wheels {
@@ -102,14 +98,14 @@ impl Upset {
     }
 }
 
-/// Whether the event drawn by the `place`-th ten bits of a word happens, at a chance of so many parts.
+/// Returns true if the event of the `place`-th ten bits occurs, at probability `parts` / 1024.
 fn happens(word: u32, place: u32, parts: u16) -> bool {
     ((word >> (place * PARTS_LOG2)) & PART_BITS) + u32::from(parts) > PART_BITS
 }
 
-/// Names the stream of a layout by the bits of its numbers.
+/// Derives a layout's seed from the bits of its numbers.
 pub(crate) fn seed(numbers: impl Iterator<Item = f32>) -> u32 {
-    // Multiplier and shifts of SplitMix64: neighbouring layouts get streams that have nothing in common.
+    // Multiplier and shifts of SplitMix64, so that similar layouts get uncorrelated streams.
     let mix = |state: u64, number: f32| {
         let z = (state ^ u64::from(number.to_bits())).wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

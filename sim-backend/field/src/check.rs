@@ -1,4 +1,4 @@
-//! Which numbers a preset may have.
+//! Range checks of a preset's numbers.
 
 use std::borrow::Cow;
 
@@ -9,14 +9,14 @@ use crate::preset::{Goals, Preset, Push};
 use crate::training::{Places, Training};
 use crate::weights::Weights;
 
-/// Sets of trials per generation: beyond, a generation takes longer than it is worth (ours).
+/// Largest number of goal sets. Design choice: more only lengthen a generation.
 const MAX_DRAWS: u8 = 64;
-/// Beyond ten times what a goal is worth a weight says no more (ours).
+/// Largest weight, ten times the points of a goal. Design choice.
 const MOST_WEIGHT: f32 = 1000.0;
-/// A chance of one.
+/// Probability 1, in 1/1024.
 const MOST_PARTS: u16 = 1024;
 
-/// A preset or a layout that cannot be simulated, and everything that is wrong with it.
+/// Invalid preset or layout.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "could not use preset {preset:?} because {}; correct {}",
@@ -24,21 +24,21 @@ const MOST_PARTS: u16 = 1024;
     if let [_] = .findings[..] { "that value" } else { "those values" }
 )]
 pub struct PresetError {
-    /// Name of the preset.
+    /// Preset name.
     pub preset: String,
-    /// One or more.
+    /// Findings, at least one.
     pub findings: Vec<Finding>,
 }
 
-/// A value that is out of range.
+/// Value out of range.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{key} was {value}, needs {needs}")]
 pub struct Finding {
-    /// Which value.
+    /// Name of the value.
     pub key: Cow<'static, str>,
-    /// What it was.
+    /// Rejected value.
     pub value: f32,
-    /// What it may be.
+    /// Allowed range.
     pub needs: &'static str,
 }
 
@@ -50,16 +50,14 @@ impl Finding {
 }
 
 impl PresetError {
-    /// Which values.
+    /// Returns the names of the values.
     #[must_use]
     pub fn keys(&self) -> Vec<&str> {
         self.findings.iter().map(|found| &*found.key).collect()
     }
 }
 
-/// Everything that is wrong with a preset but for its walls and posts.
-///
-/// Every comparison is written so that NaN fails it.
+/// Checks all values except walls and posts. Every comparison is false for NaN.
 pub(crate) fn check(preset: &Preset) -> Vec<Finding> {
     let p = preset;
     let touch = p.agent_radius_px + p.object_radius_px;
@@ -157,7 +155,7 @@ pub(crate) fn check(preset: &Preset) -> Vec<Finding> {
         .collect()
 }
 
-/// The first number of the push that is out of range, else any of them.
+/// Returns the first value out of range, else any.
 fn push(push: Push) -> (&'static str, f32, bool, &'static str) {
     let part = |value: f32| (0.0..=1.0).contains(&value);
     match push {
@@ -185,7 +183,7 @@ fn noise(noise: Noise) -> (&'static str, f32, bool, &'static str) {
     (key, f32::from(parts), parts <= MOST_PARTS, "0 to 1024")
 }
 
-/// The first weight that is out of range, else whether any counts.
+/// Returns the first weight out of range, else checks that one is above 0.
 fn fitness(weights: Option<Weights>) -> (&'static str, f32, bool, &'static str) {
     let terms = weights.map(|weights| weights.terms());
     let wrong = |(_, weight): &&(&str, f32)| !(-MOST_WEIGHT..=MOST_WEIGHT).contains(weight);

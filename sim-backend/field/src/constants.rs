@@ -1,4 +1,4 @@
-//! What both simulators compute with, derived from a preset once, so that their bits agree.
+//! Constants derived from a preset, shared by both simulators.
 
 use crate::arithmetic::{greater, lesser};
 use crate::chance::Noise;
@@ -7,23 +7,23 @@ use crate::obstacle::{Obstacles, Post, Wall};
 use crate::preset::{Contact, Preset};
 use crate::trial::MAX_AGENTS;
 
-/// An agent this much further than contact still faces the object for the count of pushing agents (ours).
+/// Margin beyond contact within which an agent counts as pushing, px. Design choice.
 const FACING_MARGIN_PX: f32 = 1.0;
-/// Culls leave out only what is at least this much too far to matter: their rounding can never change a result (ours).
+/// Margin of the culls against rounding, px. Design choice.
 const CULL_MARGIN_PX: f32 = 1.0;
 
-/// What the simulators compute with. A `_sq` is a squared distance in px².
+/// Derived constants, px. A `_sq` is a squared distance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
     pub contact: Contact,
     pub noise: Noise,
-    /// Centres of agents stay inside ± this.
+    /// Limit of an agent's |x| and |y|.
     pub agent_limit: f32,
-    /// The object's centre stays inside ± this.
+    /// Limit of the object's |x| and |y|.
     pub object_limit: f32,
     pub agent_radius_sq: f32,
     pub object_radius_sq: f32,
-    /// Centre distance of an agent in contact with the object.
+    /// Centre distance in contact with the object.
     pub touch: f32,
     pub touch_sq: f32,
     /// Centre distance of two agents in contact.
@@ -35,22 +35,22 @@ pub(crate) struct Constants {
     pub ir_sin: f32,
     pub photo_cos: f32,
     pub photo_sin: f32,
-    /// Squared cosine of half the photo sensors' opening angle; 0 means a half-plane.
+    /// Squared cosine of half the photo opening angle; 0: half-plane.
     pub cone_sq: f32,
     pub object_light_sq: f32,
     pub goal_light_sq: f32,
     pub goal_radius_sq: f32,
-    /// The part of an overlap that the object yields to one, two, three and four agents.
+    /// Share of an overlap that the object yields to one to four agents.
     pub push: [f32; MAX_AGENTS],
-    /// Half the side of the field.
     pub half_side: f32,
     /// Travel per frame by left level + 4 · right level.
     pub travel: [f32; 16],
-    /// An agent this far from the object neither sees it by IR nor touches it in this frame, unless bodies meet before.
+    /// Squared distance beyond which an agent neither detects nor touches the object in this frame,
+    /// unless bodies meet before.
     pub cull_object_sq: f32,
-    /// Agents this far apart neither see each other by IR nor touch in this frame, unless bodies meet before.
+    /// Squared distance beyond which two agents do not affect each other in this frame.
     pub cull_agent_sq: f32,
-    /// Agents whose `|x|` and `|y|` are below this neither see nor reach a wall in this frame.
+    /// Largest |x| and |y| at which an agent neither detects nor reaches the border in this frame.
     pub cull_wall: f32,
 }
 
@@ -63,7 +63,7 @@ impl Constants {
         let (photo_cos, photo_sin) = cos_sin(p.photo.angle_steps);
         let half_speed = 0.5 * p.medium_speed_px_per_frame;
         let agent_limit = p.half_side_px - p.agent_radius_px;
-        // The furthest that wheels take an agent in a frame, or, along obstacles, a leap.
+        // Longest motion in one frame, by wheels or along obstacles.
         let stride = match p.has_obstacles() {
             true => greater(4.0 * half_speed, p.agent_radius_px),
             false => 4.0 * half_speed,
@@ -101,7 +101,6 @@ impl Constants {
         }
     }
 
-    /// Some of the obstacles of a field.
     pub(crate) fn obstacles(p: &Preset, walls: &[Wall], posts: &[Post]) -> Obstacles {
         let radii = [p.agent_radius_px, p.object_radius_px];
         let stride = 2.0 * p.medium_speed_px_per_frame;

@@ -1,4 +1,5 @@
-//! Many trials at once, on the widest instructions that this machine has. Every engine gives the same bits.
+//! Simulators of many trials at once, on the widest SIMD instructions available. All give identical
+//! bits.
 
 use thiserror::Error;
 
@@ -11,7 +12,7 @@ use crate::obstacle::Obstacles;
 use crate::run::run_trial;
 use crate::trial::{Outcome, Trial};
 
-/// A simulator of many trials. It exists only where its instructions do.
+/// Simulator of many trials; exists only if the machine has its instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Engine(Kind);
 
@@ -25,7 +26,7 @@ enum Kind {
     Avx512(avx512::Cpu),
 }
 
-/// An engine that this machine does not have.
+/// Unavailable engine: requested name, available names.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
     "could not use engine {0:?} because this machine does not have it, needs one of {1}; leave it out to take the fastest"
@@ -33,7 +34,7 @@ enum Kind {
 pub struct EngineError(pub String, pub String);
 
 impl Engine {
-    /// Every engine of this machine, slowest first; the first is the scalar reference.
+    /// Returns the engines of this machine, slowest first, beginning with the scalar reference.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let kinds = [Kind::Scalar, Kind::Portable].into_iter();
@@ -44,13 +45,13 @@ impl Engine {
         kinds.map(Self).collect()
     }
 
-    /// The fastest engine of this machine.
+    /// Returns the fastest engine.
     #[must_use]
     pub fn fastest() -> Self {
         Self::all().pop().unwrap_or(Self(Kind::Portable))
     }
 
-    /// The engine of this name.
+    /// Returns an engine by name.
     ///
     /// # Errors
     /// This machine has no such engine.
@@ -63,7 +64,7 @@ impl Engine {
             .ok_or_else(|| EngineError(name.to_owned(), names()))
     }
 
-    /// `scalar`, `portable`, `avx2` or `avx512`.
+    /// Returns `scalar`, `portable`, `avx2` or `avx512`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
@@ -76,7 +77,7 @@ impl Engine {
         }
     }
 
-    /// Simulates every trial; `outcomes` is replaced by one outcome per trial, in order.
+    /// Replaces `outcomes` by one outcome per trial, in order.
     pub fn run(self, model: &Model, team: TeamSize, trials: &[Trial], outcomes: &mut Vec<Outcome>) {
         outcomes.clear();
         outcomes.resize(trials.len(), Outcome::default());
@@ -98,11 +99,10 @@ impl Engine {
     }
 }
 
-/// What a field is like, and what stands on it.
 type Field<'a> = (&'a Constants, &'a Obstacles);
 
-/// Runs the kernel of a team size and a kind of field known only at run time, with one type of lanes for a single agent, whose frame is one long
-/// chain of steps that wait for each other, and one for more.
+/// Selects the kernel. A single agent has its own lane type: its frame is one long chain of
+/// dependent steps.
 macro_rules! for_team {
     ($run:ident, $alone:ty, $together:ty, $team:expr, $cpu:expr, $c:expr, $trials:expr, $outcomes:expr) => {
         match $c.1.is_empty() {
@@ -122,7 +122,7 @@ macro_rules! for_team {
 
 fn run_portable(c: Field<'_>, team: TeamSize, trials: &[Trial], outcomes: &mut [Outcome]) {
     use portable::Floats;
-    /// A function of its own for every kernel: together, some of them are a third slower (measured).
+    /// Separate functions: inlined together, some kernels are a third slower (measured).
     #[inline(never)]
     fn run<T: Lanes<Cpu = ()>, const N: usize, const WALLED: bool>(
         (): (),
@@ -145,7 +145,7 @@ fn run_avx2(
     outcomes: &mut [Outcome],
 ) {
     use avx2::F32x8;
-    /// A function of its own for every kernel, so that each has all registers.
+    /// Separate functions, so that each kernel can use all registers.
     #[inline(never)]
     #[target_feature(enable = "avx2")]
     fn run<T: Lanes<Cpu = avx2::Cpu>, const N: usize, const WALLED: bool>(

@@ -1,13 +1,15 @@
-//! A number that names a field.
+//! Fingerprint of a field.
 
 use sha2::{Digest, Sha256};
 
 use crate::preset::{Contact, Corner, Goals, Preset, Push, Start};
 
 impl Preset {
-    /// Names the numbers of this field, whatever it is called: the first eight bytes of the SHA-256 over all of them, in the
-    /// order of a file, little-endian, words as their place in their list, obstacles and noise only where there are some. Never
-    /// 0. What tables are evolved on and for is no part of the field.
+    /// Returns a hash of all numbers of this field, never 0; independent of name, training and
+    /// fitness.
+    ///
+    /// First eight bytes of a SHA-256 over little-endian f32 values in file order. Enums count as
+    /// list positions, obstacles and noise only if present.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hash = Sha256::new();
@@ -64,7 +66,7 @@ impl Preset {
         first.max(1)
     }
 
-    /// The numbers of walls and posts, each list behind its length; nothing where there are none.
+    /// Numbers of walls and posts, each list after its length; empty without obstacles.
     fn obstacles(&self) -> Vec<f32> {
         let drawn = self.drawn_posts;
         if self.walls.is_empty() && self.posts.is_empty() && drawn.is_none() {
@@ -79,7 +81,7 @@ impl Preset {
             numbers.extend(post.at_px.into_iter().chain([post.radius_px]));
         }
         if let Some(posts) = drawn {
-            // No f32 holds every seed.
+            // An f32 cannot represent every seed exactly.
             let halves = [posts.seed >> 16, posts.seed & 0xffff].map(|half| half as f32);
             numbers.extend([f32::from(posts.count), posts.radius_px]);
             numbers.extend(halves);

@@ -1,9 +1,9 @@
-//! What a trial is worth (paper III.b.2): up to 100 points per goal, 800 for the eight goals of an evaluation.
+//! Score of a trial (paper III.b.2): up to 100 points per goal, 800 per evaluation.
 //!
-//! The paper prints E₁ and E₂ and adds that the places of agent and object "at the termination of the execution time" were
-//! compared with those "at the termination of the evaluation time", but not what followed from the comparison. So there are
-//! three rules: its formulas alone, its formulas with the comparison as we read it, and one of ours. A preset may weigh what
-//! they are made of as it likes ([`Weights`]).
+//! The paper prints E₁ and E₂. It also compares the positions of agent and object at the ends of
+//! execution and evaluation time, but prints no consequence. Hence three fixed rules: the printed
+//! formulas, the formulas with our reading of the comparison, and a project rule. A preset may
+//! define a weighted sum ([`Weights`]).
 
 use std::fmt;
 
@@ -20,30 +20,30 @@ const K1: f32 = 1000.0;
 const K2: f32 = 600.0;
 /// Points of one goal (paper III.b.3).
 pub const GOAL_POINTS: f32 = 100.0;
-/// Distances below this count as this, so that a perfect trial has a finite E₁ (ours: it makes K₁ / d the 100 points).
+/// Lower limit of the distance in E₁: a perfect trial scores K₁ / d = 100 points. Design choice.
 const NEAREST_PX: f32 = 10.0;
-/// An agent this much further than contact is still with the object (ours; the paper "compared the positioning").
+/// Margin beyond contact within which an agent is with the object. Design choice; the paper prints
+/// none.
 const WITH_OBJECT_PX: f32 = 20.0;
 
-/// How a trial is scored.
+/// Scoring rule of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FitnessRule {
-    /// The 100 points if the object was [delivered], else E₁, at most what it is on the goal's edge. An object that was
-    /// pushed by accident and left alone earns no more than a near miss. Ours, the default: a full score is a solved goal.
+    /// Default: 100 points if the object was [delivered], else E₁, at most its value at the goal's
+    /// edge. Accidental deliveries score as near misses. Design choice.
     AntiAccident,
-    /// E₁ + E₂ as printed, Eqs. (2) and (3), at most 100 points.
+    /// E₁ + E₂ as printed (Eqs. 2 and 3), at most 100 points.
     Literal,
-    /// The paper's reading: E₁ + E₂, at most 100 points, if some agent was with the object at the end of the execution time
-    /// and still is at the end of the evaluation time; else an accident, which earns no E₂ and no more E₁ than the goal's
-    /// edge.
+    /// E₁ + E₂, at most 100 points, if the same agent stayed with the object; else E₁, at most its
+    /// value at the goal's edge. Our reading of the comparison.
     Compared,
-    /// The sum that a preset asks for, 0 to 100 points.
+    /// Weighted sum, 0 to 100 points.
     Weighted(Weights),
 }
 
 impl fmt::Display for FitnessRule {
-    /// The name, as files and command lines have it.
+    /// Name in files and on command lines.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::AntiAccident => f.write_str("anti-accident"),
@@ -55,8 +55,8 @@ impl fmt::Display for FitnessRule {
 }
 
 impl FitnessRule {
-    /// The rule of a preset when nobody asks for another: its weights, or the literal one for the paper's
-    /// literal constants.
+    /// Returns the default rule: the preset's weights, literal for the paper's constants, else
+    /// anti-accident.
     #[must_use]
     pub fn usual(preset: &Preset) -> Self {
         match preset.fitness {
@@ -66,7 +66,7 @@ impl FitnessRule {
         }
     }
 
-    /// The points of one trial.
+    /// Returns the points of one trial.
     #[must_use]
     pub fn points(self, preset: &Preset, team: TeamSize, outcome: &Outcome) -> f32 {
         let distance = outcome.evaluated.goal_px;
@@ -82,13 +82,13 @@ impl FitnessRule {
     }
 }
 
-/// E₁, Eq. (2): what an object at this distance from its goal is worth, points.
+/// Returns E₁ (Eq. 2), points.
 #[must_use]
 pub fn accuracy(distance_px: f32) -> f32 {
     K1 / distance_px.max(NEAREST_PX)
 }
 
-/// E₂, Eq. (3), points; nothing if the object never reached the goal (frame 0).
+/// Returns E₂ (Eq. 3), points; 0 if the goal was never reached (frame 0).
 #[must_use]
 pub fn efficiency(reached_frame: u32) -> f32 {
     if reached_frame == 0 {
@@ -98,14 +98,13 @@ pub fn efficiency(reached_frame: u32) -> f32 {
     }
 }
 
-/// Whether one and the same agent is with the object at both instants.
+/// Returns true if the same agent is with the object after execution and after evaluation.
 #[must_use]
 pub fn accompanied(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
     let with = |snapshot: &Snapshot, agent: usize| is_with_object(preset, snapshot, agent);
     (0..team.get()).any(|agent| with(&outcome.executed, agent) && with(&outcome.evaluated, agent))
 }
 
-/// What a preset's weights make of what the field counts.
 fn weighted(weights: Weights, preset: &Preset, team: TeamSize, outcome: &Outcome) -> f32 {
     let is = |is: bool| f32::from(u8::from(is));
     let with = |agent: &usize| is_with_object(preset, &outcome.evaluated, *agent);
@@ -123,19 +122,19 @@ fn weighted(weights: Weights, preset: &Preset, team: TeamSize, outcome: &Outcome
     sum.clamp(0.0, GOAL_POINTS)
 }
 
-/// Whether an agent is with the object at one instant.
 fn is_with_object(preset: &Preset, snapshot: &Snapshot, agent: usize) -> bool {
     let near_px = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
     snapshot.agents_px[agent] <= near_px
 }
 
-/// Whether a trial is solved, whatever the rule: the object is at the goal in the end, and not by accident.
+/// Returns true if the object is at the goal at the end and an agent stayed with it. Solved under
+/// every rule.
 #[must_use]
 pub fn delivered(preset: &Preset, team: TeamSize, outcome: &Outcome) -> bool {
     outcome.evaluated.goal_px <= preset.goal_radius_px && accompanied(preset, team, outcome)
 }
 
-/// Whether these points are the largest score of a goal.
+/// Returns true for the largest score of a goal.
 #[must_use]
 pub fn solved(points: f32) -> bool {
     points >= GOAL_POINTS
@@ -175,12 +174,12 @@ mod tests {
     fn accidents_earn_no_more_than_the_goals_edge() {
         let edge = 1000.0 / 60.0;
         let rows = [
-            (30.0, 80.0, 80.0, 100.0), // carried in
-            (30.0, 95.0, 95.0, 100.0), // just near enough
-            (30.0, 96.0, 80.0, edge),  // nobody with it at frame 180
+            (30.0, 80.0, 80.0, 100.0), // delivered
+            (30.0, 95.0, 95.0, 100.0), // barely near enough
+            (30.0, 96.0, 80.0, edge),  // no agent near at frame 180
             (30.0, 80.0, 300.0, edge), // left alone at frame 270
-            (5.0, 300.0, 300.0, edge), // an accident, right on the goal
-            (100.0, 80.0, 80.0, 10.0), // not there yet
+            (5.0, 300.0, 300.0, edge), // accident, exactly on the goal
+            (100.0, 80.0, 80.0, 10.0), // not arrived yet
         ];
         for (goal_px, executed, evaluated, expected) in rows {
             check(
@@ -212,11 +211,11 @@ mod tests {
     fn the_comparison_takes_from_accidents_what_the_formulas_gave_them() {
         let edge = 1000.0 / 60.0;
         let rows = [
-            (30.0, 80.0, 80.0, 60, 1000.0 / 30.0 + 10.0), // carried in
-            (5.0, 80.0, 80.0, 6, 100.0),                  // no more than the largest score
-            (100.0, 80.0, 80.0, 60, 20.0),                // carried in and out again: E2 stays
-            (100.0, 80.0, 80.0, 0, 10.0),                 // not there yet
-            (30.0, 96.0, 80.0, 60, edge),                 // nobody with it at frame 180
+            (30.0, 80.0, 80.0, 60, 1000.0 / 30.0 + 10.0), // delivered
+            (5.0, 80.0, 80.0, 6, 100.0),                  // capped at the largest score
+            (100.0, 80.0, 80.0, 60, 20.0),                // in and out again: E2 stays
+            (100.0, 80.0, 80.0, 0, 10.0),                 // not arrived yet
+            (30.0, 96.0, 80.0, 60, edge),                 // no agent near at frame 180
             (5.0, 80.0, 300.0, 6, edge),                  // left alone at frame 270
         ];
         for (goal_px, executed, evaluated, reached, expected) in rows {
@@ -238,7 +237,8 @@ mod tests {
 
     #[test]
     fn a_trial_earns_the_sum_of_what_is_weighed() {
-        // Two of three agents with the object in the end, one of them the whole time; at the goal from frame 60 on.
+        // At the goal from frame 60; two of three agents with the object at the end, one
+        // throughout.
         let outcome = Outcome {
             rows_read: 0,
             reached_frame: 60,

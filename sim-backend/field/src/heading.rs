@@ -1,6 +1,7 @@
-//! Headings: 64 steps per turn, with cosine and sine as literals, so that the bits come from no mathematics library.
+//! Headings in 64 steps per turn, with literal cosine and sine, independent of mathematics
+//! libraries.
 
-/// Steps of one turn (ours; the paper prints no turning rate).
+/// Steps of one turn. Design choice; the paper prints no turning rate.
 pub const HEADINGS: usize = 64;
 
 /// `sin(2πk/64)` for k = 0..=16, rounded to f32; the axes are exact.
@@ -24,7 +25,7 @@ const QUARTER_SINE: [f32; 17] = [
     1.0,
 ];
 
-/// `cos(2πk/64)` for every heading. The second half is the negated first half, which SIMD look-ups use.
+/// `cos(2πk/64)`. SIMD look-ups rely on the second half being the negated first.
 pub(crate) static COSINE: [f32; HEADINGS] = cosines();
 
 const fn cosines() -> [f32; HEADINGS] {
@@ -45,7 +46,7 @@ const fn cosines() -> [f32; HEADINGS] {
     table
 }
 
-/// Cosine and sine of a heading; only `heading mod 64` matters.
+/// Returns cosine and sine of a heading, modulo 64.
 #[must_use]
 #[inline]
 pub fn cos_sin(heading: u8) -> (f32, f32) {

@@ -1,27 +1,28 @@
-//! The field of methodology 2: circular mobile robots push an object of light towards a goal of light (paper III.b).
+//! Two-dimensional field of methodology 2: circular mobile robots push a luminous object to a
+//! luminous goal (paper III.b).
 //!
-//! **In**: a [`Preset`] (every number of the field, as data), checked into a [`Model`]; a [`Trial`] (who starts where, the
-//! goal, one response table per agent). **Out**: an [`Outcome`] (distances at the two instants the fitness needs, the rows
-//! of the tables that were read) and what it is worth ([`FitnessRule`]), or, frame by frame, a [`TrialRun`].
+//! * **Inputs**: a [`Preset`], validated into a [`Model`]; a [`Trial`] (start poses, goal, one
+//!   response table per agent).
+//! * **Outputs**: an [`Outcome`] (distances at two instants, table rows read) and its score
+//!   ([`FitnessRule`]); or a [`TrialRun`], frame by frame.
 //!
-//! Two simulators of the same model live here and give the same bits:
+//! Two simulators of the model give identical bits:
 //!
-//! * [`World`]: scalar, one trial, one call to [`World::sense`] and one to [`World::advance`] per frame. It is the
-//!   reference, and it is what a bus, an animation or an analysis steps from outside.
-//! * [`Engine`]: many trials at once, one per SIMD lane; AVX-512, AVX2 or portable, chosen at run time.
+//! * [`World`]: scalar reference for one trial, stepped from outside with [`World::sense`] and
+//!   [`World::advance`].
+//! * [`Engine`]: many trials, one per SIMD lane; AVX-512, AVX2 or portable, selected at run time.
 //!
 //! Invariants:
 //!
-//! * The bits of an outcome do not depend on the engine, on the number of trials in a call or on their order
-//!   (test `tests/identical_bits.rs`). This rests on: only IEEE `+ − × ÷ √`, comparison and selection; no fused
-//!   multiply-add; `max` and `min` as `a > b ? a : b`; headings from a literal table; every skipped computation skipped only
-//!   where it provably changes nothing.
-//! * A [`Model`] holds only finite numbers inside their ranges: what is not, is refused by [`Model::new`].
+//! * The bits of an outcome depend neither on the engine nor on the number or order of trials (test
+//!   `tests/identical_bits.rs`). Only IEEE `+ − × ÷ √`, comparison and selection; no fused
+//!   multiply-add; `max` and `min` are `a > b ? a : b`; headings come from a literal table. A
+//!   computation is skipped only if it provably changes nothing.
+//! * [`Model::new`] rejects numbers that are not finite or out of range.
+//! * Noise comes from a stream of the trial, independent of the agents' actions.
 //!
-//! * Noise is a part of a trial, drawn from a stream that the trial names, whatever the agents do.
-//!
-//! Deliberately absent: time, unseeded randomness, files, threads and learning. Lengths are in pixels (px), times in frames,
-//! headings in steps of 1/64 turn, counter-clockwise from +x; the paper's field is the square `[−400, 400]²` (III.b.3).
+//! Excluded: time, unseeded randomness, files, threads, learning. Units: pixels (px), frames,
+//! headings in 1/64 turn, counter-clockwise from +x. The paper's field is `[−400, 400]²` (III.b.3).
 
 mod arithmetic;
 mod chance;

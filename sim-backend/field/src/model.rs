@@ -1,4 +1,4 @@
-//! A checked preset, the layouts of its trials, and team sizes.
+//! Validated preset and layouts, and team sizes.
 
 use thiserror::Error;
 
@@ -10,20 +10,20 @@ use crate::preset::{Corner, Goals, Preset, Start};
 use crate::room;
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose};
 
-/// How many agents share a field: 1 to [`MAX_AGENTS`].
+/// Number of agents on a field: 1 to [`MAX_AGENTS`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TeamSize(u8);
 
-/// A number of agents that the field does not hold.
+/// Unsupported number of agents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("could not place {0} agents, needs 1 to 4 (paper Fig. 13); choose one of these")]
 pub struct TeamSizeError(pub usize);
 
 impl TeamSize {
-    /// Every team size, smallest first: the paper's four conditions (Fig. 14).
+    /// All team sizes: the paper's four conditions (Fig. 14).
     pub const ALL: [Self; MAX_AGENTS] = [Self(1), Self(2), Self(3), Self(4)];
 
-    /// Checks the number of agents.
+    /// Validates a number of agents.
     pub fn new(agents: usize) -> Result<Self, TeamSizeError> {
         match agents {
             1..=MAX_AGENTS => Ok(Self(agents as u8)),
@@ -31,7 +31,7 @@ impl TeamSize {
         }
     }
 
-    /// The number of agents.
+    /// Returns the number of agents.
     #[must_use]
     #[inline]
     pub fn get(self) -> usize {
@@ -39,7 +39,7 @@ impl TeamSize {
     }
 }
 
-/// A preset whose every number is finite and inside its range.
+/// Validated preset.
 #[derive(Clone, Debug)]
 pub struct Model {
     preset: Preset,
@@ -50,10 +50,10 @@ pub struct Model {
 }
 
 impl Model {
-    /// Checks a preset.
+    /// Validates a preset.
     ///
     /// # Errors
-    /// Every value that is not finite or outside its range, and every place that a wall or a post is in the way of.
+    /// Lists every value out of range and every required place that an obstacle blocks.
     pub fn new(preset: Preset) -> Result<Self, PresetError> {
         let refused = |findings: Vec<Finding>| PresetError {
             preset: preset.name.to_string(),
@@ -83,44 +83,44 @@ impl Model {
         Ok(model)
     }
 
-    /// The numbers this was made from.
+    /// Returns the preset.
     #[must_use]
     pub fn preset(&self) -> &Preset {
         &self.preset
     }
 
-    /// The eight goals of an evaluation, goal 1 on +x, counter-clockwise (paper Fig. 13 right).
+    /// Returns the goals of an evaluation, goal 1 on +x, counter-clockwise (paper Fig. 13 right).
     #[must_use]
     pub fn training_goals(&self) -> [Point; 8] {
         training_goals(self.preset.goals)
     }
 
-    /// The walls inside the field.
+    /// Returns the walls.
     #[must_use]
     pub fn walls(&self) -> &[Wall] {
         &self.preset.walls
     }
 
-    /// The posts, those at drawn places last.
+    /// Returns the posts, random ones last.
     #[must_use]
     pub fn posts(&self) -> &[Post] {
         &self.posts
     }
 
-    /// Whether a body of this radius touches neither wall nor post at this place.
+    /// Returns true if a body of this radius touches no obstacle here.
     #[must_use]
     pub fn is_clear(&self, at: Point, radius_px: f32) -> bool {
         self.obstacles.clearance_px(at) >= radius_px
     }
 
-    /// The goal in any of the 64 directions, on the same circle or square as the training goals.
+    /// Returns the goal in one of 64 directions, on the circle or square of the training goals.
     #[must_use]
     pub fn goal_towards(&self, heading: u8) -> Point {
         goal_towards(self.preset.goals, heading)
     }
 
-    /// A goal on the way from one of the 64 directions to the next: `part` is 0 to 1. On the square it stays on its side, on
-    /// the circle it cuts the corner by a thousandth of the radius.
+    /// Returns a goal between two neighbouring directions, interpolated linearly by `part` (0 to
+    /// 1).
     #[must_use]
     pub fn goal_beyond(&self, heading: u8, part: f32) -> Point {
         let (from, to) = (
@@ -133,17 +133,16 @@ impl Model {
         }
     }
 
-    /// The preset's starts with this goal.
+    /// Combines the preset's starts with a goal.
     #[must_use]
     pub fn training_layout(&self, goal: Point) -> Layout {
         Layout::new(self.starts, goal)
     }
 
-    /// Any starts with any goal, for held-out trials.
+    /// Validates any starts with any goal.
     ///
     /// # Errors
-    /// A pose or a goal that is not finite or outside the field, or a start that overlaps the object, an obstacle or
-    /// another start.
+    /// A place is not finite or outside the field, or a start overlaps a body or an obstacle.
     pub fn layout(&self, starts: [Pose; MAX_AGENTS], goal: Point) -> Result<Layout, PresetError> {
         let limit = self.constants.agent_limit;
         for pose in &starts {

@@ -1,97 +1,95 @@
-//! Walls and posts inside the field: what neither agents nor the object pass.
+//! Walls and posts, impassable for agents and object.
 //!
-//! A wall is a line, a post a disc; both are a line with a radius, 0 of a wall and a line of no length in a post. A body
-//! keeps its own radius and the obstacle's away from the line. IR sensors see an obstacle as they see the field's border:
-//! where the tip would lie beyond it, that is, where the segment from the agent's centre to the tip crosses the wall or cuts
-//! the disc. Lights are seen over them, as over agents.
+//! Both are a line segment with a radius: 0 for a wall; a post has length 0. An IR sensor detects
+//! an obstacle that its segment crosses. Obstacles, like agents, do not block lights.
 
 use serde::{Deserialize, Serialize};
 
 use crate::arithmetic::{COINCIDENT_SQ, clamp, greater};
 use crate::trial::Point;
 
-/// Walls and posts of one field, those at drawn places included: every one of them is looked at in every frame (ours).
+/// Largest number of obstacles of a field. Design choice: every frame checks each of them.
 pub const MAX_OBSTACLES: usize = 16;
-/// A body this much nearer than contact still counts as put out of an obstacle: more than rounding ever is (ours).
+/// Tolerated penetration, px; above any rounding error. Design choice.
 const SLACK_PX: f32 = 1.0 / 64.0;
-/// What a body moves at most in one go is less than its radius by this, so that it is never beyond a wall (ours).
+/// Margin of a body's largest move below its radius, px, so that no body crosses a wall. Design
+/// choice.
 pub(crate) const LEAP_MARGIN_PX: f32 = 0.5;
 
-/// A straight wall without thickness.
+/// Straight wall without thickness.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
-    /// Where it begins, x and y.
+    /// First end, x and y.
     pub from_px: [f32; 2],
-    /// Where it ends.
+    /// Second end, x and y.
     pub to_px: [f32; 2],
 }
 
-/// A round post.
+/// Round post.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Post {
-    /// Its centre, x and y.
+    /// Centre, x and y.
     pub at_px: [f32; 2],
-    /// Its radius.
+    /// Radius.
     pub radius_px: f32,
 }
 
-/// Posts at places that a seed names: anywhere where they touch neither the border nor a start, the object or a goal.
+/// Posts at random free positions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DrawnPosts {
-    /// How many.
+    /// Number of posts.
     pub count: u8,
-    /// Of each.
+    /// Radius of each.
     pub radius_px: f32,
-    /// Other seeds, other places.
+    /// Seed of the positions.
     pub seed: u32,
 }
 
-/// Which body meets an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Body {
     Agent,
     Object,
 }
 
-/// How near the centre of a body comes to an obstacle's line.
+/// Distances between a body's centre and an obstacle's line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Reach {
-    /// In contact.
+    /// Contact distance.
     pub px: f32,
     pub sq: f32,
-    /// The squared distance below which a body is inside.
+    /// Squared distance below which the body counts as inside.
     pub inside_sq: f32,
 }
 
-/// One obstacle as both simulators compute with it.
+/// Obstacle, prepared for both simulators.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Obstacle {
-    /// The ends of the line.
+    /// Ends of the line.
     pub ends: [Point; 2],
     pub middle: Point,
-    /// Unit vector along the line; zero in a post.
+    /// Unit vector along the line; zero for a post.
     pub along: Point,
-    /// Half the length of the line; 1 in a post, so that the limit of a clamp is above 0.
+    /// Half the length; 1 for a post, because a clamp needs a limit above 0.
     pub half: f32,
-    /// 0 in a wall.
+    /// 0 for a wall.
     pub radius: f32,
     pub radius_sq: f32,
-    /// Of an agent and of the object.
+    /// Contact distances of agent and object.
     pub reach: [Reach; 2],
-    /// An agent this far from the line neither sees nor meets the obstacle in this frame, unless bodies meet
-    /// before.
+    /// Squared distance beyond which an agent neither detects nor touches the obstacle in this
+    /// frame, unless bodies meet before.
     pub cull_sq: f32,
 }
 
-/// All obstacles of a field, walls first.
+/// Obstacles of a field, walls first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Obstacles {
     each: [Obstacle; MAX_OBSTACLES],
     count: usize,
-    /// The squared way that an agent and the object move at most in one go.
+    /// Squared largest move of an agent and of the object.
     pub leap_sq: [f32; 2],
 }
 
@@ -106,7 +104,7 @@ pub(crate) fn point([x_px, y_px]: [f32; 2]) -> Point {
 }
 
 impl Obstacles {
-    /// `radii`: of an agent and of the object. `range`: what an agent sees or drives at most in a frame.
+    /// `radii`: of agent and object. `range`: the larger of sensing range and travel per frame.
     pub(crate) fn new(walls: &[Wall], posts: &[Post], radii: [f32; 2], range: f32) -> Self {
         let walls = walls.iter().map(|wall| (wall.ends(), 0.0));
         let posts = posts
@@ -134,7 +132,7 @@ impl Obstacles {
         self.count == 0
     }
 
-    /// How far a place is from the nearest obstacle; infinitely where there is none.
+    /// Returns the distance to the nearest obstacle; infinite without obstacles.
     pub(crate) fn clearance_px(&self, at: Point) -> f32 {
         let clearance = |obstacle: &Obstacle| {
             let (dx, dy) = obstacle.to(at);
@@ -143,10 +141,11 @@ impl Obstacles {
         self.iter().map(clearance).fold(f32::INFINITY, f32::min)
     }
 
-    /// Where a body ends that goes `from` → `to`, its centre inside ± `limit`: outside of all obstacles, put out of those
-    /// that it would overlap in their order; nothing if there is no such place within a leap. What does not move stays, and without obstacles everything goes.
+    /// Returns the end position of a body moving `from` → `to`, pushed out of each obstacle in
+    /// order and clamped to ± `limit`. `None`: the result is inside an obstacle or beyond the
+    /// largest move. A body at rest stays; without obstacles `to` is returned.
     ///
-    /// `from` is outside of all of them, and a leap is less than a body's radius: no body is ever beyond a wall.
+    /// Precondition: `from` is outside all obstacles.
     pub(crate) fn settle(&self, body: Body, from: Point, to: Point, limit: f32) -> Option<Point> {
         if self.is_empty() || from == to {
             return Some(to);
@@ -162,7 +161,8 @@ impl Obstacles {
         self.lets(body, from, at).then_some(at)
     }
 
-    /// Whether a body of a field with obstacles may go `from` → `to` as it is: to a place outside of all obstacles and no further than a leap.
+    /// Returns true if `to` is outside all obstacles and within the largest move, or if there are
+    /// no obstacles.
     pub(crate) fn lets(&self, body: Body, from: Point, to: Point) -> bool {
         let (dx, dy) = (to.x_px - from.x_px, to.y_px - from.y_px);
         let inside = |obstacle: &Obstacle| {
@@ -204,14 +204,14 @@ impl Obstacle {
         }
     }
 
-    /// The vector from the nearest point of the line to a place.
+    /// Returns the vector from the nearest point of the line.
     pub(crate) fn to(&self, at: Point) -> (f32, f32) {
         let (dx, dy) = (at.x_px - self.middle.x_px, at.y_px - self.middle.y_px);
         let along = clamp(dx * self.along.x_px + dy * self.along.y_px, self.half);
         (dx - along * self.along.x_px, dy - along * self.along.y_px)
     }
 
-    /// The nearest place in contact, of a body that overlaps.
+    /// Moves an overlapping body to the nearest position in contact.
     fn put_out(&self, body: Body, at: Point) -> Point {
         let (dx, dy) = self.to(at);
         let (sq, reach) = (dx * dx + dy * dy, self.reach[body as usize]);
@@ -242,7 +242,7 @@ mod tests {
 
     #[test]
     fn bodies_slide_along_obstacles_and_end_outside_of_them() {
-        // from, to, where an agent ends
+        // from, to, end position of the agent
         let rows = [
             ([0.0, 30.0], [3.0, 25.0], Some([3.0, 25.0])), // clear of it
             ([0.0, 21.0], [8.0, 12.0], Some([8.0, 20.0])), // along the wall
@@ -250,9 +250,9 @@ mod tests {
             ([125.0, 0.0], [118.0, 0.0], Some([120.0, 0.0])), // against its end
             ([0.0, 149.0], [0.0, 155.0], Some([0.0, 150.0])), // against the post
             ([0.0, 21.0], [0.0, -21.0], None),                // through the wall
-            ([0.0, 21.0], [0.0, 0.0], None),                  // into its middle
-            ([200.0, 0.0], [200.0, 30.0], None),              // a leap
-            ([0.0, 15.0], [0.0, 15.0], Some([0.0, 15.0])),    // what does not move stays
+            ([0.0, 21.0], [0.0, 0.0], None),                  // onto its centre line
+            ([200.0, 0.0], [200.0, 30.0], None),              // move too long
+            ([0.0, 15.0], [0.0, 15.0], Some([0.0, 15.0])),    // no motion
         ];
         for (from, to, expected) in rows {
             let found = obstacles().settle(Body::Agent, point(from), point(to), 400.0);

@@ -1,4 +1,5 @@
-//! Presets: every number of a field, as data. The paper prints few of them; the rest are ours, each preset with its reason.
+//! Presets: all numbers of a field. Each preset states the origin of values that the paper does not
+//! print.
 
 use std::borrow::Cow;
 
@@ -10,74 +11,75 @@ use crate::training::Training;
 use crate::trial::MAX_AGENTS;
 use crate::weights::Weights;
 
-/// Half the side of the paper's field (III.b.3: 800 × 800 px).
+/// Half the side of the paper's field (III.b.3).
 pub(crate) const HALF_SIDE_PX: f32 = 400.0;
 
-/// Every number of one field. Plain data: [`crate::Model::new`] checks it. In a file it has every key, or only those in
-/// which it differs from a preset that ships, named as `base`.
+/// All numbers of one field; [`crate::Model::new`] validates them. A file contains every key, or
+/// `base` (a built-in preset) and the keys that differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
-    /// How people call it.
+    /// Display name.
     pub name: Cow<'static, str>,
     /// Radius of an agent.
     pub agent_radius_px: f32,
-    /// Radius of the transportation object.
+    /// Radius of the object.
     pub object_radius_px: f32,
-    /// Wheel travel per frame at medium speed; high is twice that.
+    /// Wheel travel per frame at medium speed; twice that at high speed.
     pub medium_speed_px_per_frame: f32,
-    /// Where the agents stand at frame 0.
+    /// Start poses.
     pub starts: Starts,
-    /// Reach of an IR sensor from the agent's centre; at least the agent's radius.
+    /// IR range from the agent's centre; at least the agent's radius.
     pub ir_range_px: f32,
-    /// The side IR sensors look this far to the left and to the right of straight ahead, in 1/64 turns.
+    /// Angle of the side IR sensors to straight ahead, 1/64 turns.
     pub ir_angle_steps: u8,
-    /// Both photo sensors.
+    /// Photo sensors.
     pub photo: Photo,
-    /// Distance to the object's centre within which its light is seen.
+    /// Range of the object's light, from its centre.
     pub object_light_px: f32,
-    /// Distance to the goal within which its light is seen.
+    /// Range of the goal's light.
     pub goal_light_px: f32,
-    /// Where the eight goals are.
+    /// Goal positions.
     pub goals: Goals,
-    /// The object has arrived when its centre is this close to the goal.
+    /// Radius of the goal: the object has arrived if its centre is inside.
     pub goal_radius_px: f32,
-    /// How far the object yields to those who push it.
+    /// Push law.
     pub push: Push,
-    /// What bodies do when they meet.
+    /// Contact model.
     pub contact: Contact,
-    /// Half the side of the square field; 400 in every preset that ships (paper III.b.3: 800 × 800 px).
+    /// Half the side of the field; 400 in every built-in preset.
     pub half_side_px: f32,
-    /// Straight walls inside the field; none in every preset that ships.
+    /// Straight walls inside the field; none in built-in presets.
     pub walls: Cow<'static, [Wall]>,
-    /// Round posts, likewise.
+    /// Round posts; none in built-in presets.
     pub posts: Cow<'static, [Post]>,
-    /// Further posts at drawn places.
+    /// Randomly placed posts.
     pub drawn_posts: Option<DrawnPosts>,
-    /// What goes wrong by chance; nothing in every preset that ships.
+    /// Sensor and wheel noise; none in built-in presets.
     pub noise: Noise,
-    /// What tables are evolved on; `None` for the eight goals from these starts, again and again (the paper).
+    /// Training conditions; `None`: the same eight goals and starts in every generation (paper).
     pub training: Option<Training>,
-    /// What trials are worth; `None` for the rules that ship.
+    /// Weighted fitness; `None` for the built-in rules.
     pub fitness: Option<Weights>,
 }
 
-/// The part of an overlap by which pushing agents move the object; below 1 it is too heavy for them to keep their speed.
+/// Share of an overlap that the object yields to pushing agents. Below 1 it slows them down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Push {
-    /// Two numbers fitted to the paper's figures: one agent, and two or more.
+    /// Values fitted to the paper's figures.
     Fitted {
-        /// Of one agent.
+        /// Share for one agent.
         solo: f32,
-        /// Of two or more.
+        /// Share for two or more.
         team: f32,
     },
-    /// Dry friction against wheels whose force falls linearly with their speed: of k agents max(0, 1 − φ / k), where φ is
-    /// the object's friction over the force at which one agent stalls. Towards 0 anybody carries it, above 4 nobody.
+    /// Dry friction against wheels whose force falls linearly with speed: max(0, 1 − φ / k) for k
+    /// agents. φ: object friction / stall force of one agent. At 4 or more no team moves the
+    /// object.
     Friction(f32),
 }
 
 impl Push {
-    /// The part for one, two, three and four agents.
+    /// Returns the share for one to four agents.
     #[must_use]
     pub fn by_agents(self) -> [f32; MAX_AGENTS] {
         match self {
@@ -90,19 +92,19 @@ impl Push {
     }
 }
 
-/// The four start poses, agent 1 first.
+/// Four start poses, agent 1 first.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Starts {
     /// `|x|` and `|y|` of every start.
     pub distance_px: f32,
-    /// The corner of each agent.
+    /// Corner of each agent.
     pub corners: [Corner; MAX_AGENTS],
-    /// Where the agents look.
+    /// Initial heading.
     pub heading: Start,
 }
 
-/// A corner of the field.
+/// Corner of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[expect(missing_docs, reason = "the names say it")]
@@ -113,7 +115,7 @@ pub enum Corner {
     RightBottom,
 }
 
-/// Where agents look at frame 0.
+/// Initial heading of the agents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
@@ -123,13 +125,13 @@ pub enum Start {
     East,
 }
 
-/// The two photo sensors, mirrored about straight ahead.
+/// Two photo sensors, symmetric about straight ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Photo {
-    /// Angle between the sensor's axis and straight ahead, in 1/64 turns.
+    /// Angle to straight ahead, 1/64 turns.
     pub angle_steps: u8,
-    /// Cosine of half the opening angle: 0 sees a half-plane, towards 1 sees a ray.
+    /// Cosine of half the opening angle: 0 is a half-plane, 1 a ray.
     pub half_angle_cosine: f32,
 }
 
@@ -137,25 +139,27 @@ pub struct Photo {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Goals {
-    /// On a circle of this radius.
+    /// Circle of this radius.
     CirclePx(f32),
-    /// On a square of this half side.
+    /// Square of this half side.
     SquarePx(f32),
 }
 
-/// What bodies do when they meet.
+/// Contact model between bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Contact {
-    /// Overlaps are pushed apart: agents slide along each other, the object follows the sum of the pushes.
+    /// Overlapping bodies are pushed apart: agents slide along each other, the object moves by the
+    /// sum of the pushes.
     Sliding,
-    /// A move that would press into another agent, or push the object into one, does not happen.
+    /// A move is cancelled if it would press into an agent, or push the object into one.
     Blocking,
 }
 
 impl Preset {
-    /// Four findings of the paper at once (multi-agent ≥ 5 × single, 3 above 4, the single agent trapped, redundant agents
-    /// keep out); 2 beats 3 here. The default. Ours, found by a search whose seeds are never used to report.
+    /// Default. Reproduces four findings of the paper: multi-agent ≥ 5 × single, 3 above 4, single
+    /// agent trapped, redundant agents stay away; but 2 beats 3. Found by a search; its seeds are
+    /// never used for reported results.
     pub const R3: Self = Self {
         name: Cow::Borrowed("R3"),
         agent_radius_px: 40.0,
@@ -195,7 +199,7 @@ impl Preset {
         fitness: None,
     };
 
-    /// Near starts, short light, bodies that slide: the order 3 > 2 > 4 of the means (ours).
+    /// Near starts, short light range, sliding bodies: order 3 > 2 > 4 of the means. Design choice.
     pub const N: Self = Self {
         name: Cow::Borrowed("N"),
         agent_radius_px: 25.0,
@@ -229,7 +233,7 @@ impl Preset {
         fitness: None,
     };
 
-    /// Large agents that block each other: redundant agents learn to keep out (ours).
+    /// Large agents that block each other: redundant agents stay away. Design choice.
     pub const LB: Self = Self {
         name: Cow::Borrowed("LB"),
         agent_radius_px: 40.0,
@@ -269,7 +273,7 @@ impl Preset {
         fitness: None,
     };
 
-    /// LB with a wider goal and a larger object (ours).
+    /// LB with a wider goal and a larger object. Design choice.
     pub const LB2: Self = Self {
         name: Cow::Borrowed("LB2"),
         object_radius_px: 35.0,
@@ -285,8 +289,8 @@ impl Preset {
         ..Self::LB
     };
 
-    /// LB2 with a narrower goal and one physical law instead of two fitted numbers: an agent alone hardly moves the object,
-    /// because friction takes 0.95 of its stall force (ours).
+    /// LB2 with a narrower goal and the friction law. Friction takes 0.95 of one agent's stall
+    /// force, so it hardly moves the object. Design choice.
     pub const LB3: Self = Self {
         name: Cow::Borrowed("LB3"),
         goal_radius_px: 40.0,
@@ -294,9 +298,9 @@ impl Preset {
         ..Self::LB2
     };
 
-    /// LB3 with a larger object and wider goals, where agents 1 and 2 start on the right: the findings of Figs. 14, 15 and
-    /// 17 at once, that three beat two and four included. Ours, found by searches whose seeds are not those of the verdict
-    /// (the swarm's README).
+    /// LB3 with a larger object and wider goals; agents 1 and 2 start on the right. Reproduces
+    /// Figs. 14, 15 and 17 together; three beat two and four. Found by searches with seeds other
+    /// than those of the evaluation (swarm README).
     pub const LB4: Self = Self {
         name: Cow::Borrowed("LB4"),
         agent_radius_px: 38.0,
@@ -317,15 +321,16 @@ impl Preset {
         ..Self::LB3
     };
 
-    /// N with the same law: three beat two and four, but the single agent does not circle (ours).
+    /// N with the friction law: three beat two and four, but the single agent does not circle.
+    /// Design choice.
     pub const N3: Self = Self {
         name: Cow::Borrowed("N3"),
         push: Push::Friction(0.95),
         ..Self::N
     };
 
-    /// The paper's printed constants and nothing fitted: an 800 × 800 px field, agents near the corners (Fig. 13), eight
-    /// goals, one agent able to push the object alone. What the paper does not print is taken from N.
+    /// The paper's printed constants: 800 × 800 px, agents near the corners (Fig. 13), eight goals,
+    /// one agent able to push alone. Other values come from N.
     pub const PAPER: Self = Self {
         name: Cow::Borrowed("paper"),
         starts: Starts {
@@ -339,7 +344,7 @@ impl Preset {
         ..Self::N
     };
 
-    /// The presets that ship, the default first.
+    /// Built-in presets, the default first.
     pub const ALL: [Self; 8] = [
         Self::R3,
         Self::N,
@@ -351,14 +356,14 @@ impl Preset {
         Self::PAPER,
     ];
 
-    /// Whether there are walls or posts inside the field.
+    /// Returns true if there are walls or posts.
     #[must_use]
     pub fn has_obstacles(&self) -> bool {
         let drawn = self.drawn_posts.map_or(0, |drawn| drawn.count);
         !self.walls.is_empty() || !self.posts.is_empty() || drawn > 0
     }
 
-    /// The shipped preset of this name, whatever the case.
+    /// Returns a built-in preset by name, ignoring case.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL

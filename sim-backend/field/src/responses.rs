@@ -1,11 +1,11 @@
-//! What an agent does for every combination of its five sensors, packed as the simulators look it up.
+//! Response table of an agent: wheel levels per combination of its five sensors.
 
-/// Sensors of one agent: IR left, front, right, photo left, right (paper Fig. 10).
+/// Sensors of an agent: IR left, front, right, photo left, right (paper Fig. 10).
 pub const SENSORS: usize = 5;
-/// Combinations of the sensors: the rows of a table (paper III.a).
+/// Rows of a table: combinations of the sensors (paper III.a).
 pub const ROWS: usize = 1 << SENSORS;
 
-/// The levels of the two wheels in one frame: 0 stop, 1 medium, 2 high (paper Table 1).
+/// Wheel levels of one frame: 0 stop, 1 medium, 2 high (paper Table 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Wheels {
     /// Left wheel.
@@ -15,18 +15,19 @@ pub struct Wheels {
 }
 
 impl Wheels {
-    /// Both wheels at rest.
+    /// Both wheels stopped.
     pub const STOP: Self = Self { left: 0, right: 0 };
 
-    /// Four motor bits that mean these levels: L1 lowest, then L2, R1, R2 (paper Table 1). Levels above 2 are taken as 2.
+    /// Encodes four motor bits, lowest first: L1, L2, R1, R2 (paper Table 1). Levels above 2 count
+    /// as 2.
     #[must_use]
     pub fn motor_bits(self) -> u32 {
         let pair = |level: u8| (1_u32 << level.min(2)) - 1;
         pair(self.left) | pair(self.right) << 2
     }
 
-    /// The levels that four motor bits mean: L1 lowest, then L2, R1, R2; a level is how many of its two are set (paper
-    /// Table 1). Higher bits do not matter.
+    /// Decodes four motor bits, lowest first: L1, L2, R1, R2. A level is the number of its set bits
+    /// (paper Table 1).
     #[must_use]
     #[inline]
     pub fn from_motor_bits(bits: u32) -> Self {
@@ -38,15 +39,14 @@ impl Wheels {
     }
 }
 
-/// One [`Wheels`] per row. A row is the sum over the sensors that fire of: IR left 1, IR front 2, IR right 4, photo left 8,
-/// photo right 16.
+/// One [`Wheels`] per row. Row index: IR left 1 + front 2 + right 4 + photo left 8 + right 16.
 ///
-/// Four bits per row: the left level in bits 0–1, the right level in bits 2–3. Level 3 does not exist.
+/// Four bits per row: left level in bits 0–1, right level in bits 2–3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Responses(u128);
 
 impl Responses {
-    /// Packs one response per row. Levels above 2 are taken as 2.
+    /// Packs one response per row. Levels above 2 count as 2.
     #[must_use]
     pub fn from_fn(mut response: impl FnMut(usize) -> Wheels) -> Self {
         Self((0..ROWS).fold(0, |bits, row| {
@@ -56,8 +56,7 @@ impl Responses {
         }))
     }
 
-    /// Packs two motor bits per wheel, of which a wheel's level is the number that is set (paper Table 1): bit 4r is L1 of row
-    /// r, then L2, R1, R2.
+    /// Packs two motor bits per wheel (paper Table 1): bit 4r is L1 of row r, then L2, R1, R2.
     #[must_use]
     pub fn from_motor_bits(bits: u128) -> Self {
         const FIRST: u128 = u128::MAX / 3;
@@ -65,7 +64,7 @@ impl Responses {
         Self(first ^ second | (first & second) << 1)
     }
 
-    /// What the agent does in this row; only `row mod 32` matters.
+    /// Returns the levels of a row, taken modulo 32.
     #[must_use]
     #[inline]
     pub fn get(self, row: u8) -> Wheels {
@@ -76,19 +75,19 @@ impl Responses {
         }
     }
 
-    /// The packed bits, row 0 lowest.
+    /// Returns the packed bits, row 0 lowest.
     #[must_use]
     #[inline]
     pub fn bits(self) -> u128 {
         self.0
     }
 
-    /// The bits of the rows whose bit is set in `rows`: two tables that agree here behave the same wherever only these rows
-    /// are read.
+    /// Returns the mask of the rows in the set `rows`. Tables equal under it behave identically
+    /// while only these rows are read.
     #[must_use]
     #[inline]
     pub fn row_mask(rows: u32) -> u128 {
-        // Spread the 32 bits so that bit r lands on bit 4r, then fill each nibble.
+        // Move bit r to bit 4r, then fill each nibble.
         let mut spread = u128::from(rows);
         for (shift, mask) in [
             (48, 0x0000_0000_0000_ffff_0000_0000_0000_ffff_u128),
@@ -102,7 +101,8 @@ impl Responses {
         spread * 15
     }
 
-    /// Word `w` holds the eight rows whose photo sensors read `w` (bit 0 left, bit 1 right); within it, IR bits select.
+    /// Returns four words; word `w` holds the eight rows with photo sensors `w` (bit 0 left, bit 1
+    /// right).
     #[inline]
     pub(crate) fn words(self) -> [i32; 4] {
         [0, 32, 64, 96].map(|shift| (self.0 >> shift) as u32 as i32)

@@ -1,4 +1,4 @@
-//! Whether walls and posts leave room for everything else on the field, and where drawn posts stand.
+//! Placement checks of walls and posts; positions of random posts.
 
 use crate::chance::{Stream, seed};
 use crate::check::Finding;
@@ -7,21 +7,20 @@ use crate::obstacle::{DrawnPosts, LEAP_MARGIN_PX, MAX_OBSTACLES, Obstacles, Post
 use crate::preset::Preset;
 use crate::trial::{Point, Pose};
 
-/// A wall is not shorter than this (ours).
+/// Shortest allowed wall, px. Design choice.
 const SHORTEST_PX: f32 = 1.0;
-/// Attempts to place one post before the field counts as too crowded (ours).
+/// Attempts per random post before the field counts as crowded. Design choice.
 const ATTEMPTS: usize = 1000;
 
-/// What has to be free of obstacles.
 pub(crate) struct Place {
     name: String,
     at: Point,
-    /// Of the body that has to fit in.
+    /// Radius of the body that must fit.
     radius_px: f32,
     needs: &'static str,
 }
 
-/// The starts, the object's, and the eight goals.
+/// Starts of agents and object, and goals.
 pub(crate) fn places(preset: &Preset, starts: &[Pose], goals: &[Point]) -> Vec<Place> {
     let place = |name: String, at, radius_px, needs| Place {
         name,
@@ -46,7 +45,7 @@ pub(crate) fn places(preset: &Preset, starts: &[Pose], goals: &[Point]) -> Vec<P
     starts.chain([object]).chain(goals).collect()
 }
 
-/// Everything that is wrong with walls and posts by themselves.
+/// Checks shapes and number of walls and posts.
 pub(crate) fn shapes(preset: &Preset) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut find = |key: String, value: f32, needs| findings.push(Finding::new(key, value, needs));
@@ -91,7 +90,7 @@ pub(crate) fn shapes(preset: &Preset) -> Vec<Finding> {
         find(key.to_owned(), count as f32, "at most 16");
     }
     let smaller = preset.agent_radius_px.min(preset.object_radius_px);
-    // As far below a leap as a leap is below the radius: what wheels do is never taken for one.
+    // Twice the margin: a wheel move never exceeds the largest move.
     let fastest = 0.5 * (smaller - 2.0 * LEAP_MARGIN_PX);
     if count > 0 && !(0.0..=fastest).contains(&preset.medium_speed_px_per_frame) {
         find(
@@ -117,7 +116,7 @@ impl Wall {
     }
 }
 
-/// Every place that a wall or a post is too near to. An obstacle that is none is left out: NaN is not nearer than anything.
+/// Checks every place against every wall and post; obstacles with NaN are never near.
 pub(crate) fn crowded(preset: &Preset, places: &[Place]) -> Vec<Finding> {
     let wall = |(k, wall): (usize, &Wall)| {
         let alone = Constants::obstacles(preset, &[*wall], &[]);
@@ -140,7 +139,7 @@ pub(crate) fn crowded(preset: &Preset, places: &[Place]) -> Vec<Finding> {
     walls.chain(posts).flat_map(near).collect()
 }
 
-/// All posts: those that are given, then those that are drawn, on whole px.
+/// Returns the configured posts, then the random ones, at whole px.
 pub(crate) fn posts(preset: &Preset, places: &[Place]) -> Result<Vec<Post>, Finding> {
     let mut posts = preset.posts.to_vec();
     let Some(DrawnPosts {
@@ -187,7 +186,7 @@ mod tests {
         Post { at_px, radius_px }
     }
 
-    /// N: starts at (±200, ±200), goals on the square of 250, radii of 25 and 50.
+    /// N: starts at (±200, ±200), goals on a square of half side 250, radii 25 and 50.
     #[test]
     fn everything_that_is_wrong_with_obstacles_is_named_at_once() {
         let nan = f32::NAN;

@@ -1,11 +1,11 @@
-//! A trial under way: stepped from outside, frame by frame, with its outcome so far.
+//! Trial of the scalar reference, stepped from outside.
 
 use crate::model::{Model, TeamSize};
 use crate::responses::Wheels;
 use crate::trial::{EXECUTION_FRAMES, Layout, MAX_AGENTS, Outcome, TRIAL_FRAMES, Trial};
 use crate::world::World;
 
-/// One trial, simulated by the scalar reference: alternately [`TrialRun::sense`] and [`TrialRun::advance`].
+/// One trial; the caller alternates [`TrialRun::sense`] and [`TrialRun::advance`].
 #[derive(Clone, Debug)]
 pub struct TrialRun {
     world: World,
@@ -15,7 +15,7 @@ pub struct TrialRun {
 }
 
 impl TrialRun {
-    /// A trial before its first frame.
+    /// Creates a trial before its first frame.
     #[must_use]
     pub fn new(model: &Model, team: TeamSize, layout: &Layout) -> Self {
         Self {
@@ -26,7 +26,7 @@ impl TrialRun {
         }
     }
 
-    /// The row that every agent's sensors select now, as [`World::sense`]; the outcome remembers it.
+    /// Returns the table row of every agent and records it.
     pub fn sense(&mut self) -> [u8; MAX_AGENTS] {
         let rows = self.world.sense();
         for row in &rows[..self.team.get()] {
@@ -35,7 +35,7 @@ impl TrialRun {
         rows
     }
 
-    /// One frame at these wheel levels. A trial that is over stays as it is.
+    /// Simulates one frame; a finished trial does not change.
     pub fn advance(&mut self, wheels: &[Wheels; MAX_AGENTS]) {
         if self.is_over() {
             return;
@@ -52,32 +52,32 @@ impl TrialRun {
         }
     }
 
-    /// Frames that are over.
+    /// Returns the number of finished frames.
     #[must_use]
     pub fn frame(&self) -> u32 {
         self.frame
     }
 
-    /// Whether all frames of the trial are over.
+    /// Returns true after the last frame.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.frame == TRIAL_FRAMES
     }
 
-    /// What it came to so far; complete when it [is over](TrialRun::is_over).
+    /// Returns the outcome, complete when the trial [is over](TrialRun::is_over).
     #[must_use]
     pub fn outcome(&self) -> Outcome {
         self.outcome
     }
 
-    /// The field as it is now.
+    /// Returns the field.
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
     }
 }
 
-/// Simulates one trial with the scalar reference.
+/// Simulates one trial.
 #[must_use]
 pub fn run_trial(model: &Model, team: TeamSize, trial: &Trial) -> Outcome {
     let mut run = TrialRun::new(model, team, &trial.layout);

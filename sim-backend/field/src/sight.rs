@@ -1,4 +1,4 @@
-//! What one agent of the scalar reference sees.
+//! Sensor model of one agent (scalar reference).
 
 use crate::arithmetic::greater;
 use crate::constants::Constants;
@@ -6,14 +6,13 @@ use crate::heading::cos_sin;
 use crate::obstacle::Obstacle;
 use crate::trial::{Point, Pose};
 
-/// An agent's place and direction, from which it looks.
 pub(crate) struct Sight {
     at: Point,
     cos: f32,
     sin: f32,
 }
 
-/// A target in the frame of the agent that looks: px ahead and px to the left.
+/// Target in the agent's frame, px.
 #[derive(Clone, Copy)]
 pub(crate) struct Ray {
     pub(crate) ahead: f32,
@@ -40,7 +39,7 @@ impl Sight {
         }
     }
 
-    /// Whether the left, front and right IR sensors' segments cut a circle.
+    /// Tests if the left, front and right IR segments intersect a circle.
     pub(crate) fn ir(
         &self,
         Ray { ahead, left, .. }: Ray,
@@ -60,15 +59,15 @@ impl Sight {
         ]
     }
 
-    /// Whether the left, front and right IR sensors' segments cut a post or cross a wall.
+    /// Tests if they intersect a post or cross a wall.
     pub(crate) fn obstacle(&self, obstacle: &Obstacle, c: &Constants) -> [bool; 3] {
         let [from, to] = obstacle.ends.map(|end| self.to(end));
         if obstacle.radius > 0.0 {
             return self.ir(from, obstacle.radius_sq, c);
         }
-        // The ends of the wall, with the sensor straight ahead.
+        // Ends of the wall in the sensor's frame.
         let crosses = |from: (f32, f32), to: (f32, f32)| {
-            // Where the wall crosses the sensor's line: so far ahead, times `across`.
+            // Distance of the crossing along the sensor, times `across`.
             let across = from.1 - to.1;
             let ahead = (to.0 * from.1 - from.0 * to.1) * across;
             from.1 * to.1 < 0.0 && ahead > 0.0 && ahead < c.ir_range * (across * across)
@@ -86,7 +85,7 @@ impl Sight {
         std::array::from_fn(|k| crosses(from[k], to[k]))
     }
 
-    /// Whether the tips of the left, front and right IR sensors lie beyond a wall.
+    /// Tests if they end outside the field.
     pub(crate) fn walls(&self, c: &Constants) -> [bool; 3] {
         let beyond = |cos: f32, sin: f32| {
             let (x, y) = (
@@ -104,7 +103,7 @@ impl Sight {
         ]
     }
 
-    /// Whether the left and right photo sensors see a light.
+    /// Tests if the left and right photo sensors detect a light.
     pub(crate) fn photo(
         &self,
         Ray {

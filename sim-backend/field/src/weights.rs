@@ -1,31 +1,30 @@
-//! A fitness as a preset asks for it: a sum of what the field counts in every trial.
+//! Weighted fitness of a preset.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What each thing counts for, negative where it is not wanted; nothing if left out. A trial earns the sum, at least 0 and at
-/// most 100 points: a full score counts as a solved goal. It says how the field is used, not what it is:
-/// [`crate::Preset::fingerprint`] leaves it out.
+/// Weight per quantity; negative penalises. A trial scores the sum, clamped to 0 to 100 points; a
+/// full score counts as solved. Not part of [`crate::Preset::fingerprint`].
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Weights {
-    /// Points if the object is at the goal in the end and an agent stayed with it ([`crate::delivered`]).
+    /// Points if the object was delivered ([`crate::delivered`]).
     pub delivered: f32,
-    /// Points if the object ever was within the goal's radius.
+    /// Points if the object ever reached the goal.
     pub reached: f32,
-    /// Points if one and the same agent is with the object after execution and after evaluation ([`crate::accompanied`]).
+    /// Points if the same agent stayed with the object ([`crate::accompanied`]).
     pub accompanied: f32,
-    /// Points per agent that is with the object in the end.
+    /// Points per agent with the object at the end.
     pub each_companion: f32,
-    /// Times E1 (Eq. 2) of the distance in the end ([`crate::accuracy`]).
+    /// Factor of E1 ([`crate::accuracy`]).
     pub accuracy: f32,
-    /// Times E2 (Eq. 3) of the first frame at the goal ([`crate::efficiency`]).
+    /// Factor of E2 ([`crate::efficiency`]).
     pub efficiency: f32,
 }
 
 impl Weights {
-    /// The weights by the keys of a file, in its order.
+    /// Weights with their keys, in file order.
     pub(crate) fn terms(&self) -> [(&'static str, f32); 6] {
         [
             ("fitness.delivered", self.delivered),
@@ -39,7 +38,7 @@ impl Weights {
 }
 
 impl fmt::Display for Weights {
-    /// `60 delivered + 2 efficiency`
+    /// Example: `60 delivered + 2 efficiency`
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let terms = self
             .terms()

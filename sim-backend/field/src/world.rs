@@ -1,7 +1,7 @@
-//! The scalar reference: one field, frame by frame.
+//! Scalar reference simulator of one field.
 //!
-//! One frame (swarm model, in this order): every agent senses the state at the start of the frame; every agent turns and
-//! drives; bodies that overlap are separated and the object is pushed. [`Contact`] says how bodies meet.
+//! Order within a frame: all agents sense, all turn and drive, then contacts are resolved as
+//! [`Contact`] defines.
 
 use crate::arithmetic::{COINCIDENT_SQ, clamp, greater};
 use crate::chance::{Stream, Upset};
@@ -14,7 +14,7 @@ use crate::responses::Wheels;
 use crate::sight::Sight;
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose, Snapshot};
 
-/// One field with its agents, its object and its goal.
+/// State of one field.
 #[derive(Clone, Debug)]
 pub struct World {
     constants: Constants,
@@ -24,9 +24,8 @@ pub struct World {
     object: Point,
     goal: Point,
     touching: [bool; MAX_AGENTS],
-    /// What goes wrong in this frame.
+    /// Noise of this frame.
     upsets: [Upset; MAX_AGENTS],
-    /// From where the next frame's noise is drawn.
     noise: Stream,
 }
 
@@ -37,7 +36,7 @@ fn distance_sq(a: Point, b: Point) -> f32 {
 }
 
 impl World {
-    /// The field at frame 0, the object at the origin.
+    /// Creates the field at frame 0, the object at the origin.
     #[must_use]
     pub fn new(model: &Model, team: TeamSize, layout: &Layout) -> Self {
         let (upsets, noise) = layout.noise.frame(model.constants.noise, team.get());
@@ -54,37 +53,37 @@ impl World {
         }
     }
 
-    /// The agents that take part.
+    /// Returns the team's agents.
     #[must_use]
     pub fn agents(&self) -> &[Pose] {
         &self.agents[..self.team.get()]
     }
 
-    /// The centre of the object.
+    /// Returns the object's centre.
     #[must_use]
     pub fn object(&self) -> Point {
         self.object
     }
 
-    /// The centre of the goal.
+    /// Returns the goal's centre.
     #[must_use]
     pub fn goal(&self) -> Point {
         self.goal
     }
 
-    /// Which agents pressed against the object in the last frame.
+    /// Returns the agents that pressed against the object in the last frame.
     #[must_use]
     pub fn touching(&self) -> [bool; MAX_AGENTS] {
         self.touching
     }
 
-    /// Whether the object is within the goal's radius.
+    /// Returns true if the object is at the goal.
     #[must_use]
     pub fn object_at_goal(&self) -> bool {
         distance_sq(self.goal, self.object) <= self.constants.goal_radius_sq
     }
 
-    /// Distances now.
+    /// Returns the current distances.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let mut agents_px = [0.0; MAX_AGENTS];
@@ -97,7 +96,7 @@ impl World {
         }
     }
 
-    /// The row that every agent's sensors select (see [`crate::Responses`]); 0 for agents that do not take part.
+    /// Returns the table row of every agent (see [`crate::Responses`]); 0 outside the team.
     #[must_use]
     pub fn sense(&self) -> [u8; MAX_AGENTS] {
         let mut rows = [0; MAX_AGENTS];
@@ -107,7 +106,7 @@ impl World {
         rows
     }
 
-    /// One frame: every agent turns and drives at its wheel levels, then bodies meet.
+    /// Simulates one frame at these wheel levels.
     pub fn advance(&mut self, wheels: &[Wheels; MAX_AGENTS]) {
         self.touching = [false; MAX_AGENTS];
         let wheels: [Wheels; MAX_AGENTS] =
@@ -164,7 +163,7 @@ impl World {
             .fold(0, |row, &bit| row << 1 | u8::from(bit))
     }
 
-    /// Turns agent `i` and says where it would go; equal wheel levels drive straight.
+    /// Turns agent `i`; returns its target position.
     fn turn_and_step(&mut self, i: usize, wheels: Wheels) -> Point {
         let (left, right) = (wheels.left.min(2), wheels.right.min(2));
         let limit = self.constants.agent_limit;
@@ -178,7 +177,7 @@ impl World {
         }
     }
 
-    /// Sliding: agent `i` goes to a place inside the field, or as near to it as obstacles let it.
+    /// Sliding: moves agent `i` to a position, or as near as obstacles allow.
     fn move_agent(&mut self, i: usize, to: Point) {
         let (from, limit) = (self.agents[i].position(), self.constants.agent_limit);
         let at = self.obstacles.settle(Body::Agent, from, to, limit);
@@ -186,7 +185,8 @@ impl World {
         (self.agents[i].x_px, self.agents[i].y_px) = (x_px, y_px);
     }
 
-    /// Sliding: agents that overlap move apart by half the overlap each, pair by pair; then all are put back into the field.
+    /// Sliding: moves overlapping agents apart by half the overlap each, then clamps all into the
+    /// field.
     fn separate_agents(&mut self) {
         let n = self.team.get();
         let before = self.agents;
@@ -219,8 +219,8 @@ impl World {
         }
     }
 
-    /// Sliding: the object moves by the sum of the overlaps, no further than the largest one; then agents that still overlap
-    /// are put back.
+    /// Sliding: moves the object by the sum of the overlaps, at most the largest one, then agents
+    /// that still overlap back.
     fn push_object(&mut self) {
         let c = self.constants;
         let (mut sum_x, mut sum_y, mut deepest, mut pushers) = (0.0, 0.0, 0.0, 0);
@@ -265,7 +265,7 @@ impl World {
         }
     }
 
-    /// How far agent `i` overlaps the object, the vector from agent to object, and its length.
+    /// Returns the overlap of agent `i` with the object, the vector to the object, and its length.
     fn overlap(&self, i: usize) -> Option<(f32, f32, f32, f32)> {
         let agent = self.agents[i];
         let (dx, dy) = (self.object.x_px - agent.x_px, self.object.y_px - agent.y_px);
@@ -276,7 +276,7 @@ impl World {
         })
     }
 
-    /// Blocking: the part of an overlap that the object yields, by how many agents touch and face it.
+    /// Blocking: returns the share of an overlap that the object yields to the agents facing it.
     fn blocking_push(&self) -> f32 {
         let c = &self.constants;
         let facing = |agent: &Pose| {
@@ -287,8 +287,8 @@ impl World {
         c.push[facing.saturating_sub(1)]
     }
 
-    /// Blocking: agent `i` drives, along obstacles where they are in its way, unless that would press into another agent or
-    /// press the object into one, into the border or into an obstacle.
+    /// Blocking: drives agent `i`, along obstacles if necessary. Cancels a move that would press
+    /// into an agent, or press the object into an agent, the border or an obstacle.
     fn drive_blocking(&mut self, i: usize, wheels: Wheels, push: f32) {
         let c = self.constants;
         let from = self.agents[i].position();
@@ -304,7 +304,7 @@ impl World {
         if sq < c.touch_sq {
             self.touching[i] = true;
             let sq = greater(sq, COINCIDENT_SQ);
-            // (contact distance − distance) / distance, with the root and the quotient independent of each other
+            // (contact distance − distance) / distance, with independent root and quotient
             let overlap = sq.sqrt() * (c.touch / sq) - 1.0;
             let yielded = overlap * push;
             let refused = overlap - yielded;
@@ -333,7 +333,8 @@ impl World {
         }
     }
 
-    /// Whether a body going `from` → `to` would come closer than contact to an agent other than `i`, and closer than it was.
+    /// Returns true if the move brings a body within contact of an agent other than `i`, and closer
+    /// than before.
     fn others_press(&self, i: usize, from: Point, to: Point, contact_sq: f32) -> bool {
         self.agents().iter().enumerate().any(|(j, other)| {
             let sq = distance_sq(to, other.position());

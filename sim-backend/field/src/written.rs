@@ -1,4 +1,4 @@
-//! A preset as files have it: every key, or `base` and the keys that differ from that preset.
+//! File format of a preset: every key, or `base` and the keys that differ.
 
 use std::borrow::Cow;
 
@@ -24,7 +24,7 @@ impl<'de> Deserialize<'de> for Preset {
     }
 }
 
-/// The keys of a preset, each of which may be left out. Their order is that of [`Preset`].
+/// Optional keys, in the order of [`Preset`].
 #[derive(Clone, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Written {
@@ -62,23 +62,19 @@ struct Written {
     friction_per_stall_force: Option<f32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     contact: Option<Contact>,
-    /// Left out where it is the paper's.
+    /// Omitted for the paper's value.
     #[serde(skip_serializing_if = "Option::is_none")]
     half_side_px: Option<f32>,
-    /// Left out where there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
     walls: Option<Vec<Wall>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     posts: Option<Vec<Post>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     drawn_posts: Option<DrawnPosts>,
-    /// Left out where nothing goes wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     noise: Option<Noise>,
-    /// Left out where nothing is drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     training: Option<Training>,
-    /// Left out where a rule that ships is meant.
     #[serde(skip_serializing_if = "Option::is_none")]
     fitness: Option<Weights>,
 }
@@ -163,7 +159,7 @@ impl TryFrom<Written> for Preset {
     }
 }
 
-/// A key of the file, else of the base; without either it is missing.
+/// Key of the file, else of the base.
 macro_rules! key {
     ($file:expr, $base:expr, $($key:tt).+) => {
         $file.$($key).+.or($base.$($key).+).ok_or_else(|| missing(stringify!($($key).+)))?
@@ -223,7 +219,7 @@ impl Written {
         })
     }
 
-    /// Two fitted numbers or one law; whichever the file names takes the place of the base's.
+    /// Two fitted numbers or friction; keys of the file replace the base's law.
     fn push(&self, base: &Self) -> Result<Push, String> {
         match (self.friction_per_stall_force, self.solo_push, self.team_push) {
             (Some(_), Some(_), _) | (Some(_), _, Some(_)) => Err(

@@ -1,12 +1,12 @@
-//! Every engine gives the bits of the scalar reference, for every preset and team size, whatever the number and the order of
-//! the trials; and those bits are the ones on record.
+//! All engines give the bits of the scalar reference for any preset, team and set of trials, and
+//! the recorded bits.
 
 use field::{
     Contact, DrawnPosts, Engine, Model, Noise, Outcome, Photo, Pose, Post, Preset, Push, Responses,
     TeamSize, Trial, Wall, Wheels,
 };
 
-/// Numbers for tables and starts (SplitMix64).
+/// SplitMix64.
 struct Random(u64);
 
 impl Random {
@@ -32,7 +32,6 @@ impl Random {
         })
     }
 
-    /// A layout anywhere that the model allows.
     fn layout(&mut self, model: &Model) -> field::Layout {
         loop {
             let starts = [(); 4].map(|()| Pose {
@@ -47,8 +46,8 @@ impl Random {
     }
 }
 
-/// The shipped presets and those that leave their paths: narrow eyes, slow sliding in a crowd, agents that reach further in a
-/// frame than they see, sliding and blocking, noise from seldom to always, and obstacles.
+/// Built-in presets plus other code paths: narrow photo cones, slow sliding in a crowd, travel
+/// beyond the sensing range, both contact models, rare to constant noise, obstacles.
 fn presets() -> Vec<Preset> {
     let mut presets = Preset::ALL.to_vec();
     presets.push(Preset {
@@ -99,8 +98,8 @@ fn presets() -> Vec<Preset> {
     presets
 }
 
-/// A pen of walls with an acute corner, gaps narrower than an agent and than an object, posts that touch walls and each other,
-/// drawn ones, as many as there may be; bodies that slide and bodies that block.
+/// Obstacles for both contact models: an acute corner, gaps narrower than bodies, touching posts,
+/// random posts up to the limit.
 fn walled() -> Vec<Preset> {
     let wall = |from_px, to_px| Wall { from_px, to_px };
     let post = |at_px, radius_px| Post { at_px, radius_px };
@@ -194,7 +193,6 @@ fn run(engine: Engine, model: &Model, team: TeamSize, trials: &[Trial]) -> Vec<O
     outcomes
 }
 
-/// All bits of outcomes, mixed into one number.
 fn fingerprint(outcomes: &[Outcome]) -> u64 {
     let mut hash = Random(0);
     for outcome in outcomes {
@@ -243,7 +241,7 @@ fn every_engine_gives_the_bits_of_the_scalar_reference() {
     }
 }
 
-/// A change of these numbers is a change of the model: every table ever evolved and every figure would be another.
+/// A change of these numbers invalidates every evolved table and every figure.
 #[test]
 fn the_bits_are_the_ones_on_record() {
     let record: [(&str, [u64; 4]); 11] = [

@@ -1,8 +1,8 @@
-//! What walls and posts do to those who drive: nobody passes, IR sensors tell, lights shine over them.
+//! Walls and posts: impassable, detected by IR sensors, transparent to lights.
 
 use field::{Goals, Model, Point, Pose, Post, Preset, Responses, TeamSize, TrialRun, Wall, Wheels};
 
-/// Distance from a place to a wall or, with both ends in one place, to a point.
+/// Distance from a point to a wall or, if both ends are equal, to a point.
 fn distance_px(at: Point, [from, to]: [[f32; 2]; 2]) -> f64 {
     let [x, y] = [at.x_px, at.y_px].map(f64::from);
     let [[fx, fy], [tx, ty]] = [from, to].map(|end| end.map(f64::from));
@@ -12,7 +12,7 @@ fn distance_px(at: Point, [from, to]: [[f32; 2]; 2]) -> f64 {
     (fx + part * dx - x).hypot(fy + part * dy - y)
 }
 
-/// How far a body of this radius is inside the worst obstacle.
+/// Largest penetration of an obstacle.
 fn depth_px(model: &Model, at: Point, radius_px: f32) -> f64 {
     let wall = |wall: &Wall| distance_px(at, [wall.from_px, wall.to_px]);
     let post = |post: &Post| distance_px(at, [post.at_px; 2]) - f64::from(post.radius_px);
@@ -23,7 +23,7 @@ fn depth_px(model: &Model, at: Point, radius_px: f32) -> f64 {
     f64::from(radius_px) - walls.chain(posts).fold(f64::INFINITY, f64::min)
 }
 
-/// A room in the field, with posts in two corners; starts in it, goals on the way to it.
+/// Square pen with posts at a corner and inside.
 fn pen(preset: Preset, half: f32) -> Preset {
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
     let side = |k: usize| Wall {
@@ -110,7 +110,7 @@ fn nobody_leaves_a_pen_or_enters_an_obstacle() {
     }
 }
 
-/// A wall and a post seen as the field's border is: by the sensors whose tips would lie beyond them, and by no other sensor.
+/// An IR sensor detects a wall or post exactly if its range ends behind it.
 #[test]
 fn infrared_sensors_tell_of_walls_and_posts() {
     let preset = Preset {
@@ -134,12 +134,12 @@ fn infrared_sensors_tell_of_walls_and_posts() {
     let model = Model::new(preset).expect("valid");
     // x, y, heading, row: 1 left, 2 front, 4 right
     let rows = [
-        (230.0, 0.0, 0, 0), // nothing: 70 px away
+        (230.0, 0.0, 0, 0), // nothing within 70 px
         (241.0, 0.0, 0, 2), // straight ahead
         (270.0, 0.0, 0, 7), // all three
         (270.0, 0.0, 8, 2 + 4),
         (270.0, 0.0, 56, 1 + 2),
-        (270.0, 0.0, 32, 0),   // behind
+        (270.0, 0.0, 32, 0),   // behind the agent
         (330.0, 0.0, 32, 7),   // from the other side
         (300.0, 330.0, 32, 0), // along its end
         (-200.0, 0.0, 32, 0),
@@ -175,7 +175,7 @@ fn infrared_sensors_tell_of_walls_and_posts() {
     }
 }
 
-/// An agent that drives straight at a wall stops in contact; one that drives at it askew slides along it.
+/// Driving straight at a wall stops in contact; at an angle the agent slides along it.
 #[test]
 fn a_wall_stops_and_leads() {
     let preset = Preset {

@@ -1,4 +1,5 @@
-//! What happens: fingers, skin, object and table, stepped by 500 µs: without arms and turning that is stable down to 12 g.
+//! Dynamics of fingers, skin, object and table in steps of 500 µs; without arms and rotation stable
+//! down to 12 g.
 
 use crate::lanes::{Lanes, Mask};
 use crate::skin::{
@@ -6,48 +7,49 @@ use crate::skin::{
 };
 use crate::trial::GRAVITY_M_S2;
 
-/// Step, s; steps per tick of 1 ms.
+/// Simulation step, s.
 pub(crate) const STEP_S: f32 = 500e-6;
+/// Steps per tick of 1 ms.
 pub(crate) const STEPS_PER_TICK: usize = 2;
-/// Share of its way to the command that a servo goes in one step (ours: a time constant of 4 ms stands for latency and lag).
+/// Share of the position error corrected per step. Design choice: 4 ms model servo latency and lag.
 const SERVO_SHARE: f32 = STEP_S / (0.004 + STEP_S);
-/// Stiffness of a finger whose servos give way, at its tip, N/m (ours: fitted to the force that a probe leaves in the full simulation;
-/// the last two joints of the two-hand arm's fingers give about as much).
+/// Tip stiffness of a finger with compliant servos, N/m. Fitted to the force after a probe in the
+/// full simulation; about that of the last two joints of the two-hand arm.
 const FINGER_N_M: f32 = 6.3e3;
-/// Stiffness of the table under the object, N/m: four corners (`sim-backend/src/world_object.rs`).
+/// Stiffness of the table, N/m: four corners (`sim-backend/src/world_object.rs`).
 const TABLE_N_M: f32 = 8e4;
-/// Share of the object's momentum that the table takes in one step.
+/// Share of the object's momentum absorbed per step.
 const TABLE_DAMPING: f32 = 0.2;
 
-/// Both fingers press alike, so one stands for two; the object moves up and down only.
+/// One finger represents both, because they press equally; the object only moves vertically.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Body<const N: usize> {
-    /// Mass, kg; static friction; stiffness of object and finger in series, N/m.
+    /// Mass, kg; static friction; series stiffness of object and finger, N/m.
     mass_kg: Lanes<N>,
     friction: Lanes<N>,
     yields_n_m: Lanes<N>,
-    /// How far the finger has closed since it touched the undeformed object, commanded and true, m.
+    /// Closing since contact with the undeformed object, commanded and true, m.
     pub(crate) closing_to_m: Lanes<N>,
     closed_m: Lanes<N>,
-    /// How far object and finger give way, m.
+    /// Deflection of object and finger, m.
     give_m: Lanes<N>,
-    /// Height of the hand, commanded and true, m; of the object, m and m/s.
+    /// Height of the hand, commanded and true, m; height and speed of the object, m, m/s.
     pub(crate) hand_to_m: Lanes<N>,
     hand_m: Lanes<N>,
     pub(crate) raised_m: Lanes<N>,
     speed_m_s: Lanes<N>,
-    /// Shear of the bristles, m, and which slide.
+    /// Shear, m, and sliding bristles.
     shear_m: [Lanes<N>; BRISTLES],
     sliding: [Mask<N>; BRISTLES],
-    /// Distance slid, weighted by normal force, m.
+    /// Slip weighted by normal force, m.
     pub(crate) slid_m: Lanes<N>,
-    /// Forces of one finger by ring at the end of the tick, N.
+    /// Forces of one finger by ring, N.
     pub(crate) normal_n: [Lanes<N>; RINGS],
     pub(crate) shear_n: [Lanes<N>; RINGS],
 }
 
 impl<const N: usize> Body<N> {
-    /// Objects that stand, and fingers that begin to touch them.
+    /// Objects on the table, fingers at first contact.
     #[inline(always)]
     pub(crate) fn new(mass_kg: Lanes<N>, friction: Lanes<N>, stiffness_n_m: Lanes<N>) -> Self {
         let zero = Lanes::splat(0.0);
@@ -70,7 +72,7 @@ impl<const N: usize> Body<N> {
         }
     }
 
-    /// One step; `tremble_m` displaces the hand.
+    /// Adds `tremble_m` to the commanded height.
     #[inline(always)]
     pub(crate) fn step(&mut self, tremble_m: Lanes<N>) {
         let closed_m = self.closed_m.towards(self.closing_to_m, SERVO_SHARE);
@@ -83,8 +85,8 @@ impl<const N: usize> Body<N> {
         self.fall(friction_n);
     }
 
-    /// Softness of object and finger: one Newton step of the implicit spring and damper. Returns the stiffness of the skin that
-    /// touches, N/m.
+    /// One Newton step of the implicit spring-damper of object and finger. Returns the stiffness of
+    /// the skin in contact, N/m.
     #[inline(always)]
     fn give_way(&mut self) -> Lanes<N> {
         let depth_m = self.closed_m - self.give_m;
@@ -103,7 +105,7 @@ impl<const N: usize> Body<N> {
         slope_n_m
     }
 
-    /// Every bristle drags until friction holds no more; returns the friction of one finger on the object, N.
+    /// Shears every bristle up to its friction limit; returns the friction of one finger, N.
     #[inline(always)]
     fn rub(&mut self, rubbing_m_s: Lanes<N>, skin_n_m: Lanes<N>) -> Lanes<N> {
         let zero = Lanes::splat(0.0);
@@ -144,7 +146,7 @@ impl<const N: usize> Body<N> {
         sum_n
     }
 
-    /// The object under both fingers, its weight and the table.
+    /// Object under friction of both fingers, weight and table support.
     #[inline(always)]
     fn fall(&mut self, friction_n: Lanes<N>) {
         let zero = Lanes::splat(0.0);

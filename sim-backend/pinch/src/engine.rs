@@ -1,15 +1,16 @@
-//! Many trials at once, on the widest instructions that this machine has. Every engine gives the same bits.
+//! Simulators of many trials at once, on the widest SIMD instructions available. All give identical
+//! bits.
 
 use crate::kernel;
 use crate::trial::{Interface, Outcome, Trial};
 
-/// A simulator of many trials. It exists only where its instructions do.
+/// Simulator of many trials; exists only if the machine has its instructions.
 #[derive(Clone, Copy, Debug)]
 pub struct Engine(Kind);
 
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    /// One trial at a time: the reference.
+    /// One trial at a time.
     Scalar,
     Portable,
     #[cfg(target_arch = "x86_64")]
@@ -19,7 +20,7 @@ enum Kind {
 }
 
 impl Engine {
-    /// Every engine of this machine, slowest first; the first is the scalar reference.
+    /// Returns the engines of this machine, slowest first, beginning with the scalar reference.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let kinds = [Kind::Scalar, Kind::Portable].into_iter();
@@ -35,13 +36,13 @@ impl Engine {
         kinds.map(Self).collect()
     }
 
-    /// The fastest engine of this machine.
+    /// Returns the fastest engine.
     #[must_use]
     pub fn fastest() -> Self {
         Self::all().pop().unwrap_or(Self(Kind::Portable))
     }
 
-    /// Its name.
+    /// Returns the name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
@@ -54,7 +55,7 @@ impl Engine {
         }
     }
 
-    /// Trials side by side.
+    /// Returns the number of parallel trials.
     #[must_use]
     pub fn width(self) -> usize {
         match self.0 {
@@ -67,7 +68,7 @@ impl Engine {
         }
     }
 
-    /// Simulates every trial to its end; `outcomes` holds one per trial afterwards.
+    /// Replaces `outcomes` by one outcome per trial, in order.
     pub fn run(self, interface: &Interface<'_>, trials: &[Trial], outcomes: &mut Vec<Outcome>) {
         outcomes.resize(trials.len(), Outcome::NONE);
         let width = self.width();
@@ -75,10 +76,10 @@ impl Engine {
             match self.0 {
                 Kind::Scalar => kernel::run::<1>(interface, trials, outcomes),
                 Kind::Portable => kernel::run::<4>(interface, trials, outcomes),
-                // SAFETY: an engine of this kind exists only where AVX2 was detected.
+                // SAFETY: this kind exists only if AVX2 was detected.
                 #[cfg(target_arch = "x86_64")]
                 Kind::Avx2 => unsafe { run_avx2(interface, trials, outcomes) },
-                // SAFETY: an engine of this kind exists only where AVX-512 was detected.
+                // SAFETY: this kind exists only if AVX-512 was detected.
                 #[cfg(target_arch = "x86_64")]
                 Kind::Avx512 => unsafe { run_avx512(interface, trials, outcomes) },
             }

@@ -1,39 +1,40 @@
-//! A batch of trials from first touch to their ends, one per lane, in ticks of 1 ms.
-//!
-//! The controller's part of a tick is reduced the same way as its percept: probe, table, arbitration's slewing, path.
+//! Simulates a batch of trials, one per lane, in ticks of 1 ms with a reduced controller: probe,
+//! table, arbitration limits, path.
 
 use crate::body::{Body, STEP_S, STEPS_PER_TICK};
 use crate::lanes::{Lanes, Mask};
 use crate::percept::{Percept, TICK_S};
 use crate::trial::{End, HOLD_S, Interface, LIFT_M, Object, Outcome, Patience, Rows, Trial};
 
-/// Speed of approach and probe, m/s, and the probe's duration from the first touch, s (paper II.b (1)).
+/// Speed of approach and probe, m/s; probe duration after first touch, s (paper II.b (1)).
 const PROBE_M_S: f32 = 0.002;
 const PROBE_S: f32 = 0.1;
 /// Mean speed of the lift, m/s.
 const LIFT_M_S: f32 = 0.01;
 const PATH_S: f32 = LIFT_M / LIFT_M_S;
-/// How long a table may take the hand back before that means refusing, s; how long fingers may be out of touch, s (controller).
+/// Backward hand motion that counts as refusal, s; missing contact that counts as loss, s
+/// (controller).
 const BACK_MAX_S: f32 = 0.25;
 const LOST_AFTER_S: f32 = 0.05;
-/// Arbitration: change of the closing speed per tick, m/s, up and down; of the factor on the hand's speed (controller).
+/// Arbitration: change per tick of the closing speed up and down, m/s, and of the hand's speed
+/// factor (controller).
 const CLOSING_UP_M_S: f32 = 0.1 * TICK_S;
 const CLOSING_DOWN_M_S: f32 = 1.0 * TICK_S;
 const CARRY_CHANGE: f32 = 50.0 * TICK_S;
-/// Multiple of F_2 above which the last gate lets a finger only open (controller).
+/// Multiple of F_2 above which the gate only allows opening (controller).
 const GATE_F2: f32 = 1.5;
 /// Module 3: opening speed, m/s, above this multiple of F_2 (controller).
 const RELIEVE_M_S: f32 = 0.001;
 const RELIEVE_AT: f32 = 1.15;
-/// How far the probe finds a soft object too stiff, mean and standard deviation (`BORDERLINE_SHARE` of the evaluation).
+/// Stiffness overestimate of the probe, mean and standard deviation (`BORDERLINE_SHARE` of the
+/// evaluation).
 const PROBE_BIAS: f32 = 0.06;
 const PROBE_SCATTER: f32 = 0.04;
-/// Tremble of the hand: two frequencies, Hz, and amplitudes, m (tactile design).
+/// Tremble of the hand: frequencies, Hz, and amplitudes, m (tactile design).
 const TREMBLE: [(f32, f32); 2] = [(12.0, 10e-6), (45.0, 2.5e-6)];
-/// Ticks after which every trial has ended: time is up, after the longest approach.
+/// Limit after which every trial has timed out, even with the longest approach.
 const TICKS_MAX: usize = 30_000;
 
-/// The trials of one call to the kernel, at most N.
 #[inline(always)]
 pub(crate) fn run<const N: usize>(
     interface: &Interface<'_>,
@@ -80,7 +81,7 @@ impl<'a, const N: usize> Batch<'a, N> {
     #[inline(always)]
     fn new(interface: &'a Interface<'a>, trials: &[Trial]) -> Self {
         let zero = Lanes::splat(0.0);
-        // Lanes without a trial repeat the first; nobody asks what becomes of them.
+        // Lanes without a trial repeat the first; their results are discarded.
         let of = |lane: usize| &trials[if lane < trials.len() { lane } else { 0 }];
         let seed = |lane: usize| of(lane).seed.wrapping_mul(0x9e37_79b9) | 1;
         let mut noise = Noise::<N>(core::array::from_fn(seed));
@@ -149,7 +150,7 @@ impl<'a, const N: usize> Batch<'a, N> {
         self.judge(probes);
     }
 
-    /// The row of each table that its bits number, and what it says; nothing is read before the probe is over.
+    /// Looks up the row of each table; records rows only after the probe.
     #[inline(always)]
     fn read(&mut self, probes: Mask<N>) -> (Lanes<N>, Lanes<N>) {
         let mut row = [0_u32; N];
@@ -176,7 +177,7 @@ impl<'a, const N: usize> Batch<'a, N> {
     fn act(&mut self, probes: Mask<N>, fingers_m_s: Lanes<N>, hand: Lanes<N>) {
         let zero = Lanes::splat(0.0);
         let touching = self.percept.bit(crate::Bit::Touching, self.f1_n, zero);
-        // At its first touch a finger stops and waits for the other: the probe begins from rest.
+        // At first touch a finger waits for the other: the probe starts from rest.
         let first = touching & self.probe_left_s.above(PROBE_S - TICK_S / 2.0);
         self.closing_m_s = first.select(zero, self.closing_m_s);
         self.probe_left_s = touching.select(self.probe_left_s - TICK_S, self.probe_left_s);
@@ -216,7 +217,7 @@ impl<'a, const N: usize> Batch<'a, N> {
         self.untouched_s = touching.select(zero, self.untouched_s + TICK_S);
     }
 
-    /// Notes the two judgements, and ends what has ended.
+    /// Records both evaluations and ends finished trials.
     #[inline(always)]
     fn judge(&mut self, probes: Mask<N>) {
         self.time_s = probes.select(self.time_s, self.time_s + TICK_S);
@@ -252,7 +253,7 @@ impl<'a, const N: usize> Batch<'a, N> {
         }
     }
 
-    /// Fingers that never touch anything.
+    /// Fingers closed without contact.
     #[inline(always)]
     fn time_up(&self) -> Mask<N> {
         self.body.closing_to_m.above(0.01)
@@ -288,11 +289,11 @@ impl Outcome {
     };
 }
 
-/// Nearly normal numbers: the sum of four evenly drawn bytes of a xorshift generator (Marsaglia 2003).
+/// Approximately normal numbers: sum of four bytes of a xorshift generator (Marsaglia 2003).
 struct Noise<const N: usize>([u32; N]);
 
 impl<const N: usize> Noise<N> {
-    /// Mean and standard deviation of the sum of four bytes.
+    /// Mean and standard deviation of that sum.
     const MEAN: f32 = 510.0;
     const DEVIATION: f32 = 147.8;
 
@@ -311,21 +312,21 @@ impl<const N: usize> Noise<N> {
     }
 }
 
-/// A point that goes round the unit circle: a sine without a sine.
+/// Sine generator: a point rotating on the unit circle.
 struct Rotor<const N: usize> {
     cos: Lanes<N>,
     sin: Lanes<N>,
-    /// Cosine and sine of the angle of one step.
+    /// Cosine and sine of one step.
     step: [f32; 2],
 }
 
 impl<const N: usize> Rotor<N> {
-    /// Begins where a number drawn says.
+    /// Starts at a random phase.
     #[inline(always)]
     fn new(drawn: Lanes<N>, hz: f32) -> Self {
         let square = drawn * drawn;
         let norm = square + 1.0;
-        // Cosine and sine of a small angle by their series: the error is below 1e-9.
+        // Series for a small angle; error below 1e-9.
         let angle = core::f32::consts::TAU * hz * STEP_S;
         let (a2, a) = (angle * angle, angle);
         Self {

@@ -1,16 +1,15 @@
-//! Numbers and truth values side by side, one trial per lane.
+//! Numbers and truth values, one trial per lane.
 //!
-//! Plain arrays: the compiler makes registers of them for each instruction set that [`crate::Engine`] asks for. Every
-//! operation rounds as its scalar counterpart does, nothing is fused, so the width changes no bit.
+//! The compiler maps the plain arrays to the registers that [`crate::Engine`] selects. Operations
+//! round like scalar ones and nothing is fused, so the width changes no bit.
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
-/// A number per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct Lanes<const N: usize>(pub(crate) [f32; N]);
 
-/// A truth value per lane: all bits of a true one are set.
+/// All bits of a true lane are set.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(crate) struct Mask<const N: usize>(pub(crate) [u32; N]);
@@ -108,7 +107,7 @@ impl<const N: usize> Lanes<N> {
         self
     }
 
-    /// The size of this number with the sign of another.
+    /// Magnitude of this number, sign of another.
     #[inline(always)]
     pub(crate) fn with_sign(mut self, of: Self) -> Self {
         for (a, b) in self.0.iter_mut().zip(of.0) {
@@ -117,7 +116,7 @@ impl<const N: usize> Lanes<N> {
         self
     }
 
-    /// One step of a first-order low-pass towards a value.
+    /// One step of a first-order low-pass.
     #[inline(always)]
     pub(crate) fn towards(self, value: Self, share: f32) -> Self {
         self + (value - self) * share
@@ -125,7 +124,6 @@ impl<const N: usize> Lanes<N> {
 }
 
 impl<const N: usize> Mask<N> {
-    /// False in every lane.
     pub(crate) const NONE: Self = Self([0; N]);
 
     #[inline(always)]

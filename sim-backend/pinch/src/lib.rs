@@ -1,19 +1,22 @@
-//! A reduced grasp for evolution: two fingers pinch an object that stands on a table, and lift it.
+//! Reduced grasp model for evolution: two fingers pinch an object on a table and lift it.
 //!
-//! **In**: an [`Interface`] (what the bits and levels of a behaviour table mean) and [`Trial`]s (object, table, seed). **Out**:
-//! an [`Outcome`] each: how it ended, how high, how far it slid, with what force, which rows of the table were read.
+//! * **Inputs**: an [`Interface`] (meaning of a table's bits and levels) and [`Trial`]s (object,
+//!   table, seed).
+//! * **Outputs**: one [`Outcome`] per trial: end, height, slip, force, rows read.
 //!
-//! What the full simulation (`sim-backend`, `atas-core`) has in 3-D is reduced to what decides a symmetric grasp: one finger
-//! stands for two, an object moves up and down only, `skin` has ten bristles, `body` is stepped by 500 µs, `percept` feels
-//! what the controller's perception would, and a table is read every millisecond. Evolution takes 160,000 such grasps per run.
+//! Compared with the full 3-D simulation (`sim-backend`, `atas-core`), one finger represents both
+//! and the object only moves vertically. `skin` has ten bristles, `body` steps of 500 µs, `percept`
+//! a reduced perception; the table is read every millisecond. An evolution run simulates 160,000
+//! grasps.
 //!
 //! Invariants:
 //!
-//! * The bits of an outcome do not depend on the engine, on the number of trials in a call or on their order
-//!   (test `tests/identical_bits.rs`): only IEEE `+ − × ÷`, comparison and selection; no fused multiply-add.
-//! * Its verdicts agree with those of the full simulation: measured by `ebts agreement`, not assumed.
+//! * The bits of an outcome depend neither on the engine nor on the number or order of trials (test
+//!   `tests/identical_bits.rs`): only IEEE `+ − × ÷`, comparison and selection; no fused
+//!   multiply-add.
+//! * Results agree with the full simulation, as measured by `ebts agreement`.
 //!
-//! Deliberately absent: turning in the hand, off-centre grips, arms, fitness, files, threads and learning.
+//! Excluded: rotation in the hand, off-centre grasps, arms, fitness, files, threads, learning.
 
 mod body;
 mod engine;

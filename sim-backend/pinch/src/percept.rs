@@ -1,6 +1,5 @@
-//! What is felt: the controller's perception, reduced to what a symmetric pinch can tell (`daemon/atas/src/perception/`).
-//!
-//! All constants without a comment of their own are the controller's defaults.
+//! Reduced perception for a symmetric pinch (`daemon/atas/src/perception/`). Constants without a
+//! comment are the controller's defaults.
 
 use crate::lanes::{Lanes, Mask};
 use crate::skin::{ELEMENTS, RINGS};
@@ -8,13 +7,14 @@ use crate::trial::Bit;
 
 /// Tick, s.
 pub(crate) const TICK_S: f32 = 1e-3;
-/// Time between the samples of the window of dF_t, ticks, and how many the window has.
+/// Sampling interval of the dF_t window, ticks, and its length.
 const SAMPLE_TICKS: usize = 10;
 const SAMPLES: usize = 10;
-/// Standard deviation of the sum of a patch's noise after the filter, N (ours: 3 mN per element, 5 ms, ten elements).
+/// Standard deviation of a patch's filtered force noise, N. Derived from 3 mN per element, 5 ms,
+/// ten elements.
 const NOISE_N: f32 = 0.003;
-/// How much the third of the elements that read highest reads too high: a share (gain spread), and N per N of one element's
-/// force (noise). Ours, fitted to the full simulation's utilisation at gross slip.
+/// Overestimate of the highest third of the elements: factor (gain spread), and N per N (noise).
+/// Fitted to the full simulation's utilisation at gross slip.
 const TOP_SHARE: f32 = 1.05;
 const TOP_NOISE_N: f32 = 0.0003;
 
@@ -40,23 +40,22 @@ const LIFTED_M: f32 = 0.003;
 const SPARE_BELOW: f32 = 0.91;
 const SPARE_S: f32 = 0.1;
 
-/// What the fingers feel and remember.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Percept<const N: usize> {
     normal_by_ring_n: [Lanes<N>; RINGS],
     shear_by_ring_n: [Lanes<N>; RINGS],
-    /// The same after the friction filter besides.
+    /// Ring forces after the friction filter.
     steady_normal_n: [Lanes<N>; RINGS],
     steady_shear_n: [Lanes<N>; RINGS],
-    /// F_n and F_t as felt, N.
+    /// Measured F_n and F_t, N.
     pub(crate) normal_n: Lanes<N>,
     tangential_n: Lanes<N>,
-    /// Highest reading of friction so far, utilisation against it, and against the present one.
+    /// Highest friction estimate; utilisation relative to it and to the current estimate.
     remembered: Lanes<N>,
     utilisation: Lanes<N>,
     utilisation_now: Lanes<N>,
     gross_s: Lanes<N>,
-    /// F_t/F_n, low-passed, and the largest of it in this bout of gross slip.
+    /// Low-passed F_t/F_n, and its maximum during this gross slip.
     felt: Lanes<N>,
     slid_from: Lanes<N>,
     window_n: [Lanes<N>; SAMPLES],
@@ -95,7 +94,7 @@ impl<const N: usize> Percept<N> {
         }
     }
 
-    /// Takes in the true forces of one tick; `noise` has a standard deviation of 1.
+    /// Updates from true forces; `noise` has a standard deviation of 1.
     #[inline(always)]
     pub(crate) fn feel(
         &mut self,
@@ -125,7 +124,8 @@ impl<const N: usize> Percept<N> {
         }
     }
 
-    /// Friction utilisation from the ring that uses most of its friction (`friction.rs`): the one in the middle is too few.
+    /// Utilisation S from the ring with the highest ratio (`friction.rs`), without the single
+    /// centre element.
     #[inline(always)]
     fn use_friction(&mut self) {
         let zero = Lanes::splat(0.0);
@@ -166,13 +166,13 @@ impl<const N: usize> Percept<N> {
         let remembered = self.remembered.greater(reading);
         let relaxed = remembered.towards(ratio, RELAX_SHARE);
         let remembered = self.gross_s.above(SLIP_GROSS_S).select(relaxed, remembered);
-        // What has left the fingers is forgotten.
+        // Reset after loss of contact.
         self.remembered = self.touching.select(remembered, zero);
         let utilisation = ratio / self.remembered.greater(Lanes::splat(0.05));
         self.utilisation = known.select(utilisation.lesser(Lanes::splat(1.2)), zero);
     }
 
-    /// Tells the bits that remember. No load test stands beside a table, so nothing is known to hang.
+    /// Updates bits with memory. Without lift verification the object never counts as suspended.
     #[inline(always)]
     pub(crate) fn tell(&mut self, f2_n: Lanes<N>) {
         let zero = Lanes::splat(0.0);
@@ -193,7 +193,6 @@ impl<const N: usize> Percept<N> {
         self.spare_s = spares.select(self.spare_s + TICK_S, zero);
     }
 
-    /// One sensor bit.
     #[inline(always)]
     pub(crate) fn bit(&self, bit: Bit, f1_n: Lanes<N>, carried_m: Lanes<N>) -> Mask<N> {
         match bit {
@@ -206,7 +205,7 @@ impl<const N: usize> Percept<N> {
         }
     }
 
-    /// Whether F_n exceeds F_2, as Module 3 has it.
+    /// Lanes in which F_n exceeds F_2, with Module 3's hysteresis.
     #[inline(always)]
     pub(crate) fn is_above_f2(&self) -> Mask<N> {
         self.above_f2

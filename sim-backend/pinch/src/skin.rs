@@ -1,45 +1,45 @@
-//! The fingertip's skin pressed on a flat face: bristles by how far behind the dome's tip they begin.
+//! Skin of a fingertip on a flat face, as bristles by indentation at contact.
 //!
-//! A dome of radius R pressed on a flat is the same all around its axis, so its 41 elements of 7 bristles become one handful:
-//! a Winkler bed whose area grows evenly with depth (a sphere's cap has area 2πR·h). The rings of elements that the perception
-//! tells apart (1, 7, 13 elements; the outermost never touches below 1.4 mm) are kept.
+//! A dome on a flat is axisymmetric: its 41 elements of 7 bristles reduce to ten bristles, a
+//! Winkler foundation whose area grows linearly with depth (spherical cap: 2πR·h). The element
+//! rings of the perception remain (1, 7, 13; the outermost touches only beyond 1.4 mm).
 
 /// Bristles of one fingertip.
 pub(crate) const BRISTLES: usize = 10;
-/// Rings of elements that may touch.
+/// Element rings that can touch.
 pub(crate) const RINGS: usize = 3;
 /// Elements of each ring (layout `dome-41`).
 pub(crate) const ELEMENTS: [f32; RINGS] = [1.0, 7.0, 13.0];
-/// Damping time of the skin along the surface, s; share of a light object's momentum that it may take in one step; shear over
-/// normal stiffness; kinetic over static friction: as in the full simulation (`sim-backend/src/contact.rs`).
+/// Values of the full simulation (`sim-backend/src/contact.rs`): tangential damping time, s; share
+/// of a light object's momentum absorbed per step; shear over normal stiffness; kinetic over static
+/// friction.
 pub(crate) const DAMPING_S: f32 = 0.002;
 pub(crate) const DAMPING_SHARE: f32 = 0.1;
 pub(crate) const SHEAR_RATIO: f32 = 0.7;
 pub(crate) const KINETIC_RATIO: f32 = 0.9;
-/// Damping time of an object's own softness, s (`sim-backend/src/contact/compression.rs`).
+/// Damping time of the object, s (`sim-backend/src/contact/compression.rs`).
 pub(crate) const OBJECT_DAMPING_S: f32 = 0.005;
 
 /// Radius of the dome, m.
 const RADIUS_M: f32 = 0.015;
-/// Foundation stiffness, N/m³: that of the full simulation less 8 %, which its bristles lose by leaning (1.84 N at 0.5 mm).
+/// Foundation stiffness, N/m³: 8 % below the full simulation with its inclined bristles (1.84 N at
+/// 0.5 mm).
 const FOUNDATION_N_M3: f32 = 1.56e8;
-/// Depth at which each ring begins, m: R·(1 − cos θ), even in area over 35° and 41 elements.
+/// Indentation at which each ring begins, m: R·(1 − cos θ), 41 elements of equal area over 35°.
 const RING_M: [f32; RINGS + 1] = [0.0, 6.61e-5, 5.29e-4, 1.388e-3];
 /// Bristles of each ring.
 const PER_RING: [usize; RINGS] = [1, 4, 5];
 
-/// One bristle: where it begins, how stiff it is, whose it is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bristle {
-    /// Indentation at which it begins to touch, m.
+    /// Indentation at first contact, m.
     pub(crate) from_m: f32,
     /// Normal stiffness, N/m.
     pub(crate) normal_n_m: f32,
-    /// Its ring.
     pub(crate) ring: usize,
 }
 
-/// The bristles, innermost first.
+/// Bristles, innermost first.
 pub(crate) const SKIN: [Bristle; BRISTLES] = {
     let none = Bristle {
         from_m: 0.0,

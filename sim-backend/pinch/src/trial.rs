@@ -1,118 +1,118 @@
-//! What is tried, and what becomes of it.
+//! Inputs and outcomes of trials.
 
-/// What can be grasped.
+/// Object to grasp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
     /// Mass, kg.
     pub mass_kg: f32,
-    /// Static friction coefficient under a fingertip.
+    /// Static friction at a fingertip.
     pub friction: f32,
-    /// Stiffness under one fingertip, N/m; a rigid one has 1e6.
+    /// Stiffness at one fingertip, N/m; 1e6 if rigid.
     pub stiffness_n_m: f32,
-    /// Normal force of one finger that crushes it, N; infinite for none.
+    /// Crushing normal force of one finger, N; infinite for none.
     pub crush_n: f32,
 }
 
-/// A sensor bit of a table, as `shm_schemas::SensorBit` defines them.
+/// Sensor bit, as in `shm_schemas::SensorBit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bit {
-    /// The fingers touch.
+    /// Contact.
     Touching,
-    /// They press more than F_1.
+    /// Normal force above F_1.
     AboveF1,
-    /// Friction is nearly used up, or they slip.
+    /// Slip or high friction utilisation.
     Slipping,
-    /// They press more than F_2.
+    /// Normal force above F_2.
     AboveF2,
-    /// The hand has carried the object for more than 3 mm.
+    /// Lifted by more than 3 mm.
     Lifted,
-    /// Friction has been spare for 100 ms.
+    /// Low friction utilisation for 100 ms.
     Spare,
 }
 
-/// What all tables of a call share: what their bits mean and what their levels do.
+/// Meaning of bits and levels for all tables of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface<'a> {
-    /// At most six bits, the first is the lowest of the row's number.
+    /// Sensor bits, at most six; the first is the lowest bit of the row.
     pub bits: &'a [Bit],
-    /// Closing speed of each finger by level, m/s, negative opens.
+    /// Closing speed by level, m/s; negative opens.
     pub fingers_m_s: [f32; 4],
-    /// Factor on the hand's speed along its path by level, −1 to 1.
+    /// Factor on the hand's path speed by level, −1 to 1.
     pub hand: [f32; 4],
-    /// Whether Module 3 stands beside the table, as a task on a robot must have it.
+    /// Runs Module 3 beside the table, as robots require.
     pub force_limit: bool,
-    /// When time is up.
+    /// Time limit of a trial.
     pub patience: Patience,
 }
 
-/// A table's rows: four bits per row, row 0 lowest: level of the fingers, then level of the hand times four.
+/// Four bits per row, row 0 lowest: finger level + 4 · hand level.
 pub type Rows = [u64; 4];
 
-/// One grasp to try.
+/// One grasp.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trial {
-    /// What is grasped.
+    /// Object to grasp.
     pub object: Object,
-    /// Who grasps it.
+    /// Behaviour table.
     pub rows: Rows,
-    /// What the sensor's noise and the hand's tremble are drawn from.
+    /// Seed of noise and tremble.
     pub seed: u32,
 }
 
-/// How a trial ended.
+/// End of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Time was up before the hand was at its end.
+    /// The time limit expired.
     Late,
-    /// The hand came to the end of its way and stayed there for a second.
+    /// The hand stayed at the end of its path for 1 s.
     Arrived,
-    /// The table took the hand back for so long that it means refusing.
+    /// The table moved the hand back too long.
     Refused,
     /// The object was crushed.
     Crushed,
-    /// The fingers came off an object that they had lifted.
+    /// Contact was lost after the probe.
     Lost,
 }
 
-/// What became of a trial.
+/// Result of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// How it ended.
+    /// End condition.
     pub end: End,
-    /// Height of the object over its place when the hand arrived, and at the end, m.
+    /// Height of the object on arrival and at the end, m.
     pub raised_m: [f32; 2],
-    /// How far the object had slid in the fingers at the same instants, m.
+    /// Slip in the fingers at the same instants, m.
     pub slid_m: [f32; 2],
-    /// Normal force of one finger at the end, and the most there was, N.
+    /// Final normal force of one finger, N.
     pub normal_n: f32,
-    /// Most normal force of one finger, N.
+    /// Largest normal force of one finger, N.
     pub most_n: f32,
-    /// When it ended, s.
+    /// Duration without the probe, s.
     pub time_s: f32,
     /// Bit r: row r was read.
     pub rows_read: u64,
 }
 
-/// Height that the hand lifts to, m (`atas grasp`).
+/// Lift height, m (`atas grasp`).
 pub const LIFT_M: f32 = 0.04;
-/// How long it stays there: the paper's second judgement, s (`atas grasp`).
+/// Hold time before the second evaluation, s (`atas grasp`).
 pub const HOLD_S: f32 = 1.0;
-/// When time is up: after some slack and a multiple of the time that the hand's way so far takes at full speed.
+/// Time limit: constant plus a multiple of the path's full-speed duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patience {
-    /// The slack, s.
+    /// Constant part, s.
     pub slack_s: f32,
-    /// The multiple. A lift that is never slowed down takes 4 s.
+    /// Multiple; a full-speed lift takes 4 s.
     pub slowest: f32,
 }
 
 impl Patience {
-    /// For evolution: who is slow has lost already.
+    /// Short limit for evolution.
     pub const SHORT: Self = Self {
         slack_s: 2.0,
         slowest: 1.5,
     };
-    /// For comparison: as long as the full simulation waits for a step.
+    /// Long limit for comparison: step timeout of the full simulation.
     pub const LONG: Self = Self {
         slack_s: 20.0,
         slowest: 0.0,
@@ -120,7 +120,7 @@ impl Patience {
 }
 
 impl Object {
-    /// F_1 and F_2 of the paper's rule at a stiffness, N: the law of the controller with its default settings.
+    /// Returns F_1 and F_2 for a stiffness, N, by the controller's default rule.
     #[must_use]
     pub fn thresholds_n(stiffness_n_m: f32) -> [f32; 2] {
         let f2_n = (0.0005 * stiffness_n_m).clamp(0.7, 8.0);
@@ -129,13 +129,13 @@ impl Object {
         [if f1_n < most_n { f1_n } else { most_n }, f2_n]
     }
 
-    /// Normal force of one finger that carries it by friction, N.
+    /// Returns the force per finger that holds the object, N.
     #[must_use]
     pub fn needed_n(&self) -> f32 {
         self.mass_kg * GRAVITY_M_S2 / (2.0 * self.friction)
     }
 
-    /// Whether the paper's rule allows it to be held: what it needs neither exceeds F_2 nor crushes it.
+    /// Returns true if the force that holds the object is below F_2 and the crush force.
     #[must_use]
     pub fn is_feasible(&self) -> bool {
         let [_, f2_n] = Self::thresholds_n(self.stiffness_n_m);

@@ -1,4 +1,4 @@
-//! Every engine gives the same bits, alone and in company; and what a grasp must do at all.
+//! All engines give identical bits; basic grasp behaviour.
 
 use pinch::{Bit, End, Engine, Interface, Object, Outcome, Patience, Rows, Trial};
 
@@ -35,7 +35,6 @@ fn interface(force_limit: bool, patience: Patience) -> Interface<'static> {
     }
 }
 
-/// Rows from a function of the bits.
 fn rows(row: impl Fn([bool; 5]) -> [u64; 2]) -> Rows {
     let mut rows = [0; 4];
     for number in 0..32_usize {
@@ -45,7 +44,7 @@ fn rows(row: impl Fn([bool; 5]) -> [u64; 2]) -> Rows {
     rows
 }
 
-/// The paper's modules 1, 2 and 3; what slips above F_2 is given up.
+/// Modules 1, 2 and 3 of the paper; refuses if slip persists above F_2.
 fn modules([touching, above_f1, slipping, above_f2, _]: [bool; 5]) -> [u64; 2] {
     match (touching && above_f1, slipping, above_f2) {
         (false, ..) => [2, 0],
@@ -63,7 +62,7 @@ fn run(engine: Engine, interface: &Interface<'_>, trials: &[Trial]) -> Vec<Outco
 
 #[test]
 fn engines_company_and_order_change_no_bit() {
-    // Tables out of a multiplicative hash: any will do.
+    // Arbitrary tables from a multiplicative hash.
     let any = |seed: u64| {
         core::array::from_fn(|word| {
             (seed * 4 + word as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15)

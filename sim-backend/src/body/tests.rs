@@ -1,4 +1,4 @@
-//! Objects on the table and in free fall.
+//! Tests of objects on the table and in free fall.
 
 use super::*;
 

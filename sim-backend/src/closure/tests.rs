@@ -1,4 +1,4 @@
-//! Caps and bottles, without fingers.
+//! Tests of caps and bottles without fingertips.
 
 use super::*;
 use crate::object::Object;
@@ -11,7 +11,7 @@ use robot_model::Side;
 
 const DT_S: f64 = 250e-6;
 
-/// A closure with its objects, as a world would step them.
+/// Cap and bottle, stepped in the order that a world uses.
 struct Bench {
     closure: Closure,
     objects: Vec<WorldObject>,
@@ -29,7 +29,7 @@ impl Bench {
         Self { closure, objects }
     }
 
-    /// A loose cap above the rim: off to the side, up, leaning.
+    /// Returns a loose cap above the rim with an offset, a height and a tilt.
     fn above(off_m: f64, up_m: f64, lean_rad: f64) -> Self {
         let mut bench = Self::new(Mount::Standing);
         let rim = bench.closure.rim(bench.bottle());
@@ -43,7 +43,7 @@ impl Bench {
         bench
     }
 
-    /// A cap put on and turned.
+    /// Returns an engaged cap that is turned to an angle.
     fn turned(angle_rad: f64) -> Self {
         let mut bench = Self::new(Mount::OnNeck);
         while bench.truth().angle_rad < angle_rad {
@@ -52,7 +52,7 @@ impl Bench {
         bench
     }
 
-    /// Steps under a wrench on the cap about its centre, base frame.
+    /// Steps under a wrench about the centre of the cap, base frame.
     fn step(&mut self, steps: usize, force_n: [f64; 3], moment_n_m: [f64; 3]) {
         for _ in 0..steps {
             let at_m = self.cap().position_m;
@@ -161,7 +161,7 @@ fn the_bottle_feels_what_the_thread_passes_on_and_the_weight_of_the_cap() {
     );
 }
 
-/// A stiff thread takes the bottle along once the table's friction is overcome.
+/// A stiff thread turns the bottle with the cap once the torque exceeds the table's friction.
 #[test]
 fn a_free_bottle_spins_with_a_closed_cap() {
     let mut bench = Bench::new(Mount::OnNeck);
@@ -206,7 +206,6 @@ fn a_cap_comes_off_before_it_is_turned_and_not_after() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever presses on a cap, and however it stands on the neck, everything stays finite.
     #[test]
     fn no_wrench_breaks_a_closure(
         off_m in -0.01..0.01_f64,

@@ -1,47 +1,43 @@
-//! Friction of bristles: each an elastic rod that drags until the limit, then slides (elasto-plastic return map).
+//! Bristle friction: elastic rods that stick up to the friction limit, then slide (elasto-plastic
+//! return map).
 
 use crate::lanes::{LANES, LaneSet, Lanes, Row, Rows, Vectors};
 
 /// Kinetic over static friction (prototype).
 const KINETIC_FRICTION_RATIO: f64 = 0.9;
 
-/// What touching bristles remember from step to step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bristles {
-    /// Shear of each foot against its root, object frame, m.
+    /// Shear of each foot relative to its root, object frame, m.
     shear_m: Rows,
-    /// Of the static friction, what holds each: all, or the kinetic share where it slid in the step before.
+    /// Friction ratio per bristle: 1, or the kinetic ratio if it slid in the step before.
     friction_ratio: Row,
 }
 
-/// How bristles' feet are rubbed in one step.
 #[derive(Clone, Copy)]
 pub(super) struct Rub<L> {
     /// Outward normal of the surface.
     pub(super) normal: Vectors<L>,
-    /// Velocity of the foot along the surface, m/s.
+    /// Tangential velocity of the foot, m/s.
     pub(super) sliding_m_s: Vectors<L>,
-    /// Static friction times normal force, N.
+    /// Friction limit: static friction times normal force, N.
     pub(super) limit_n: L,
 }
 
-/// What the bristles are, and how long the step is.
 #[derive(Clone, Copy)]
 pub(super) struct Rods<L> {
     /// Shear stiffness, N/m.
     pub(super) shear_n_m: L,
-    /// Damping over stiffness while one sticks, s.
+    /// Damping over stiffness of a sticking bristle, s.
     pub(super) damping_s: L,
-    /// Length of the step, s.
     pub(super) dt_s: L,
 }
 
-/// What came of it.
 #[derive(Clone, Copy)]
 pub(super) struct Rubbed<L> {
     /// Friction force on the object, N.
     pub(super) force_n: Vectors<L>,
-    /// Distance slid, m; zero while it sticks.
+    /// Sliding distance, m; zero while sticking.
     pub(super) slid_m: L,
 }
 
@@ -55,7 +51,6 @@ impl Default for Bristles {
 }
 
 impl Bristles {
-    /// Makes these forget their shear.
     #[inline(always)]
     pub(super) fn forget(&mut self, fresh: LaneSet) {
         for lane in fresh {
@@ -64,8 +59,8 @@ impl Bristles {
         }
     }
 
-    /// One step of those that touch: the elastic trial force, or what friction leaves of it. What the others' lanes hold
-    /// afterwards means nothing.
+    /// Computes one step of touching bristles: elastic trial force, reduced to the friction limit.
+    /// Other lanes are undefined.
     #[inline(always)]
     pub(super) fn rub<L: Lanes>(
         &mut self,
@@ -75,7 +70,7 @@ impl Bristles {
         rods: &Rods<L>,
     ) -> Rubbed<L> {
         let before_m = Vectors::load(cpu, &self.shear_m);
-        // The object may have turned under the bristle: only the shear along the surface stays.
+        // The object may have rotated under the bristle: only tangential shear remains.
         let along_m = before_m - rub.normal * before_m.dot(rub.normal);
         let shear_m = along_m + rub.sliding_m_s * rods.dt_s;
         let trial_n = (shear_m + rub.sliding_m_s * rods.damping_s) * rods.shear_n_m;
@@ -102,7 +97,6 @@ impl Bristles {
         }
     }
 
-    /// Whether one slid in the step before.
     #[cfg(test)]
     pub(super) fn slipping(&self, lane: usize) -> bool {
         self.friction_ratio[lane] < 1.0
@@ -110,8 +104,8 @@ impl Bristles {
 }
 
 impl<L: Lanes> Rub<L> {
-    /// Sliding bristles under their limiting force: how far they slide, m, and their shear, m: what will carry that force once
-    /// the sliding stops; no damping turns it round.
+    /// Returns sliding distance, m, and remaining shear, m, of bristles at the friction limit. The
+    /// shear alone gives the limit force, so that damping cannot reverse it when sliding stops.
     #[inline(always)]
     fn slide(
         &self,

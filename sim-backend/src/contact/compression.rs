@@ -1,32 +1,31 @@
-//! The object's own softness under one fingertip: a spring and a damper, stepped implicitly.
+//! Compliance of the object under one fingertip: spring and damper, integrated implicitly.
 
-/// Damping time: the damping is this times the stiffness, s (prototype).
+/// Damping over stiffness, s (prototype).
 const DAMPING_S: f64 = 0.005;
-/// Time constant with which an untouched object regains its form, s (prototype).
+/// Recovery time constant of an untouched object, s (prototype).
 const RECOVERY_S: f64 = 0.05;
-/// The step counts as solved when a Newton step is shorter than this, m: far below one bristle's 1 mN.
+/// Newton step below which the solution has converged, m: far below the 1 mN of one bristle.
 const STEP_MIN_M: f64 = 1e-10;
-/// Newton steps at most; the residual is concave and piecewise linear, three usually do.
+/// Limit of Newton steps. The residual is concave and piecewise linear; three steps usually
+/// suffice.
 const STEPS_MAX: usize = 8;
 
-/// How far the object gives way.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compression {
     pub(super) depth_m: f64,
 }
 
 impl Compression {
-    /// One step without contact.
     pub(super) fn recover(&mut self, dt_s: f64) {
         self.depth_m -= self.depth_m * (dt_s / RECOVERY_S);
     }
 
-    /// One step of a rigid object.
+    /// Sets the compression of a rigid object to zero.
     pub(super) fn stand_firm(&mut self) {
         self.depth_m = 0.0;
     }
 
-    /// One implicit step of c·du/dt + k·u = force of the bristles at depth − u, for bristles at these depths.
+    /// Integrates one implicit step of c·du/dt + k·u = bristle force at indentation − u.
     pub(super) fn step(&mut self, depths_m: &[f64], bristle_n_m: f64, object_n_m: f64, dt_s: f64) {
         let before_m = self.depth_m;
         let damping_n_m = object_n_m * (DAMPING_S / dt_s);

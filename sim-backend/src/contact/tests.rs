@@ -1,4 +1,4 @@
-//! The fingertip against the figures of the tactile design.
+//! Contact model against the reference values of the tactile design.
 
 use super::*;
 use crate::pad::{BRISTLES_PER_ELEMENT, FOUNDATION_N_M3};
@@ -8,11 +8,11 @@ use shm_schemas::layout::{DOME_RADIUS_M, NamedLayout};
 const DT_S: f64 = 250e-6;
 const HALF_M: f64 = 0.025;
 
-/// A fingertip that presses along +x on the −x face of a cube.
+/// Fingertip that presses along +x on the −x face of a cube.
 struct Bench {
     pad: Pad,
     contact: Contact,
-    /// From the tip frame's origin to the face, m.
+    /// Distance from the tip frame's origin to the skin, m.
     radius_m: f64,
     surface: Surface,
 }
@@ -25,7 +25,6 @@ impl Bench {
         )
     }
 
-    /// A fingertip of this layout on a rigid cube.
     fn named(layout: &str) -> Self {
         let layout: NamedLayout = layout.parse().expect("a layout");
         let pad = Pad::of(layout, layout.depth_m()).expect("places");
@@ -52,10 +51,11 @@ impl Bench {
         }
     }
 
-    /// One step at this indentation and height, moving upwards at this speed; returns (normal, tangential) force.
+    /// Simulates one step at this indentation and height with this upward speed; returns (normal,
+    /// tangential) force.
     fn press(&mut self, depth_m: f64, height_m: f64, up_m_s: f64) -> (f64, f64) {
         let approach = Approach {
-            // Dome axis z along the cube's x, up −x of the tip along its z.
+            // Dome axis z along the cube's x; −x of the tip along the cube's z.
             object_from_tip: Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0),
             centre_m: Vector3::new(-HALF_M - self.radius_m + depth_m, 0.0, height_m),
             velocity_m_s: Vector3::new(0.0, 0.0, up_m_s),
@@ -67,12 +67,12 @@ impl Bench {
         (wrench.force_n.x, wrench.force_n.z)
     }
 
-    /// Force at rest.
     fn normal_n(&mut self, depth_m: f64) -> f64 {
         self.press(depth_m, 0.0, 0.0).0
     }
 
-    /// Elements that touch, and those of which at least half of the bristles slip.
+    /// Returns the number of touching elements, and of those with at least half of the bristles
+    /// slipping.
     fn elements(&self) -> (usize, usize) {
         let mut touching = [0; ELEMENTS];
         let mut slipping = [0; ELEMENTS];
@@ -109,7 +109,8 @@ fn force_over_indentation_on_a_rigid_flat() {
     }
 }
 
-/// Tactile design: at 0.5 mm and μ = 0.5 the outer ring slips from 0.15 mm of shear, gross slip is at 0.35 mm.
+/// Tactile design: at 0.5 mm and μ = 0.5 the outer ring slips from 0.15 mm of shear; gross slip
+/// begins at 0.35 mm.
 #[test]
 fn outer_elements_slip_first() {
     let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
@@ -133,7 +134,7 @@ fn outer_elements_slip_first() {
     }
 }
 
-/// Bristles that stick, slide, lift off and come back, on faces, ends and sides, soft and rigid: whatever the instructions are.
+/// Covers bristles that stick, slide, lift off and return, on all faces, soft and rigid.
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
     let (radius_m, half_height_m) = (HALF_M, HALF_M);
@@ -196,7 +197,7 @@ fn gross_slip_is_carried_by_kinetic_friction() {
         (tangential_n / normal_n - 0.9 * 0.5).abs() < 1e-3,
         "{tangential_n} over {normal_n}"
     );
-    // 2.5 mm were travelled; what is not slip is shear of the skin.
+    // 2.5 mm of travel; the difference is shear of the skin.
     assert!(
         (bench.contact.slip_m - 2.2e-3).abs() < 0.1e-3,
         "slipped {} m",
@@ -218,8 +219,9 @@ fn slip_counts_from_zero_in_a_new_grasp() {
     assert_eq!(bench.contact.slip_m, 0.0);
 }
 
-/// Slope of force over total closing in the 100 ms after the first touch, both fingers closing at 2 mm/s through a finger
-/// of 5 kN/m. With one bristle per element the slope is wrong (tactile design: 524 instead of 844 N/m).
+/// Checks the slope of force over total closing in the 100 ms after first touch, both fingers
+/// closing at 2 mm/s through 5 kN/m. One bristle per element gives a wrong slope (tactile design:
+/// 524 instead of 844 N/m).
 #[test]
 fn one_bristle_per_element_would_feel_too_soft() {
     let (coarse, fine) = (probe_slope_n_m(1), probe_slope_n_m(BRISTLES_PER_ELEMENT));
@@ -257,7 +259,7 @@ fn probe_slope_n_m(bristles_per_element: usize) -> f64 {
     mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x) * (p.0 - x))
 }
 
-/// At rest the skin and the object are springs in series.
+/// At rest, skin and object are springs in series.
 #[test]
 fn a_soft_object_takes_its_share_of_the_indentation() {
     for stiffness_n_m in [400.0, 1500.0, 3e4] {
@@ -289,7 +291,8 @@ fn elements_add_up_to_the_whole() {
     let mut force_n = [Vector3::zeros(); ELEMENTS];
     bench.contact.element_forces(&bench.pad, &mut force_n);
     let sum: Vector3<f64> = force_n.iter().sum();
-    // On the tip: against the dome axis z; what drags the object up drags the tip down, along +x of the tip.
+    // The tip's normal force is opposite to the dome axis z; upward friction on the object is +x on
+    // the tip.
     assert!(
         (sum.z + total.0).abs() < 1e-12 && (sum.x - total.1).abs() < 1e-12,
         "{sum} and {total:?}"
@@ -308,8 +311,8 @@ fn nothing_touches_beyond_an_edge() {
     assert_eq!(bench.press(0.5e-3, HALF_M + 5e-3, 0.0).0, 0.0);
 }
 
-/// The force on a rigid flat face follows from the shape of the skin and its foundation: F = K·A·δ for a flat pad of area A,
-/// F = (4/3)·K·L·√(2R)·δ^1.5 for a cylinder of length L and radius R.
+/// Rigid flat face: F = K·A·δ for a flat pad of area A, F = (4/3)·K·L·√(2R)·δ^1.5 for a cylinder of
+/// length L and radius R.
 #[test]
 fn pads_and_cylinders_press_as_their_shape_says() {
     let flat_n = |area_m2: f64| move |depth_m: f64| FOUNDATION_N_M3 * area_m2 * depth_m;
@@ -330,13 +333,13 @@ fn pads_and_cylinders_press_as_their_shape_says() {
     };
     check("flat-4x4-4.5", &flat_n(0.018 * 0.018), 1e-9);
     check("flat-2x3-4", &flat_n(0.008 * 0.012), 1e-9);
-    // Bristles stand 1 mm apart, and the patch is a few of them wide.
+    // Bristles are 1 mm apart, and the patch is a few bristles wide.
     check("cylinder-4x8-3-12", &cylinder_n(0.012, 0.012), 0.12);
     check("cylinder-2x4-6-40", &cylinder_n(0.012, 0.040), 0.12);
 }
 
-/// Elements feel what lies on them: a pad whose lower half hangs below the cube is pressed with its upper half, and one
-/// element of a dome feels what all its elements would.
+/// A pad whose lower half is below the cube reads forces on its upper half only; one element of a
+/// one-element dome reads the sum of all.
 #[test]
 fn each_element_feels_its_own_part_of_the_face() {
     let felt_n = |layout: &str, height_m: f64| {

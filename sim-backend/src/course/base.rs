@@ -1,4 +1,4 @@
-//! A base on two wheels whose speeds change within limits of acceleration and jerk, at a [`Pace`].
+//! Two-wheeled base with limited acceleration and jerk of each wheel; a [`Pace`] scales the limits.
 
 use core::f64::consts::PI;
 
@@ -7,35 +7,33 @@ use field::Wheels;
 use super::floor::Floor;
 use crate::ride::Ride;
 
-/// Length of a step, s: the period of the wheels' controllers.
+/// Step, s: the period of the wheel controllers.
 pub const STEP_S: f64 = 0.005;
-/// Speed of a wheel at its middle level, m/s.
+/// Wheel speed at the medium level, m/s.
 const MEDIUM_M_S: f64 = 0.15;
-/// Speed of a wheel at its highest level, m/s: twice that of the middle one.
+/// Wheel speed at the high level, m/s.
 pub const HIGH_M_S: f64 = 2.0 * MEDIUM_M_S;
 /// Distance between the wheels, m.
 const TRACK_M: f64 = 0.30;
-/// Distance of a wheel from the base's middle, m.
 pub(super) const HALF_TRACK_M: f64 = TRACK_M / 2.0;
-/// Greatest change of a wheel's speed, m/s², and of that change, m/s³.
+/// Limits of a wheel's acceleration, m/s², and jerk, m/s³.
 const ACCELERATION_M_S2: f64 = 0.8;
 const JERK_M_S3: f64 = 8.0;
-/// Share of all of these that a base allows itself while its robot carries (ours: at full pace, turns and bumps shake what needs
-/// most of the force that a hand may press with out of it).
+/// Share of all limits while carrying. Design choice: at full pace, turns and bumps shake out
+/// objects that need almost the whole allowed grip force.
 const CARRYING: f64 = 0.5;
 
-/// How fast a base may be, and how fast it may change that.
+/// Scale of the speed and acceleration limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pace {
-    /// As fast as it can.
+    /// Full limits.
     #[default]
     Free,
-    /// Gently, because of what its robot carries.
+    /// Reduced limits while carrying.
     Carrying,
 }
 
 impl Pace {
-    /// The share of every limit.
     fn share(self) -> f64 {
         match self {
             Self::Free => 1.0,
@@ -44,17 +42,17 @@ impl Pace {
     }
 }
 
-/// Where something is in the field, and where it looks.
+/// Position and direction in the field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Place {
-    /// x and y, m.
+    /// Position x and y, m.
     pub at_m: [f64; 2],
     /// Direction, rad.
     pub yaw_rad: f64,
 }
 
 impl Place {
-    /// A point of the field, as seen from here: metres ahead and to the left.
+    /// Transforms a point of the field into this frame: metres ahead and to the left.
     #[must_use]
     pub fn sees(&self, point_m: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.yaw_rad);
@@ -62,7 +60,7 @@ impl Place {
         [dx * cos + dy * sin, dy * cos - dx * sin]
     }
 
-    /// A point that is seen from here, in the field.
+    /// Transforms a point of this frame into the field.
     #[must_use]
     pub fn point_m(&self, [ahead_m, left_m]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.yaw_rad);
@@ -73,7 +71,6 @@ impl Place {
     }
 }
 
-/// One wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Wheel {
     speed_m_s: f64,
@@ -81,7 +78,7 @@ struct Wheel {
 }
 
 impl Wheel {
-    /// One step towards a level at a pace; returns the speed at its beginning and the change over it.
+    /// Steps towards a level; returns initial speed and mean acceleration.
     fn drive(&mut self, level: u8, pace: Pace) -> [f64; 2] {
         let target_m_s = f64::from(level.min(2)) * MEDIUM_M_S * pace.share();
         let (before_m_s, missing_m_s) = (self.speed_m_s, target_m_s - self.speed_m_s);
@@ -92,7 +89,7 @@ impl Wheel {
             (self.speed_m_s, self.acceleration_m_s2) = (target_m_s, 0.0);
             return [before_m_s, missing_m_s / STEP_S];
         }
-        // The acceleration from which easing out by the jerk ends at the wanted speed.
+        // Largest acceleration that the jerk limit can reduce to zero at the target speed.
         let easing = (2.0 * jerk_m_s3 * missing_m_s.abs()).sqrt();
         let most = ACCELERATION_M_S2 * pace.share();
         let wanted = easing.min(most).copysign(missing_m_s);
@@ -103,7 +100,7 @@ impl Wheel {
     }
 }
 
-/// A wheeled base.
+/// Wheeled base.
 #[derive(Clone, Debug)]
 pub struct Base {
     place: Place,
@@ -113,7 +110,7 @@ pub struct Base {
 }
 
 impl Base {
-    /// A base at rest.
+    /// Creates a base at rest.
     #[must_use]
     pub fn new(place: Place, floor: Floor) -> Self {
         Self {
@@ -124,7 +121,7 @@ impl Base {
         }
     }
 
-    /// The same base where no bump comes: what it does is the same, and its heave is nothing.
+    /// Copies the base onto a floor without bumps; its planar motion is identical.
     #[must_use]
     pub(super) fn on_even_floor(&self) -> Self {
         Self {
@@ -133,7 +130,7 @@ impl Base {
         }
     }
 
-    /// One step towards these wheel levels, at a pace.
+    /// Steps towards these wheel levels.
     pub fn step(&mut self, levels: Wheels, pace: Pace) {
         let [left, right] = &mut self.wheels;
         let left = left.drive(levels.left, pace);
@@ -156,26 +153,25 @@ impl Base {
         self.place.yaw_rad = wrapped(self.place.yaw_rad + turned_rad);
     }
 
-    /// Where it is.
+    /// Returns the pose.
     #[must_use]
     pub fn place(&self) -> Place {
         self.place
     }
 
-    /// How it moves in the present step, from its beginning on.
+    /// Returns the motion in the current step, from its start.
     #[must_use]
     pub fn ride(&self) -> Ride {
         self.ride
     }
 
-    /// Whether its wheels stand.
+    /// Returns true if both wheels are at rest.
     #[must_use]
     pub fn stands(&self) -> bool {
         self.wheels == [Wheel::default(); 2]
     }
 }
 
-/// The same direction within half a turn of 0.
 fn wrapped(angle_rad: f64) -> f64 {
     if angle_rad > PI {
         angle_rad - 2.0 * PI
@@ -216,7 +212,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a table says: limits of speed, acceleration and jerk hold, and the pose is the sum of the rides.
+        /// Limits hold for any sequence of levels.
         #[test]
         fn limits_hold_whatever_is_told(
             levels in proptest::collection::vec((0_u8..4, 0_u8..4), 1..40),
@@ -230,7 +226,7 @@ mod tests {
                     prop_assert!(ride.speed_m_s.abs() <= share * HIGH_M_S * 1.05);
                     prop_assert!(ride.acceleration_m_s2.abs() <= share * ACCELERATION_M_S2 + 1e-9);
                     let jerk = (ride.acceleration_m_s2 - before.acceleration_m_s2).abs() / STEP_S;
-                    // A wheel that has all but reached its speed settles within one step.
+                    // A wheel near its target speed reaches it within one step.
                     prop_assert!(jerk <= 3.0 * share * JERK_M_S3 + 1e-6, "{jerk} m/s³");
                     prop_assert!(base.place().yaw_rad.abs() <= PI);
                     before = ride;

@@ -1,4 +1,4 @@
-//! Who is on a course, drawn by a number: the same for whoever simulates it, judges it, or takes part in it.
+//! Random scenario of a course, reproducible from its number in every process.
 
 use robot_model::Side;
 
@@ -7,36 +7,36 @@ use crate::object::Object;
 use crate::random::trial_seed;
 use crate::scene::{GraspHint, Scene};
 
-/// The hand that works.
+/// Working hand.
 pub const SIDE: Side = Side::Right;
 
-/// A course and its robots.
+/// Course with its robots.
 #[derive(Clone, Debug)]
 pub struct Cast {
-    /// Where everything is.
+    /// Layout of the course.
     pub layout: Layout,
-    /// The seed of the floor's bumps.
+    /// Seed of the floor's bumps.
     pub floor_seed: u64,
-    /// The robots, in the order of the lanes.
+    /// Robots, in lane order.
     pub robots: Vec<Player>,
 }
 
-/// A robot of a course.
+/// Set-up of one robot.
 #[derive(Clone, Debug)]
 pub struct Player {
-    /// The seed of its noise, and of what it is told wrongly.
+    /// Seed of its noise and command errors.
     pub seed: u64,
-    /// The world of its hands, before its base has moved.
+    /// World of its hands at the start.
     pub scene: Scene,
-    /// What a client knows of its object without seeing it.
+    /// Client's prior knowledge of the object.
     pub known: GraspHint,
 }
 
 impl Cast {
-    /// Draws a course by its number, for robots with an object each.
+    /// Draws a course by its number, with one robot per object.
     ///
     /// # Errors
-    /// [`CourseError`]: too many objects, or none.
+    /// [`CourseError`]: unsupported number of objects.
     pub fn drawn(number: u64, objects: &[Object]) -> Result<Self, CourseError> {
         let seed = trial_seed("course", number);
         let layout = Layout::drawn(objects.len(), seed)?;
@@ -44,7 +44,7 @@ impl Cast {
         let robots = lanes.filter_map(|(index, (lane, object))| {
             let seed = trial_seed(&format!("robot {index}"), seed);
             let mut scene = Scene::grasp(object.clone(), SIDE).varied(seed);
-            // A grasp has its object.
+            // A grasp scene always contains its object.
             let known = scene.grasp_hint(0)?;
             let placed = scene.objects.first_mut()?;
             placed.position_m = lane.start.sees(lane.object.at_m);

@@ -1,4 +1,4 @@
-//! How the grip fared while the base drove.
+//! Measurements of the grip while the base drives.
 
 use serde::{Deserialize, Serialize};
 use shm_schemas::WorldTruth;
@@ -6,33 +6,33 @@ use shm_schemas::WorldTruth;
 use super::SIDE;
 use crate::ride::Ride;
 
-/// The base's accelerations on a drive.
+/// Accelerations of the base during a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shake {
-    /// Largest horizontal acceleration of the base's middle, m/s².
+    /// Largest horizontal acceleration, m/s².
     pub horizontal_m_s2: f64,
-    /// Largest vertical one, m/s².
+    /// Largest vertical acceleration, m/s².
     pub vertical_m_s2: f64,
 }
 
-/// What is measured from the first step of a drive to the last.
+/// Measurements of one drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DriveFigures {
-    /// How long it took, s.
+    /// Duration, s.
     pub took_s: f64,
-    /// True normal force of the weaker finger when it began, N; its least and its most on the way.
+    /// True normal force of the weaker grasp side at the start, N.
     pub began_n: f64,
-    /// See `began_n`.
+    /// Smallest value of this force, N.
     pub least_n: f64,
-    /// See `began_n`.
+    /// Largest value of this force, N.
     pub most_n: f64,
-    /// True slip in the hand that was added on the way, m.
+    /// True slip in the hand during the drive, m.
     pub slip_m: f64,
-    /// What the base did.
+    /// Accelerations of the base.
     pub shake: Shake,
 }
 
-/// A drive under way.
+/// Drive in progress.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
     figures: DriveFigures,
@@ -41,7 +41,6 @@ pub(super) struct Drive {
 }
 
 impl Drive {
-    /// A drive that begins with the world as it is.
     pub(super) fn begin(truth: &WorldTruth) -> Self {
         let pressed_n = weaker_n(truth);
         Self {
@@ -56,7 +55,6 @@ impl Drive {
         }
     }
 
-    /// Takes in one tick.
     pub(super) fn watch(&mut self, truth: &WorldTruth, ride: &Ride) {
         self.ticks += 1;
         let (figures, pressed_n) = (&mut self.figures, weaker_n(truth));
@@ -78,12 +76,12 @@ impl Drive {
     }
 }
 
-/// √(a² + b²), from operations that every machine rounds alike.
+/// √(a² + b²), rounded identically on every machine.
 fn length(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }
 
-/// The normal force of the weaker finger, N.
+/// Normal force of the weaker grasp side, N.
 fn weaker_n(truth: &WorldTruth) -> f64 {
     let fingers = &truth.normal_n[SIDE.index()][..robot_model::VIRTUAL_FINGERS];
     fingers.iter().copied().fold(f64::INFINITY, f64::min)

@@ -1,30 +1,30 @@
-//! The floor under a base: bumps along its way, drawn by a seed.
+//! Floor under a base: random bumps along its path.
 //!
-//! What comes is a matter of the way driven, not of the place, so that the same table meets the same floor however it is
-//! steered. A bump has the profile H·sin⁴(π·s / L), whose curvature begins and ends at nothing.
+//! Bumps depend on the distance driven, not on the position, so that any route meets the same
+//! bumps. Profile: H·sin⁴(π·s / L), with zero curvature at both ends.
 
 use core::f64::consts::PI;
 
 use crate::random::Random;
 use crate::scene::stream;
 
-/// Way between two bumps, their lengths and their heights, m.
+/// Ranges of spacing, length and height of bumps, m.
 const BETWEEN_M: [f64; 2] = [0.3, 0.8];
 const LENGTH_M: [f64; 2] = [0.06, 0.12];
 const HEIGHT_M: [f64; 2] = [0.001, 0.004];
 
-/// The floor along one base's way.
+/// Floor along a base's path.
 #[derive(Clone, Debug)]
 pub struct Floor {
     random: Option<Random>,
-    /// Way to the beginning of the next bump, negative on it, m.
+    /// Distance to the next bump, m; negative on the bump.
     ahead_m: f64,
     length_m: f64,
     height_m: f64,
 }
 
 impl Floor {
-    /// A floor without bumps.
+    /// Returns a floor without bumps.
     #[must_use]
     pub fn even() -> Self {
         Self {
@@ -35,7 +35,7 @@ impl Floor {
         }
     }
 
-    /// The floor under the robot with this index.
+    /// Returns the floor of a robot.
     #[must_use]
     pub fn bumpy(seed: u64, robot: usize) -> Self {
         let mut floor = Self {
@@ -56,7 +56,7 @@ impl Floor {
         self.height_m = draw(HEIGHT_M);
     }
 
-    /// Drives on; the acceleration upwards at this speed, m/s². What a change of speed adds is left out.
+    /// Advances along the path; returns the vertical acceleration, m/s². Neglects speed changes.
     pub(super) fn heave_m_s2(&mut self, way_m: f64, speed_m_s: f64) -> f64 {
         self.ahead_m -= way_m;
         if self.ahead_m < -self.length_m {
@@ -77,7 +77,7 @@ impl Floor {
 mod tests {
     use super::*;
 
-    /// Integrated twice over the time that a bump takes, the heave is the bump.
+    /// Doubly integrated heave equals the bump.
     #[test]
     fn a_bump_is_as_high_as_it_was_drawn_and_ends_on_the_floor() {
         let (speed_m_s, dt_s) = (0.3, 1e-5);

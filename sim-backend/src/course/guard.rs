@@ -1,17 +1,22 @@
-//! The guard beneath a table: whatever a base is told, it keeps clear of walls, objects and other bases.
+//! Collision guard below the behaviour table: a base stays clear of walls, objects and other bases
+//! under any command.
 //!
 //! ```text
-//!  told levels ─▶ foreseen: a frame with them, then braking ─▶ clear all the way, and room to turn where it stands? ─▶ obeyed
-//!                                                               └─ no ─▶ a turn about one wheel ─ no ─▶ brakes on
+//!  levels ─▶ predict one frame, then braking ─▶ clear, and room to turn? ─▶ execute
+//!                                              └─ no ─▶ turn about one wheel ─ no ─▶ brake
 //! ```
 //!
-//! As mobile robots' protective fields, and no longer than it must be: a frame, and what braking takes. A base cannot drive back,
-//! so where it comes to stand it must also have room to turn about one of its wheels.
+//! It works like the protective field of a mobile robot, with the smallest horizon: one frame plus
+//! braking. A base cannot drive backwards, so its stopping position must leave room to turn about
+//! one wheel.
 //!
-//! * **In:** bases with their orders, and what stands on the floor. **Out:** the order that a base may have.
-//! * **Invariants:** every base can brake at any time without meeting anything, because each order was seen to end so, beside
-//!   those of the others (robots tell each other theirs). Where nothing is clear, the order before, which has run out, brakes.
-//! * **Absent on purpose:** floor and noise: a base does what is foreseen to the bit, [`CLEAR_M`] is for those that do not.
+//! * **Inputs:** bases with their commands, and the objects on the floor. **Output:** the allowed
+//!   command.
+//! * **Invariant:** every base can brake at any time without a collision, because each accepted
+//!   command was predicted to end so, together with the commands of the others. If no command is
+//!   clear, the previous one expires and the base brakes.
+//! * **Excluded by design:** floor and noise. Bases match the prediction exactly in simulation;
+//!   [`CLEAR_M`] is the margin for real ones.
 
 use field::Wheels;
 
@@ -19,12 +24,13 @@ use super::FRAME_STEPS;
 use super::base::{Base, HALF_TRACK_M, Pace};
 use super::layout::{BASE_M, HALF_SIDE_M, OBJECT_M, ROBOT_M};
 
-/// What is kept between a base and everything else, m.
+/// Clearance, m.
 const CLEAR_M: f64 = 0.01;
-/// Beyond this nothing can be met before a base stands and turns, m: a frame and braking gently from full speed 0.18, a turn 0.30.
+/// Distance beyond which a base cannot hit anything before it stops and turns, m: 0.18 for a frame
+/// and gentle braking from full speed, 0.30 for a turn.
 const FAR_M: f64 = 0.5;
 
-/// What a base was told: these levels at this pace for so many more steps, then braking.
+/// Wheel levels and pace for the remaining steps, then braking.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Order {
     wheels: Wheels,
@@ -33,7 +39,6 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// An order for a frame that begins.
     pub(super) fn for_a_frame(wheels: Wheels, pace: Pace) -> Self {
         Self {
             wheels,
@@ -42,7 +47,6 @@ impl Order {
         }
     }
 
-    /// Lets a base do a step of it.
     pub(super) fn step(&mut self, base: &mut Base) {
         let obeyed = self.steps_left > 0;
         self.steps_left = self.steps_left.saturating_sub(1);
@@ -50,27 +54,26 @@ impl Order {
         base.step(wheels, self.pace);
     }
 
-    /// Brakes from now on.
     pub(super) fn stop(&mut self) {
         self.steps_left = 0;
     }
 
-    /// Whether a base with this order stays where it is.
+    /// True if expired and at rest.
     fn ends(&self, base: &Base) -> bool {
         self.steps_left == 0 && base.stands()
     }
 }
 
-/// What a base must keep clear of.
+/// Obstacles of a base.
 pub(super) struct Surroundings {
-    /// The others, with what they were told.
+    /// Other bases with their commands.
     pub(super) others: Vec<(Base, Order)>,
-    /// Where objects stand on the floor, m.
+    /// Objects on the floor, m.
     pub(super) objects_m: Vec<[f64; 2]>,
 }
 
 impl Surroundings {
-    /// The order that a base may have, of those that it was told and turns about a wheel; `None` if nothing is clear.
+    /// Returns the first clear command: the requested one, else a turn about a wheel.
     pub(super) fn allow(&self, base: &Base, wheels: Wheels, pace: Pace) -> Option<Order> {
         let told = Order::for_a_frame(wheels, pace);
         if self.is_far(base) {
@@ -85,14 +88,13 @@ impl Surroundings {
         orders.into_iter().find(|order| self.clears(base, *order))
     }
 
-    /// Whether everything is too far to matter.
     fn is_far(&self, base: &Base) -> bool {
         let at_m = base.place().at_m;
         let apart = |other: &Base| apart(at_m, other.place().at_m, 2.0 * (ROBOT_M + FAR_M));
         self.has_room(at_m, FAR_M) && self.others.iter().all(|(other, _)| apart(other))
     }
 
-    /// Whether a base that does this meets nothing until it stands, and it and the others can turn there.
+    /// Predicts if the command ends at rest without a collision, with room for all bases to turn.
     fn clears(&self, base: &Base, mut order: Order) -> bool {
         let mut base = base.on_even_floor();
         let mut others = self.others.clone();
@@ -115,7 +117,7 @@ impl Surroundings {
         })
     }
 
-    /// Those wheels of a base that stands about which it can turn, as far as the field and objects go, m.
+    /// Wheel positions, m, about which a base at rest can turn without meeting a wall or an object.
     fn pivots(&self, base: &Base) -> impl Iterator<Item = [f64; 2]> {
         let wheels_m =
             [HALF_TRACK_M, -HALF_TRACK_M].map(|left_m| base.place().point_m([0.0, left_m]));
@@ -123,7 +125,7 @@ impl Surroundings {
         wheels_m.into_iter().filter(room)
     }
 
-    /// Whether a robot that is nowhere farther than `by_m` from here meets neither a wall nor an object.
+    /// True if a robot within `by_m` of this position meets no wall and no object.
     fn has_room(&self, at_m: [f64; 2], by_m: f64) -> bool {
         at_m.iter().all(|m| m.abs() <= HALF_SIDE_M - ROBOT_M - by_m)
             && self
@@ -133,7 +135,6 @@ impl Surroundings {
     }
 }
 
-/// Whether two points are at least so far apart, m.
 pub(super) fn apart(a_m: [f64; 2], b_m: [f64; 2], by_m: f64) -> bool {
     let [dx, dy] = [a_m[0] - b_m[0], a_m[1] - b_m[1]];
     dx * dx + dy * dy >= by_m * by_m

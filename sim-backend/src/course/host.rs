@@ -1,8 +1,8 @@
-//! A course as its host runs it, in process and on the bus alike: states out, commands in, frame by frame.
+//! Host of a course, used in process and on the bus: publishes states and executes commands.
 //!
 //! ```text
-//!  every frame, robot by robot:   look ─ BaseState ─▶ coordinator ─ BaseCommand ─▶ row ─▶ table ─ Wheels ─▶ obey
-//!  every tick:                    step, then ride ─▶ world of the robot's hands, then watch
+//!  every frame:  BaseState ─▶ coordinator ─ BaseCommand ─▶ row ─▶ table ─ Wheels ─▶ base
+//!  every tick:   step ─ base motion ─▶ world of the robot's hands ─▶ measurement
 //! ```
 
 use field::Wheels;
@@ -16,12 +16,13 @@ use super::rovers::{self, Course};
 use super::{FRAME_STEPS, STEP_TICKS};
 use crate::ride::Ride;
 
-/// Ticks from one frame to the next.
+/// Ticks per frame.
 pub const FRAME_TICKS: u64 = FRAME_STEPS * STEP_TICKS;
-/// Ticks before the first frame, in which the robots' controllers become ready (`atas_core`: 20 ticks without doubt).
+/// Ticks before the first frame, until the controllers are ready (`atas_core`: 20 fault-free
+/// ticks).
 pub const SETTLE_TICKS: u64 = 20;
 
-/// A course under way.
+/// Course in progress.
 #[derive(Clone, Debug)]
 pub struct Host {
     course: Course,
@@ -29,16 +30,16 @@ pub struct Host {
     ticks: u64,
 }
 
-/// What only the host knows of a robot in the end.
+/// Final result of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ended {
-    /// Its object.
+    /// Name of its object.
     pub object: String,
-    /// What ended its course at once, in words.
+    /// Mishap that ended its course, as text.
     pub mishap: Option<String>,
-    /// How the grip fared on the way, if it came so far.
+    /// Grip measurements of the drive, if any.
     pub drive: Option<DriveFigures>,
-    /// How far the object truly is from the goal, m.
+    /// True distance of the object from the goal, m.
     pub off_goal_m: f64,
     /// Simulated time since the first frame, s.
     pub simulated_s: f64,
@@ -46,13 +47,12 @@ pub struct Ended {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Robot {
-    /// What it was told last.
     command: BaseCommand,
     drive: Option<Drive>,
 }
 
 impl Host {
-    /// The course before its first frame.
+    /// Creates the course before its first frame.
     #[must_use]
     pub fn new(cast: &Cast) -> Self {
         Self {
@@ -62,31 +62,31 @@ impl Host {
         }
     }
 
-    /// What names the numbers of every course, so that tables can refuse another field.
+    /// Hash of the fixed parameters of all courses; tables reject another field.
     #[must_use]
     pub fn field_hash() -> u64 {
         fnv1a(FNV_OFFSET, b"atas course v2")
     }
 
-    /// Ticks since the first frame.
+    /// Returns the number of ticks since the first frame.
     #[must_use]
     pub fn ticks(&self) -> u64 {
         self.ticks
     }
 
-    /// Whether a frame begins in this tick.
+    /// Returns true if a frame starts in this tick.
     #[must_use]
     pub fn frame_begins(&self) -> bool {
         self.ticks.is_multiple_of(FRAME_TICKS)
     }
 
-    /// Whether a robot's course is over.
+    /// Returns true if a robot's course is over.
     #[must_use]
     pub fn is_over(&self, robot: usize) -> bool {
         self.robots[robot].command.say == Say::OVER
     }
 
-    /// What a robot's base sees now, with an object that is where the world of its hands has it.
+    /// Returns the state of a base, with the object's position from the world of the hands.
     pub fn look(&mut self, robot: usize, truth: &WorldTruth) -> BaseState {
         let (place, object) = (self.course.place(robot), &truth.objects[0]);
         let [x_m, y_m, _] = object.position_m;
@@ -106,14 +106,14 @@ impl Host {
         }
     }
 
-    /// The row that a table shall be asked for; `None` if the table has no say.
+    /// Returns the table row; `None` if the table does not control the base.
     #[must_use]
     pub fn row(&self, robot: usize, command: &BaseCommand) -> Option<u8> {
         let drives = command.say == Say::TABLE;
         drives.then(|| self.course.sense(robot, light(command.light)))
     }
 
-    /// Does for this frame what a robot was told, with what its table answered.
+    /// Executes a command for this frame, with the table's response.
     pub fn obey(
         &mut self,
         robot: usize,
@@ -135,7 +135,7 @@ impl Host {
         self.course.steer(robot, wheels, pace);
     }
 
-    /// One tick of the bases. How each then moves is for the world of its hands, whose tick follows.
+    /// Simulates one tick of the bases; the worlds of the hands follow.
     pub fn step(&mut self) {
         if self.ticks.is_multiple_of(STEP_TICKS) {
             self.course.step();
@@ -143,13 +143,13 @@ impl Host {
         self.ticks += 1;
     }
 
-    /// How a base moves in the present tick.
+    /// Returns the motion of a base in the current tick.
     #[must_use]
     pub fn ride(&self, robot: usize) -> Ride {
         self.course.ride(robot)
     }
 
-    /// Measures, after a tick, how the grip fares on the way; `truth` is asked then only.
+    /// Measures the grip during a drive; calls `truth` only then.
     pub fn watch(&mut self, robot: usize, truth: impl FnOnce() -> WorldTruth) {
         let ride = self.course.ride(robot);
         let Robot { command, drive } = &mut self.robots[robot];
@@ -158,7 +158,7 @@ impl Host {
         }
     }
 
-    /// What became of a robot, whose hands' world is like this.
+    /// Returns the result of a robot.
     #[must_use]
     pub fn ended(&self, robot: usize, truth: &WorldTruth) -> Ended {
         let object = &truth.objects[0];
@@ -175,7 +175,7 @@ impl Host {
     }
 }
 
-/// The light of a code; one that this version does not know is the object's, as at the start.
+/// An unknown code selects the object, as at the start.
 fn light(code: Light) -> rovers::Light {
     match code {
         Light::GOAL => rovers::Light::Goal,

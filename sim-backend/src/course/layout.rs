@@ -1,4 +1,4 @@
-//! Who starts where, and what has to go where.
+//! Layout of a course.
 
 use core::f64::consts::PI;
 
@@ -8,80 +8,80 @@ use crate::scene::stream;
 
 /// Half the side of the field, m.
 pub const HALF_SIDE_M: f64 = 3.0;
-/// Most robots on one course.
+/// Largest number of robots on one course.
 pub const LANES_MAX: usize = 2;
-/// Radius of a robot with its arms before it, m: the farthest corner of what it holds.
+/// Radius of a robot with its arms in front, m: farthest corner of the held object.
 pub(super) const ROBOT_M: f64 = 0.45;
-/// Radius of the base itself, m, and of what stands on the floor.
+/// Radii of the base without arms and of objects on the floor, m.
 pub(super) const BASE_M: f64 = 0.16;
 pub(super) const OBJECT_M: f64 = 0.05;
-/// Nearest that an object or a goal may be to a wall, and a start, m: a robot must get round them, and turn.
+/// Smallest wall distance of objects and goals, and of starts, m: room to pass and to turn.
 const TO_WALL_M: f64 = 1.0;
 const START_TO_WALL_M: f64 = 0.7;
-/// Least distance between places of one lane: start and object, object and goal, m.
+/// Smallest distance from object to start and goal of one lane, m.
 const OWN_APART_M: f64 = 1.0;
-/// Least distance between places where two robots may be at once, m: both at work, with their arms before them, do not touch.
+/// Smallest distance between places that two robots may use at once, m: their arms do not touch.
 const APART_M: f64 = 1.6;
-/// Tries before a draw is given up: one in some ten fits.
+/// Attempts of a random draw; one in ten is valid.
 const TRIES: usize = 10_000;
 
-/// What one robot has to do.
+/// Task of one robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lane {
-    /// Where its base starts.
+    /// Start pose of the base.
     pub start: Place,
-    /// Where its object stands, and how it is turned.
+    /// Pose of the object.
     pub object: Place,
-    /// Where its goal is, m.
+    /// Position of the goal, m.
     pub goal_m: [f64; 2],
 }
 
-/// Why there is no such course.
+/// Invalid course.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CourseError {
-    /// Too many robots, or none.
+    /// Unsupported number of robots.
     #[error("could not lay a course for {0} robots, needs 1 to {LANES_MAX}; choose another number")]
     Robots(usize),
-    /// A place that no robot can come to, or be at.
+    /// Unreachable place.
     #[error(
         "could not lay the course because {what} of robot {robot} was at {value_m} m, needs at most {limit_m} m from the \
          middle; there is no way to it"
     )]
     Outside {
-        /// Which place.
+        /// Kind of place.
         what: &'static str,
-        /// Whose, from 1.
+        /// Number of the robot, from 1.
         robot: usize,
-        /// The coordinate.
+        /// Rejected coordinate.
         value_m: f64,
-        /// Its greatest amount.
+        /// Largest allowed magnitude.
         limit_m: f64,
     },
-    /// Two places that cannot both be used.
+    /// Two places too close to each other.
     #[error(
         "could not lay the course because {what} are {value_m:.2} m apart, needs {least_m} m; move them apart"
     )]
     TooClose {
-        /// Which.
+        /// Names of the two places.
         what: &'static str,
-        /// How far they are.
+        /// Distance.
         value_m: f64,
-        /// How far they must be.
+        /// Smallest allowed distance.
         least_m: f64,
     },
-    /// A direction that is none.
+    /// Direction that is not finite.
     #[error("could not lay the course because a direction of robot {0} was not finite; correct it")]
     Direction(usize),
 }
 
-/// A checked course.
+/// Validated course.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     lanes: Vec<Lane>,
 }
 
 impl Layout {
-    /// A course of these lanes.
+    /// Validates lanes.
     ///
     /// # Errors
     /// The first [`CourseError`].
@@ -115,7 +115,7 @@ impl Layout {
         Ok(Self { lanes })
     }
 
-    /// A course for so many robots, drawn by a seed.
+    /// Draws a random course.
     ///
     /// # Errors
     /// [`CourseError::Robots`].
@@ -131,7 +131,7 @@ impl Layout {
         last
     }
 
-    /// The lanes.
+    /// Returns the lanes.
     #[must_use]
     pub fn lanes(&self) -> &[Lane] {
         &self.lanes
@@ -169,7 +169,7 @@ fn check_lane(robot: usize, lane: &Lane) -> Result<(), CourseError> {
     ];
     for (what, at_m, to_wall_m) in places {
         let limit_m = HALF_SIDE_M - to_wall_m;
-        // NaN is nowhere.
+        // Also rejects NaN.
         let outside = at_m.into_iter().find(|m| m.is_nan() || m.abs() > limit_m);
         if let Some(value_m) = outside {
             return Err(CourseError::Outside {

@@ -1,23 +1,26 @@
-//! A course: a square field, wheeled bases that carry robots, for each an object of light to fetch and a goal of light.
+//! Course: a square field with wheeled bases that carry robots. Each robot fetches a luminous
+//! object and carries it to a luminous goal.
 //!
 //! ```text
-//!  Layout ─▶ Course ──sense──▶ row of a behaviour table (three IR, two photo sensors, as on the swarm's field)
-//!              ▲  └──ride───▶ how the base moves: World::ride of the robot on it
-//!              └──guard── wheel levels ◀─ table, every 100 ms, and a pace
+//!  Layout ─▶ Course ──sense─▶ row of a behaviour table (three IR, two photo sensors)
+//!              ▲  └─motion─▶ motion of the base, input of the robot's World
+//!              └─ collision guard ◀─ wheel levels and pace ◀─ table, every 100 ms
 //! ```
 //!
-//! * **In:** a [`Layout`], wheel levels (0 stop, 1 medium, 2 high: paper Table 1) once per frame. **Out:** rows, rides, and what
-//!   went wrong ([`Mishap`](shm_schemas::Mishap)). A [`Host`] runs a [`Cast`] so that coordinators and tables may be anywhere.
-//! * **Right of way:** robots have it in turn, 30 s each; a robot knows how far the one that has it is ([`Course::to_first_m`]), and
-//!   whoever decides may let it stand meanwhile.
-//! * **Invariants:** deterministic, no clock, randomness only from the seed; a base keeps its limits of acceleration and jerk, and
-//!   clear of walls, objects and other bases, whatever it is told. That it does is judged apart: one that had a mishap all the
-//!   same brakes and stays.
-//! * **Absent on purpose:** the robot on the base with its hands (that is [`World`](crate::World)), whoever decides, slip of the wheels. A base
-//!   is a disc, and a robot with its arms before it a larger one; the arms' own shape does not count.
+//! * **Inputs:** a [`Layout`]; wheel levels (0 stop, 1 medium, 2 high: paper Table 1) per frame.
+//! * **Outputs:** table rows, base motions, mishaps ([`Mishap`](shm_schemas::Mishap)). A [`Host`]
+//!   runs a [`Cast`] with coordinators and tables in any process.
+//! * **Right of way:** 30 s for each robot in turn. The other robots know their distance to it
+//!   ([`Course::to_first_m`]) and may stop.
+//! * **Invariants:** deterministic, without a clock; randomness only from the seed. Under any
+//!   command a base keeps its limits of acceleration and jerk and stays clear of walls, objects and
+//!   other bases. An independent check reports violations as mishaps; the base then brakes and
+//!   stays.
+//! * **Excluded:** hands and arms (see [`World`](crate::World)), coordinators, wheel slip. A base
+//!   is a disc; a robot with its arms in front is a larger disc.
 //!
-//! Lengths are in metres, angles in radians from +x towards +y, the field's centre is the origin. Numbers are ours: a small
-//! service robot.
+//! Units: metres, radians from +x towards +y; the origin is the field's centre. Dimensions model a
+//! small service robot (design choice).
 
 mod base;
 mod cast;
@@ -39,9 +42,9 @@ pub use layout::{CourseError, HALF_SIDE_M, LANES_MAX, Lane, Layout};
 pub use rovers::{Course, Light};
 pub use sight::EYES_M;
 
-/// Length of a frame, in which a table is read once, s.
+/// Length of a frame, s; the table is read once per frame.
 pub const FRAME_S: f64 = 0.1;
-/// Steps of a base in a frame.
+/// Steps of a base per frame.
 pub const FRAME_STEPS: u64 = 20;
-/// Ticks of the hands' world in a step of the base.
+/// Ticks of the hands' world per step of the base.
 const STEP_TICKS: u64 = 5;

@@ -1,4 +1,4 @@
-//! The field with its robots, step by step.
+//! Field of a course with its robots.
 
 use field::Wheels;
 use shm_schemas::Mishap;
@@ -10,25 +10,27 @@ use super::layout::{BASE_M, HALF_SIDE_M, Layout, OBJECT_M, ROBOT_M};
 use super::sight::{Disc, row};
 use crate::ride::Ride;
 
-/// Radius of a robot that another one with its arms before it sees in its way, m (ours: so a table turns before the guard must; the
-/// sum of both radii, 0.9 m, leaves no way between a robot and a wall).
+/// Radius at which IR sensors detect another robot with its arms in front, m. Design choice: the
+/// table turns before the collision guard acts. The sum of both radii, 0.9 m, would leave no
+/// passage along a wall.
 const PASSING_M: f64 = 0.75;
 
-/// How long a robot has the right of way before the next one has it, steps: 30 s (ours: about the time of one way). With one
-/// that keeps it, two robots that are in each other's way would be so for ever.
+/// Right of way, steps: 30 s, about one drive. Design choice. Without rotation, two robots could
+/// block each other forever.
 const TURN_STEPS: u64 = 6000;
 
-/// What a robot's photo sensors look for.
+/// Light that the photo sensors detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Light {
-    /// Its object.
+    /// The robot's object.
     Object,
-    /// Its goal.
+    /// The robot's goal.
     Goal,
 }
 
 impl Light {
-    /// The pace at which a base drives to it: gently once the hand has the object, which is when the goal is what counts.
+    /// Returns the pace towards this light; reduced for the goal, because the hand then holds the
+    /// object.
     #[must_use]
     pub fn pace(self) -> Pace {
         match self {
@@ -42,24 +44,23 @@ impl Light {
 struct Rover {
     base: Base,
     order: Order,
-    /// Its course is over: it stays where it is.
+    /// True after its course; it stays.
     rests: bool,
-    /// Where its object stands; `None` while a hand has it.
+    /// Object on the floor; `None` while held.
     object_m: Option<[f64; 2]>,
     goal_m: [f64; 2],
     mishap: Option<Mishap>,
 }
 
-/// A field with its robots.
+/// Field with its robots.
 #[derive(Clone, Debug)]
 pub struct Course {
     rovers: Vec<Rover>,
-    /// Steps that were made.
     steps: u64,
 }
 
 impl Course {
-    /// The course before its first step, on a floor whose bumps are drawn by a seed, or on an even one.
+    /// Creates the course before its first step; without a seed the floor is even.
     #[must_use]
     pub fn new(layout: &Layout, floor_seed: Option<u64>) -> Self {
         let floor =
@@ -79,18 +80,18 @@ impl Course {
         }
     }
 
-    /// How many robots there are.
+    /// Returns the number of robots.
     #[must_use]
     pub fn robots(&self) -> usize {
         self.rovers.len()
     }
 
-    /// The row that a robot's sensors select. It does not count its own object as being in its way: it knows it by its light.
+    /// Returns the table row of a robot. Its own object does not trigger its IR sensors.
     #[must_use]
     pub fn sense(&self, robot: usize, light: Light) -> u8 {
         let others = self.rovers.iter().enumerate().filter(|(k, _)| *k != robot);
         let discs = others.flat_map(|(_, other)| {
-            // Both as wide as what must get past them.
+            // Radii include the size of the passing body.
             let body = Disc {
                 at_m: other.base.place().at_m,
                 radius_m: PASSING_M,
@@ -105,7 +106,6 @@ impl Course {
         row(&place, discs, self.light_m(robot, light))
     }
 
-    /// Where a robot's light is, m; `None` while the hand has it.
     fn light_m(&self, robot: usize, light: Light) -> Option<[f64; 2]> {
         let rover = &self.rovers[robot];
         match light {
@@ -114,15 +114,15 @@ impl Course {
         }
     }
 
-    /// Where a robot has its light: metres ahead of the base's middle and to the left; `None` while the hand has it.
+    /// Returns the light in the robot's frame: metres ahead and to the left; `None` while held.
     #[must_use]
     pub fn sees(&self, robot: usize, light: Light) -> Option<[f64; 2]> {
         let place = self.place(robot);
         self.light_m(robot, light).map(|at_m| place.sees(at_m))
     }
 
-    /// Distance to the robot that has the right of way, between the middles of the bases, m; `None` for that robot itself, and
-    /// while that robot's course is over.
+    /// Returns the distance to the base with the right of way, m; `None` for that robot and after
+    /// its course.
     #[must_use]
     pub fn to_first_m(&self, robot: usize) -> Option<f64> {
         let first = (self.steps / TURN_STEPS) as usize % self.rovers.len();
@@ -134,8 +134,8 @@ impl Course {
         Some(libm::hypot(ahead_m, left_m))
     }
 
-    /// Says at which levels a robot's wheels shall turn in the frame that begins, and at which pace. Where they would not keep it
-    /// clear of everything, it turns about a wheel instead, or brakes; a robot that is told nothing brakes after a frame.
+    /// Commands wheel levels and pace for the next frame. To avoid a collision, the robot turns
+    /// about a wheel or brakes instead; without a new command it brakes after one frame.
     pub fn steer(&mut self, robot: usize, wheels: Wheels, pace: Pace) {
         let base = &self.rovers[robot].base;
         if let Some(order) = self.surroundings(robot).allow(base, wheels, pace) {
@@ -143,7 +143,6 @@ impl Course {
         }
     }
 
-    /// What a robot must keep clear of.
     fn surroundings(&self, robot: usize) -> Surroundings {
         let others = self.rovers.iter().enumerate().filter(|(k, _)| *k != robot);
         let foreseen = |(_, other): (usize, &Rover)| (other.base.on_even_floor(), other.order);
@@ -154,19 +153,19 @@ impl Course {
         }
     }
 
-    /// Says that a robot's course is over: it brakes and stays, and lets the others know, so that nobody waits for it to pass.
+    /// Ends a robot's course: it brakes, stays and gives up its right of way.
     pub fn rest(&mut self, robot: usize) {
         let rover = &mut self.rovers[robot];
         rover.order.stop();
         rover.rests = true;
     }
 
-    /// Says where a robot's object stands, m, or that the hand has it.
+    /// Sets the position of a robot's object, m; `None` while held.
     pub fn set_object(&mut self, robot: usize, at_m: Option<[f64; 2]>) {
         self.rovers[robot].object_m = at_m;
     }
 
-    /// One step of [`STEP_S`](super::STEP_S).
+    /// Simulates one step of [`STEP_S`](super::STEP_S).
     pub fn step(&mut self) {
         self.steps += 1;
         for rover in &mut self.rovers {
@@ -199,25 +198,25 @@ impl Course {
         over.then_some(Mishap::MET_OBJECT)
     }
 
-    /// Where a base is.
+    /// Returns the pose of a base.
     #[must_use]
     pub fn place(&self, robot: usize) -> Place {
         self.rovers[robot].base.place()
     }
 
-    /// How a base moves in the present step.
+    /// Returns the motion of a base in the current step.
     #[must_use]
     pub fn ride(&self, robot: usize) -> Ride {
         self.rovers[robot].base.ride()
     }
 
-    /// Whether a base stands.
+    /// Returns true if a base is at rest.
     #[must_use]
     pub fn stands(&self, robot: usize) -> bool {
         self.rovers[robot].base.stands()
     }
 
-    /// What went wrong with a robot, which ended its course at once: its base brakes and stays.
+    /// Returns the mishap that ended a robot's course.
     #[must_use]
     pub fn mishap(&self, robot: usize) -> Option<Mishap> {
         self.rovers[robot].mishap
@@ -249,7 +248,7 @@ mod tests {
         Course::new(&layout, None)
     }
 
-    /// Drives past the guard, which would let no base come so far.
+    /// Bypasses the collision guard, which would prevent the mishap.
     fn ends(mut course: Course, expected: [Option<Mishap>; 2]) {
         for _ in 0..200 {
             for rover in &mut course.rovers {
@@ -283,7 +282,8 @@ mod tests {
         ends(course(&opposite), [met, met]);
     }
 
-    /// Against a wall, an object and another base; the paper's tables know no way back, so what stands there must turn.
+    /// Obstacles: a wall, an object, another base. Tables cannot reverse, so a base at rest must
+    /// turn.
     #[test]
     fn a_base_that_only_drives_ahead_meets_nothing_and_never_stays() {
         let pi = core::f64::consts::PI;
@@ -308,7 +308,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever tables and coordinators say, and even if they fall silent.
+        /// Holds for any commands, also interrupted ones.
         #[test]
         fn no_base_meets_anything(
             seed in 0_u64..1 << 40,

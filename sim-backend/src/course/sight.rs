@@ -1,33 +1,33 @@
-//! What a base senses: three IR and two photo sensors, by the geometry of the swarm's field.
+//! Sensors of a base: three IR and two photo sensors, as on the swarm's field.
 //!
-//! An IR sensor is a segment from the base's centre that meets a disc or a wall. A photo sensor sees a half-plane; both look
-//! from before the hand that works, so that a light that both see lies before that hand.
+//! An IR sensor is a segment from the base's centre that detects discs and walls. A photo sensor
+//! detects lights in a half-plane. Both photo sensors sit in front of the working hand: a light
+//! that both detect is in front of it.
 
 use core::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use super::base::Place;
 use super::layout::HALF_SIDE_M;
 
-/// Reach of an IR sensor from the base's centre, m.
+/// Range of an IR sensor from the base's centre, m.
 const IR_M: f64 = 1.0;
-/// Distance within which a light is seen, m.
+/// Range of a photo sensor, m.
 const LIGHT_M: f64 = 4.0;
-/// Where the photo sensors are: metres ahead and to the left. The right hand works.
+/// Photo sensors, metres ahead and to the left: in front of the right hand.
 pub const EYES_M: [f64; 2] = [0.0, -0.12];
-/// Angle of a photo sensor's axis to straight ahead, rad (ours: 14 of 64 steps). What both see is 0.17 m wide where the hand's
-/// reach begins, a little less than it. With the 12 of preset R3 of the field it would be 0.34 m, and a base that follows its edge
-/// would pass a light by and circle it for ever.
+/// Angle of a photo sensor to straight ahead, rad. Design choice: the common field of view is 0.17
+/// m wide where the hand's reach begins, slightly less than the reach. With the 12 steps of preset
+/// R3 (0.34 m), a base at its edge passes the light and circles it forever.
 const PHOTO_RAD: f64 = 14.0 * 2.0 * PI / 64.0;
 
-/// A disc that IR sensors see.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Disc {
     pub(super) at_m: [f64; 2],
     pub(super) radius_m: f64,
 }
 
-/// The row of a behaviour table that the sensors select: IR left 1, front 2, right 4, photo left 8, right 16, as
-/// [`field::Responses`] has them.
+/// Table row of the sensors: IR left 1, front 2, right 4, photo left 8, right 16, as in
+/// [`field::Responses`].
 pub(super) fn row(
     from: &Place,
     discs: impl Iterator<Item = Disc>,
@@ -43,7 +43,7 @@ pub(super) fn row(
     (0..).zip(bits).map(|(k, bit)| u8::from(bit) << k).sum()
 }
 
-/// Left, front and right: 45° to the left, straight ahead, 45° to the right.
+/// A point in the frames of the left (45°), front and right IR sensor.
 fn turned([ahead_m, left_m]: [f64; 2]) -> [[f64; 2]; 3] {
     let half = FRAC_1_SQRT_2;
     [
@@ -106,10 +106,10 @@ mod tests {
         check([0.0, 0.0], 0.0, [0.7, 0.7], none, 1);
         check([0.0, 0.0], 0.0, [0.7, -0.7], none, 4);
         check([0.0, 0.0], PI, [0.7, -0.7], none, 0);
-        // Walls, from a base that looks at one and at a corner.
+        // Walls, ahead and in a corner.
         check([2.1, 0.0], 0.0, far, none, 2);
         check([2.5, 2.5], 0.0, far, none, 7);
-        // Lights: ahead of the eyes, to either side, behind, too far.
+        // Lights: ahead of the sensors, left, right, behind, too far.
         check([0.0, 0.0], 0.0, far, [1.0, -0.12], 24);
         check([0.0, 0.0], 0.0, far, [0.0, 1.0], 8);
         check([0.0, 0.0], 0.0, far, [0.0, -1.0], 16);

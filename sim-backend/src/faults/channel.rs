@@ -1,4 +1,4 @@
-//! One stream of payloads under faults: spoils the content, then the delivery.
+//! Fault channel of one payload stream: applies content faults, then delivery faults.
 
 use std::collections::VecDeque;
 
@@ -6,16 +6,15 @@ use super::spec::{Fault, FaultKind};
 use super::spoil::{Payload, Spoiler};
 use crate::random::Random;
 
-/// Payloads that can be held back at once; more are lost. The longest delay at 1 kHz.
+/// Capacity of delayed payloads; more are lost. Equals the longest delay at 1 kHz.
 const HELD_MAX: usize = 1024;
 
-/// One stream.
 #[derive(Clone, Debug)]
 pub(super) struct Channel<T> {
     faults: Vec<Fault>,
     random: Random,
     spoiler: Spoiler<T>,
-    /// Payloads held back, with the tick in which they are due; oldest first.
+    /// Delayed payloads with their due tick, oldest first.
     held: VecDeque<(u64, T)>,
 }
 
@@ -30,14 +29,14 @@ impl<T: Payload> Channel<T> {
         }
     }
 
-    /// Delivers what is due in this tick: what was held back, oldest first, then the new payload.
+    /// Delivers the payloads due in this tick: delayed ones first (oldest first), then the new one.
     pub(super) fn pass(&mut self, tick: u64, sensed: Option<&T>, mut deliver: impl FnMut(&T)) {
         if self.faults.is_empty() {
             sensed.into_iter().for_each(deliver);
             return;
         }
         let fresh = sensed.map(|payload| self.spoilt(tick, payload));
-        // Once round the queue: what is due goes out, the rest keeps its order.
+        // One pass through the queue: due payloads leave, the rest keep their order.
         for _ in 0..self.held.len() {
             if let Some((due, payload)) = self.held.pop_front() {
                 if due <= tick {
@@ -69,7 +68,7 @@ impl<T: Payload> Channel<T> {
         payload
     }
 
-    /// Sends a payload now, later, twice or never.
+    /// Delivers a payload now, later, several times or never.
     fn send(&mut self, tick: u64, payload: T, mut deliver: impl FnMut(&T)) {
         let (mut due, mut copies) = (tick, 1);
         for fault in self.faults.iter().filter(|fault| fault.is_on(tick)) {

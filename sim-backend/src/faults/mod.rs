@@ -1,10 +1,11 @@
-//! Fault injection: what can go wrong between a sensor and its reader, on purpose and by seed.
+//! Fault injection between a sensor and its reader, seeded.
 //!
-//! [`Sensed`] goes in, deliveries come out: usually the same payloads, but lost, late, doubled, spoilt or forged while a
-//! [`Fault`] is on. First the content is spoilt (and sealed again, as a faulty sensor would), then bits are flipped after
-//! the seal, then the delivery itself suffers. With no fault on, payloads pass untouched.
+//! Input: [`Sensed`]. Output: deliveries. An active [`Fault`] loses, delays, duplicates or alters
+//! payloads; without active faults they pass unchanged. Order: content faults (resealed, as by a
+//! faulty sensor), bit flips after the seal, delivery faults.
 //!
-//! Absent on purpose: faults of processes (kill, stop) and of the machine; a test does those to real processes.
+//! Not covered: faults of processes (kill, stop) and of the machine; tests apply those to real
+//! processes.
 
 mod channel;
 mod spec;
@@ -20,16 +21,16 @@ use crate::scene::stream;
 use crate::world::Sensed;
 use channel::Channel;
 
-/// One payload on its way to the readers.
+/// Payload delivered to the readers.
 #[derive(Clone, Copy, Debug)]
 pub enum Delivery<'a> {
-    /// A hand's frame.
+    /// Tactile frame of a hand.
     Frame(Side, &'a HandFrame),
-    /// The joint feedback.
+    /// Joint feedback.
     Joints(&'a JointState),
 }
 
-/// Spoils what passes through it. Equal faults, seed and inputs give equal deliveries.
+/// Applies faults to the sensed payloads. Equal faults, seed and inputs give equal deliveries.
 #[derive(Clone, Debug)]
 pub struct Injector {
     hands: [Channel<HandFrame>; 2],
@@ -37,7 +38,7 @@ pub struct Injector {
 }
 
 impl Injector {
-    /// An injector of these faults; without any it passes everything on.
+    /// Creates a pipeline with these faults.
     #[must_use]
     pub fn new(faults: &[Fault], seed: u64) -> Self {
         let random = |channel: u64| Random::new(seed, stream::FAULTS + channel);
@@ -57,7 +58,8 @@ impl Injector {
         }
     }
 
-    /// Passes on what was sensed in a tick (counted from the world's start): frames, left before right, then joints.
+    /// Delivers the payloads of a tick, counted from the world's start: left frame, right frame,
+    /// joints.
     pub fn pass(&mut self, tick: u64, sensed: &Sensed, mut deliver: impl FnMut(Delivery<'_>)) {
         for side in Side::BOTH {
             let frame = sensed.frames[side.index()].as_ref();

@@ -1,11 +1,12 @@
-//! Which fault, where, when: the text `KIND[=VALUE]@START[+LENGTH][:TARGET]`, times in seconds.
+//! Fault description `KIND[=VALUE]@START[+LENGTH][:TARGET]`, times in seconds.
 //!
-//! `drop=0.3@2+0.5:right` loses 30 % of the right hand's frames from second 2 for half a second. Without a length a fault
-//! stays; without a target it strikes both hands.
+//! `drop=0.3@2+0.5:right` drops 30 % of the right hand's frames for 0.5 s from second 2. Without a
+//! length the fault is permanent; without a target it applies to both hands (joint faults: to the
+//! joints).
 
 use std::str::FromStr;
 
-/// What goes wrong.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(
     missing_docs,
@@ -33,7 +34,7 @@ pub enum FaultKind {
     Jump,
 }
 
-/// Where a fault can strike.
+/// Targets that a kind of fault supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Strikes {
     Any,
@@ -41,17 +42,17 @@ enum Strikes {
     Joints,
 }
 
-/// What there is to know of a kind of fault.
+/// Description of a kind of fault.
 #[derive(Debug)]
 pub struct FaultInfo {
     kind: FaultKind,
-    /// Its name in a fault's text.
+    /// Name in the fault description.
     pub name: &'static str,
-    /// What happens, and what the value means.
+    /// Effect, and meaning of the value.
     pub about: &'static str,
-    /// The value if none is given.
+    /// Default value.
     pub value: f64,
-    /// Lowest and highest value; both zero if it takes none.
+    /// Lowest and highest value; both zero if the kind has no value.
     pub range: [f64; 2],
     strikes: Strikes,
 }
@@ -86,89 +87,89 @@ const TABLE: &[FaultInfo] = {
     ]
 };
 
-/// Which channel a fault strikes.
+/// Channel that a fault applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// The left hand's frames.
+    /// Frames of the left hand.
     Left,
-    /// The right hand's frames.
+    /// Frames of the right hand.
     Right,
-    /// Both hands' frames.
+    /// Frames of both hands.
     Hands,
-    /// The joint feedback.
+    /// Joint feedback.
     Joints,
 }
 
-/// One fault.
+/// Fault with its time and target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// What goes wrong.
+    /// Kind.
     pub kind: FaultKind,
-    /// How badly; what it means depends on the kind.
+    /// Value; its meaning depends on the kind.
     pub value: f64,
-    /// From this tick on.
+    /// First active tick.
     pub first_tick: u64,
-    /// Until before this tick.
+    /// First tick after the fault.
     pub end_tick: u64,
-    /// Where.
+    /// Channel.
     pub target: Target,
 }
 
-/// Why a text is no fault.
+/// Error in a fault description.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FaultError {
-    /// The text does not have the form.
+    /// Missing start.
     #[error(
         "could not read the fault {0:?} because it lacks a start, needs KIND[=VALUE]@START[+LENGTH][:TARGET]; e.g. drop=0.3@2+0.5:right"
     )]
     Form(String),
-    /// No such kind.
+    /// Unknown kind.
     #[error(
         "could not read the fault {text:?} because {kind:?} is no kind of fault, needs one of {known}"
     )]
     Kind {
-        /// The whole text.
+        /// Fault description.
         text: String,
-        /// The kind asked for.
+        /// Given kind.
         kind: String,
-        /// The known kinds.
+        /// Known kinds.
         known: String,
     },
-    /// A number is none, or out of range.
+    /// Value that is not a number or out of range.
     #[error(
         "could not read the fault {text:?} because its {what} was {value:?}, needs {lower} to {upper}"
     )]
     Number {
-        /// The whole text.
+        /// Fault description.
         text: String,
-        /// Which number.
+        /// Name of the value.
         what: &'static str,
-        /// What stood there.
+        /// Given value.
         value: String,
-        /// The lowest allowed.
+        /// Lowest allowed value.
         lower: f64,
-        /// The highest allowed.
+        /// Highest allowed value.
         upper: f64,
     },
-    /// No such target, or not for this kind.
+    /// Target that the kind does not support.
     #[error(
         "could not read the fault {text:?} because {target:?} cannot be struck by it, needs one of {known}"
     )]
     Target {
-        /// The whole text.
+        /// Fault description.
         text: String,
-        /// The target asked for.
+        /// Given target.
         target: String,
-        /// The targets of this kind.
+        /// Supported targets.
         known: &'static str,
     },
 }
 
-/// Longest time of a fault's start and length, s: a day.
+/// Largest start and length of a fault, s: one day.
 const TIME_MAX_S: f64 = 86_400.0;
 
 impl FaultKind {
-    /// Every kind.
+    /// Returns every kind.
     #[must_use]
     pub fn all() -> &'static [FaultInfo] {
         TABLE
@@ -176,7 +177,7 @@ impl FaultKind {
 }
 
 impl Target {
-    /// Whether a fault with this target strikes a channel.
+    /// Returns true if a fault with this target applies to a channel.
     pub(super) fn covers(self, channel: Self) -> bool {
         self == channel || (self == Self::Hands && matches!(channel, Self::Left | Self::Right))
     }
@@ -193,7 +194,7 @@ impl Target {
 }
 
 impl FaultInfo {
-    /// The targets that it can have.
+    /// Returns the supported targets as a list.
     #[must_use]
     pub fn targets(&self) -> &'static str {
         self.strikes.names()
@@ -219,7 +220,6 @@ impl Strikes {
 }
 
 impl Fault {
-    /// Whether the fault is on in a tick.
     pub(super) fn is_on(&self, tick: u64) -> bool {
         (self.first_tick..self.end_tick).contains(&tick)
     }
@@ -274,7 +274,7 @@ fn unknown_kind(text: &str, kind: &str) -> FaultError {
     }
 }
 
-/// A finite number within a range.
+/// Parses a number within a range.
 fn number(
     text: &str,
     what: &'static str,

@@ -1,4 +1,4 @@
-//! How a payload's content is spoilt.
+//! Content faults of a payload.
 
 use shm_schemas::capacity::ELEMENTS;
 use shm_schemas::{HandFrame, JointState, Stamp};
@@ -7,30 +7,30 @@ use zerocopy::IntoBytes;
 use super::spec::{Fault, FaultKind};
 use crate::clock::TICK_NS;
 
-/// What a forged writer epoch differs in from the true one.
+/// Bits that a forged writer epoch flips.
 const EPOCH_MASK: u64 = 0x5a5a_5a5a_5a5a_5a5a;
 
-/// A reading that is a denormal number, N.
+/// Denormal reading, N.
 const DENORMAL_N: f32 = 1e-40;
 
-/// A payload that can be spoilt.
+/// Payload that accepts content faults.
 pub(super) trait Payload: Copy + Default {
     fn stamp(&mut self) -> &mut Stamp;
     fn as_mut_bytes(&mut self) -> &mut [u8];
-    /// Seals the payload, if its kind has a seal.
+    /// Seals the payload, if its type has a seal.
     fn seal(&mut self);
-    /// Takes over the readings of another payload.
+    /// Replaces the readings by those of an earlier payload.
     fn freeze(&mut self, frozen: &Self);
-    /// Applies a fault of the readings; `on_s` is how long the fault has been on.
+    /// Applies a fault of the readings; `on_s` is the time since the fault began.
     fn distort(&mut self, fault: &Fault, on_s: f64, onset: &Self);
 }
 
-/// What spoiling needs to remember.
+/// Applies content faults to one stream.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spoiler<T> {
-    /// The last payload as it went out: what freezes and sticks.
+    /// Last payload sent; source of frozen readings.
     last: Option<T>,
-    /// The counter at which a new epoch began.
+    /// Sequence number at which the forged epoch began.
     epoch_from: Option<u64>,
 }
 
@@ -104,7 +104,7 @@ impl Payload for HandFrame {
     }
 }
 
-/// Changes the normal force of every element that carries data.
+/// Applies `change` to the normal force of every valid element.
 fn each_normal(frame: &mut HandFrame, mut change: impl FnMut(&mut f32)) {
     for (mask, finger) in frame.valid_mask.iter().zip(&mut frame.force_n) {
         let valid = finger

@@ -1,4 +1,4 @@
-//! Every kind of fault against what it promises.
+//! Tests of every kind of fault.
 
 use robot_model::RobotModel;
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::scene::Scene;
 use crate::world::World;
 
-/// What arrived in each of the first ticks: right frames, and joint states.
+/// Deliveries per tick: right frames and joint states.
 struct Arrived {
     frames: Vec<Vec<HandFrame>>,
     joints: Vec<Vec<JointState>>,
@@ -39,13 +39,13 @@ fn run(faults: &[&str], ticks: u64) -> Arrived {
     arrived
 }
 
-/// Counters of the right hand's frames, per tick, under a fault.
+/// Returns the sequence numbers of the right hand's frames, per tick.
 fn counters(fault: &str, ticks: u64) -> Vec<Vec<u64>> {
     let tick = |frames: &Vec<HandFrame>| frames.iter().map(|frame| frame.stamp.sequence).collect();
     run(&[fault], ticks).frames.iter().map(tick).collect()
 }
 
-/// The right hand's frame of tick 5 under a fault that begins at tick 3, and the same without.
+/// Returns the right frame of tick 5 with a fault from tick 3, and without.
 fn frame_five(fault: &str) -> (HandFrame, HandFrame) {
     (run(&[fault], 6).frames[5][0], run(&[], 6).frames[5][0])
 }
@@ -125,7 +125,7 @@ fn contents() {
     );
 }
 
-/// A faulty sensor seals what it sends; only `corrupt` breaks the seal.
+/// Only `corrupt` breaks the seal; content faults are resealed.
 #[test]
 fn seals() {
     for name in FaultKind::all()

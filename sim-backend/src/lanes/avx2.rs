@@ -1,4 +1,4 @@
-//! Four lanes in one register of AVX2.
+//! Four lanes in one AVX2 register.
 #![expect(
     unsafe_code,
     reason = "intrinsics, whose values exist only where AVX2 was detected"
@@ -9,31 +9,29 @@ use core::ops::{Add, BitAnd, Div, Mul, Sub};
 
 use super::{LaneSet, Lanes, Row};
 
-/// Proof of AVX2.
+/// Proof that this machine has AVX2.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cpu(());
 
 impl Cpu {
-    /// The proof, on a machine that has it.
     #[inline(always)]
     pub(crate) fn detect() -> Option<Self> {
         is_x86_feature_detected!("avx2").then_some(Self(()))
     }
 }
 
-/// Numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Numbers(__m256d);
 
-/// Truth values: all bits of a true lane are set.
+/// Four truth values: all bits of a true lane are set.
 #[derive(Clone, Copy)]
 pub(crate) struct Truths(__m256d);
 
-/// Calls an intrinsic of AVX2 on values whose existence proves that the processor has it.
+/// Calls an AVX2 intrinsic on values whose existence proves AVX2.
 macro_rules! avx2 {
     ($call:expr) => {
-        // SAFETY: the operands are lane values or came with a `Cpu`, which exist only after AVX2 was detected; loads and stores
-        // go through references to whole rows.
+        // SAFETY: the operands are lane values or came with a `Cpu`; both exist only after AVX2 was
+        // detected. Loads and stores use references to whole rows.
         unsafe { $call }
     };
 }

@@ -1,14 +1,12 @@
-//! Four lanes in whatever the compiler makes of arrays.
+//! Four lanes in plain arrays, vectorised by the compiler.
 
 use core::ops::{Add, BitAnd, Div, Mul, Sub};
 
 use super::{LANES, LaneSet, Lanes, Row};
 
-/// Numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Numbers(Row);
 
-/// Truth values.
 #[derive(Clone, Copy)]
 pub(crate) struct Truths([bool; LANES]);
 
@@ -40,7 +38,7 @@ impl BitAnd for Truths {
 }
 
 impl Lanes for Numbers {
-    /// Every machine has what these take.
+    /// No proof needed: plain Rust runs on every machine.
     type Cpu = ();
     type Mask = Truths;
 

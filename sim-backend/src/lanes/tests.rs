@@ -1,4 +1,4 @@
-//! Every instruction set against scalars, bit for bit.
+//! Comparison of every instruction set with scalars, bit for bit.
 
 use super::*;
 use crate::random::Random;
@@ -14,7 +14,6 @@ const SPECIAL: [f64; 8] = [
     1e300,
 ];
 
-/// Rows of ordinary numbers and of those that are not.
 fn rows(random: &mut Random) -> [Row; 2] {
     let mut number = || {
         let pick = random.between(0.0, 16.0) as usize;

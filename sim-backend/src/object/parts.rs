@@ -1,4 +1,4 @@
-//! What a file says of caps and bottles, checked.
+//! File sections of caps and bottles, and their validation.
 
 use serde::Deserialize;
 
@@ -6,12 +6,14 @@ use super::{Neck, ObjectError, checked};
 use crate::shape::Shape;
 use crate::thread::{Thread, Turn};
 
-/// Allowed values: what the thread's law and the step of 250 µs are good for. Ours, around the families.
+/// Allowed values. Design choice: around the task families, within the thread model's limits at 250
+/// µs.
 mod range {
     pub(super) const FRICTION_N_M: [f64; 2] = [0.001, 0.2];
     pub(super) const CLOSING_DEG: [f64; 2] = [30.0, 1440.0];
     pub(super) const PITCH_M: [f64; 2] = [0.0005, 0.01];
-    /// Above the shoulder: a cap's mid-height is at least 20 mm above it (robot design).
+    /// Height above the shoulder. A cap's mid-height is at least 20 mm above the shoulder (robot
+    /// design).
     pub(super) const NECK_M: [f64; 2] = [0.01, 0.05];
 }
 

@@ -1,19 +1,20 @@
-//! Errors as users name them: `crosstalk`, `all`, `position=2,yaw=5`, `all=0.5`.
+//! Text format of errors: `crosstalk`, `all`, `position=2,yaw=5`, `all=0.5`.
 //!
-//! A kind of error may be given an amount, in the unit of its kind; without one it has its size in [`Errors::KINDS`].
-//! `all` is every kind at once, its amount a factor on all sizes; `none` is none. Several are separated by commas.
+//! A kind may have an amount, in its own unit; the default is its size in [`Errors::KINDS`]. `all`
+//! sets every kind; its amount is a factor on all sizes. `none` clears all. Commas separate several
+//! entries, applied in order.
 
 use core::f64::consts::PI;
 use core::str::FromStr;
 
 use super::{ErrorKind, Errors};
 
-/// How users give the amount of one kind of error.
+/// Text format of one kind of error.
 struct Field {
     name: &'static str,
-    /// The unit of the amount.
+    /// Unit of the amount.
     unit: &'static str,
-    /// That unit in the unit of the field.
+    /// Factor from this unit to the unit of the field.
     per_unit: f64,
     of: fn(&mut Errors) -> &mut f64,
 }
@@ -33,14 +34,13 @@ const fn field(
 }
 
 impl Field {
-    /// Its size in [`Errors::ALL`].
     fn size(&self) -> f64 {
         let mut all = Errors::ALL;
         *(self.of)(&mut all)
     }
 }
 
-/// One line per kind, by its name in [`Errors::KINDS`].
+/// One entry per kind, with the names of [`Errors::KINDS`].
 const FIELDS: [Field; Errors::KINDS.len()] = [
     field("servo", "%", 0.01, |e| &mut e.servo_stiffness),
     field("links", "mm", 1e-3, |e| &mut e.link_m),
@@ -55,31 +55,31 @@ const FIELDS: [Field; Errors::KINDS.len()] = [
     field("height", "mm", 1e-3, |e| &mut e.height_m),
 ];
 
-/// Why a text names no errors.
+/// Reason why a text is rejected.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum ErrorSpecError {
-    /// No kind of error has this name.
+    /// Unknown kind of error.
     #[error("no error is named {name:?}; needs all, none, or some of {known}")]
     Unknown {
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The names there are, with their units.
+        /// Known names, with their units.
         known: String,
     },
-    /// What follows the `=` is no amount.
+    /// Invalid amount after the `=`.
     #[error("the amount of {name} was {amount:?}, needs a number of {unit} from 0")]
     Amount {
-        /// The kind.
+        /// Kind of error.
         name: String,
-        /// What was given.
+        /// Given amount.
         amount: String,
-        /// The unit of its amount.
+        /// Unit of the amount.
         unit: &'static str,
     },
 }
 
 impl ErrorKind {
-    /// The unit of the amount that a user may give.
+    /// Returns the unit of an amount in the text format.
     #[must_use]
     pub fn unit(&self) -> &'static str {
         let field = FIELDS.iter().find(|field| field.name == self.name);
@@ -104,7 +104,7 @@ impl FromStr for Errors {
 }
 
 impl Errors {
-    /// Sets the errors of one name.
+    /// Sets one kind of error, or all.
     fn set(&mut self, name: &str, amount: Option<&str>) -> Result<(), ErrorSpecError> {
         let amount = |unit| {
             let number = |text: &str| {

@@ -1,23 +1,23 @@
-//! Errors: how far reality may lie from what the controller was made for and what a client is told.
+//! Errors: deviations of reality from the controller's model and from the client's data.
 //!
-//! Every number is a half width (or, where it says so, a largest value); zero is none, and none is the default. A trial
-//! draws each from its own seed, so that switching one on changes no other draw.
+//! Every number is a half width or, where stated, a maximum; the default is zero. A trial draws
+//! each error from its own stream, so that enabling one changes no other draw.
 //!
 //! ```
 //! use sim_backend::{Errors, Object, Scene};
 //! use robot_model::Side;
 //!
 //! # fn main() -> Result<(), sim_backend::ObjectError> {
-//! let meant = Scene::grasp(Object::built_in("wood")?, Side::Right);
-//! // One kind of error at a time, by its name, then all of them at once.
+//! let nominal = Scene::grasp(Object::built_in("wood")?, Side::Right);
+//! // Each kind of error alone, then all of them together.
 //! for kind in &Errors::KINDS {
-//!     let scene = meant.varied(7).with_errors(&kind.errors, 7);
+//!     let scene = nominal.varied(7).with_errors(&kind.errors, 7);
 //!     assert_eq!(scene.errors, kind.errors);
 //! }
-//! let scene = meant.varied(7).with_errors(&Errors::ALL, 7);
-//! // A family of one's own: crosstalk of up to 10 % on top of all others.
-//! let harsh = meant.with_errors(&Errors { crosstalk: 0.10, ..Errors::ALL }, 7);
-//! # assert!(scene.grasp_hint(0) != meant.grasp_hint(0) && harsh.errors.crosstalk == 0.10);
+//! let scene = nominal.varied(7).with_errors(&Errors::ALL, 7);
+//! // Custom errors: crosstalk of up to 10 % and all others.
+//! let harsh = nominal.with_errors(&Errors { crosstalk: 0.10, ..Errors::ALL }, 7);
+//! # assert!(scene.grasp_hint(0) != nominal.grasp_hint(0) && harsh.errors.crosstalk == 0.10);
 //! # Ok(())
 //! # }
 //! ```
@@ -29,46 +29,47 @@ use crate::random::Random;
 use crate::range::{OutOfRange, in_range};
 use crate::shape::Shape;
 
-/// How far reality may lie from what was meant.
+/// Sizes of all errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Stiffness of every joint's servo, over the nominal.
+    /// Servo stiffness per joint, relative.
     pub servo_stiffness: f64,
-    /// Length of every link, m.
+    /// Length per link, m.
     pub link_m: f64,
-    /// Stiffness of every fingertip's skin, over the nominal.
+    /// Skin stiffness per fingertip, relative.
     pub tip_stiffness: f64,
-    /// Mixing of each element's three axes: every one reads up to this share of each other one's force.
+    /// Crosstalk per element: each axis reads up to this share of each other axis' force.
     pub crosstalk: f64,
-    /// Offset of each element's axes, N.
+    /// Offset per element and axis, N.
     pub bias_n: f64,
-    /// Gain of every fingertip, over the nominal.
+    /// Gain per fingertip, relative.
     pub gain: f64,
-    /// Centre of mass beside the grip: horizontally, across the closing axis, m.
+    /// Horizontal offset of the centre of mass across the closing axis, m.
     pub centre_of_mass_m: f64,
-    /// Place of every object against what a client is told, x and y, m.
+    /// Offset of every object from its nominal position, x and y, m.
     pub position_m: f64,
-    /// Direction of every object against what a client is told, rad.
+    /// Yaw of every object relative to nominal, rad.
     pub yaw_rad: f64,
-    /// Width of every object that a client is told against the true one, m; so caps and bottles are of another size.
+    /// Error of the expected width of every object, m. For caps and bottles the true size changes.
     pub told_width_m: f64,
-    /// Largest height of an object, m, drawn from its own upwards; caps and bottles keep theirs. A client knows it.
+    /// Largest object height, m, drawn upwards from the object's own. Clients know it; caps and
+    /// bottles keep their height.
     pub height_m: f64,
 }
 
-/// One kind of error, as a table of an evaluation has it.
+/// One kind of error, a row of an evaluation table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorKind {
-    /// Its name, one word.
+    /// Name, one word.
     pub name: &'static str,
-    /// What it is, with its size.
+    /// Description with size.
     pub about: &'static str,
-    /// This error and no other.
+    /// This error only.
     pub errors: Errors,
 }
 
 impl Errors {
-    /// None.
+    /// No errors.
     pub const NONE: Self = Self {
         servo_stiffness: 0.0,
         link_m: 0.0,
@@ -83,7 +84,7 @@ impl Errors {
         height_m: 0.0,
     };
 
-    /// All at once, each with its size in [`Errors::KINDS`].
+    /// All errors, each with its size in [`Errors::KINDS`].
     pub const ALL: Self = Self {
         servo_stiffness: 0.10,
         link_m: 0.001,
@@ -98,7 +99,7 @@ impl Errors {
         height_m: 0.20,
     };
 
-    /// Each error by itself.
+    /// Each kind of error alone.
     pub const KINDS: [ErrorKind; 11] = [
         ErrorKind {
             name: "servo",
@@ -190,13 +191,13 @@ impl Errors {
         },
     ];
 
-    /// The kind of this name.
+    /// Returns the kind of this name.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static ErrorKind> {
         Self::KINDS.iter().find(|kind| kind.name == name)
     }
 
-    /// Refuses what cannot be simulated.
+    /// Rejects errors that cannot be simulated.
     pub(super) fn check(&self) -> Result<(), OutOfRange> {
         for (what, value, upper) in [
             ("the servo stiffness error", self.servo_stiffness, 0.5),
@@ -222,8 +223,8 @@ impl Errors {
 }
 
 impl Scene {
-    /// The same scene with these errors: those of objects and of what a client is told are drawn here, by the seed; those
-    /// of the robot and its sensors are drawn by the world, by its own seed.
+    /// Returns the scene with these errors. `seed` draws those of objects and nominal data; the
+    /// world's seed draws those of robot and sensors.
     #[must_use]
     pub fn with_errors(&self, errors: &Errors, seed: u64) -> Self {
         let mut scene = self.clone();
@@ -243,7 +244,7 @@ impl Scene {
     }
 }
 
-/// One stream per error, so that each draw is the same whatever else is switched on.
+/// One random stream per error, so that each draw is independent of the other errors.
 struct Draws {
     position: Random,
     yaw: Random,
@@ -291,7 +292,8 @@ impl Placed {
         }
     }
 
-    /// Makes it higher: by this share of what is missing to `height_m`. A client knows.
+    /// Increases the height by this share of the difference to `height_m`, also in the nominal
+    /// data.
     fn grow(&mut self, height_m: f64, share: f64) {
         let before = self.object.shape;
         let missing_m = (height_m - 2.0 * before.half_height_m()).max(0.0);
@@ -357,7 +359,7 @@ mod tests {
         assert_eq!(Errors::named("moon"), None);
     }
 
-    /// One error gives the same object as all of them at once, where they do not meet.
+    /// Compares one error with all together, in fields that no other error affects.
     #[test]
     fn switching_an_error_on_changes_no_other_draw() {
         let (one, all) = (Errors::named("yaw").expect("known"), Errors::ALL);

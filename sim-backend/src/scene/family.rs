@@ -1,4 +1,4 @@
-//! Seeded families: how far the truth may be from what was meant.
+//! Seeded families: random variations of the true scene.
 
 use core::f64::consts::PI;
 
@@ -8,18 +8,19 @@ use crate::random::Random;
 use crate::shape::Shape;
 use crate::thread::Thread;
 
-/// Half widths over the nominal value (grasp issue: mass, friction, stiffness ±20 %).
+/// Half width of mass, friction and stiffness, relative (grasp test specification: ±20 %).
 const SCALE: f64 = 0.2;
-/// Half width of an object's x and y, m (grasp issue).
+/// Half width of an object's x and y, m (grasp test specification).
 const POSITION_M: f64 = 0.002;
-/// Half width of an object's yaw, rad (grasp issue).
+/// Half width of an object's yaw, rad (grasp test specification).
 const YAW_RAD: f64 = 5.0 * PI / 180.0;
-/// Half width of x and y of caps and bottles, m. Ours: they are handed over in fixtures, and a neck captures within 2 mm.
+/// Half width of x and y of caps and bottles, m. Design choice: they are in fixtures, and a neck
+/// captures within 2 mm.
 const FIXTURE_M: f64 = 0.0005;
-/// Half width of the height of the place of pick and place, m (issue).
+/// Half width of the height of the place, m (task specification).
 const PLACE_M: f64 = 0.010;
 
-/// Caps (issue); the pitch is ours, around that of bottles for drinks.
+/// Caps (task specification). The pitch is a design choice, around that of drink bottles.
 mod cap {
     pub(super) const RADIUS_M: [f64; 2] = [0.012, 0.020];
     pub(super) const FRICTION: [f64; 2] = [0.4, 0.8];
@@ -28,20 +29,20 @@ mod cap {
     pub(super) const PITCH_M: [f64; 2] = [0.002, 0.004];
 }
 
-/// Bottles (robot design).
 mod bottle {
     pub(super) const RADIUS_M: [f64; 2] = [0.025, 0.035];
     pub(super) const MASS_KG: [f64; 2] = [0.2, 0.5];
-    /// Height of the rim: the mid-height of a cap of 20 mm that was put on is 100 to 160 mm.
+    /// Height of the rim. A cap of 20 mm on it has its middle at 100 to 160 mm.
     pub(super) const RIM_M: [f64; 2] = [0.09, 0.15];
-    /// Height of the rim above the shoulder: leaves 20 mm between shoulder and mid-height of the lowest closed cap.
+    /// Height of the rim above the shoulder. Leaves 20 mm between shoulder and middle of the lowest
+    /// closed cap.
     pub(super) const NECK_M: f64 = 0.016;
 }
 
 impl Scene {
-    /// The same scene with the truth drawn from its family: every object's mass, friction, stiffness and pose, a cap's and a
-    /// bottle's size and thread, the height of a place. Clients are still told what was meant, but for the sizes of caps
-    /// and bottles, which they are told as they are.
+    /// Returns the scene with true values drawn from its family: mass, friction, stiffness and pose
+    /// of every object, size and thread of cap and bottle, height of a place. Nominal data stay,
+    /// except the sizes of cap and bottle, which clients know exactly.
     #[must_use]
     pub fn varied(&self, seed: u64) -> Self {
         let mut random = Random::new(seed, stream::FAMILY);
@@ -59,7 +60,7 @@ impl Scene {
         scene
     }
 
-    /// A cap on a neck is where its bottle is, and a bottle's height follows its cap's.
+    /// Moves a cap on a neck to its bottle's position.
     pub(super) fn share_the_neck(&mut self) {
         let [cap, bottle] = &mut self.objects[..] else {
             return;

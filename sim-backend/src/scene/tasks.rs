@@ -1,11 +1,12 @@
-//! Scenes of the paper's tasks, and what a client is told of them.
+//! Scenes of the paper's tasks with their nominal data.
 //!
-//! * [`Scene::pick_place`]: an object stands on a plate, its place is another plate that a client believes to be as high.
-//! * [`Scene::screw`]: a cap sits on the neck of a clamped bottle.
-//! * [`Scene::assembly`]: a cap lies on a stand, a bottle stands free.
+//! * [`Scene::pick_place`]: an object stands on a plate; its place is another plate of nominally
+//!   the same height.
+//! * [`Scene::screw`]: a cap is on the neck of a clamped bottle.
+//! * [`Scene::assembly`]: a cap is on a stand, a bottle stands free.
 //!
-//! The cap is the first object, the bottle the second. A client is told sizes and places as they were meant, and of a
-//! thread, of friction and of mass nothing.
+//! The cap is the first object, the bottle the second. Clients get nominal sizes and places, but no
+//! thread, friction or mass.
 
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel, Side};
@@ -14,43 +15,47 @@ use super::{DEFAULT_YAW_RAD, GraspHint, Mount, Placed, Scene};
 use crate::object::Object;
 use crate::support::Plate;
 
-/// Where an object of pick and place shall go: x, and the distance from the middle towards the acting hand, m. Ours: 12 cm
-/// beside where it stands.
+/// Place of pick and place: x, and the distance from the midline towards the acting hand, m. Design
+/// choice: 12 cm from the start.
 const PLACE_M: [f64; 2] = [0.32, 0.27];
-/// Height of the plate that the object stands on, m: the place may then be lower by the family's 10 mm.
+/// Height of the object's plate, m. Leaves 10 mm for a lower place.
 const STEP_M: f64 = 0.010;
-/// How much wider than an object a hand is open over its place, and how high it comes and goes, m (the controller's default).
+/// Extra opening over the object's width at the place, and approach height, m (the controller's
+/// defaults).
 const OPEN_M: f64 = 0.010;
 const LIFT_M: f64 = 0.060;
-/// Half edge of the plates of pick and place, m. Ours: wider than every built-in object and its errors.
+/// Half edge of the plates of pick and place, m. Design choice: larger than every built-in object
+/// with its error.
 const STEP_HALF_M: f64 = 0.055;
-/// Where the clamped bottle of screwing stands: x, and the distance from the middle towards the acting hand, m (issue).
+/// Clamped bottle: x, and the distance from the midline towards the acting hand, m (task
+/// specification).
 const SCREW_M: [f64; 2] = [0.34, 0.12];
-/// Where the free bottle of assembly stands, m (robot design).
+/// Free bottle of assembly, m (robot design).
 const BOTTLE_M: [f64; 2] = [0.38, 0.0];
-/// Where the cap of assembly lies: x, and the distance from the middle towards the screwing hand, m (robot design).
+/// Cap of assembly: x, and the distance from the midline towards the screwing hand, m (robot
+/// design).
 const STAND_M: [f64; 2] = [0.32, 0.18];
 /// Height of the cap's stand, m (robot design).
 const STAND_HEIGHT_M: f64 = 0.040;
-/// Half edge of the cap's stand, m. Ours: wider than every cap; fingertips do not feel it.
+/// Half edge of the cap's stand, m. Design choice: larger than every cap.
 const STAND_HALF_M: f64 = 0.025;
-/// Closing axis on the cap in assembly, rad: 60° for the right hand (robot design).
+/// Closing axis on the cap of assembly, rad: 60° for the right hand (robot design).
 const ASSEMBLY_YAW_RAD: f64 = core::f64::consts::FRAC_PI_3;
-/// Height at which the other hand holds the bottle, m (robot design).
+/// Height of the other hand's grasp on the bottle, m (robot design).
 const HOLD_HEIGHT_M: f64 = 0.045;
 
-/// What the tasks are shown with if nothing else is named.
+/// Default objects of the tasks.
 impl Scene {
-    /// Object to grasp, or to pick and place.
+    /// Object of grasping and of pick and place.
     pub const OBJECT: &'static str = "wood";
-    /// Cap to screw.
+    /// Cap of screwing and assembly.
     pub const CAP: &'static str = "cap";
-    /// Bottle to screw it on.
+    /// Bottle of screwing and assembly.
     pub const BOTTLE: &'static str = "open-bottle";
 }
 
 impl Scene {
-    /// An object in front of one hand, to be set down 12 cm further out.
+    /// Returns a scene with an object in front of one hand, to be placed 12 cm farther out.
     #[must_use]
     pub fn pick_place(object: Object, side: Side) -> Self {
         let plate = |centre_m| Plate {
@@ -74,8 +79,9 @@ impl Scene {
         }
     }
 
-    /// Where a hand does not reach the place of pick and place, that is as far from the object along the circle about the arm's base,
-    /// and turned as much: an arm of five joints cannot turn its hand but with its base.
+    /// Moves the place into the hand's reach, if necessary: at the same distance on the circle
+    /// about the arm's base, rotated accordingly. A five-joint arm rotates its hand only with its
+    /// base.
     pub(super) fn place_in_reach(&mut self, hand: &HandModel) {
         let ([_], [_, plate], Some(place)) =
             (&self.objects[..], &mut self.plates[..], &mut self.place)
@@ -106,7 +112,8 @@ impl Scene {
         }
     }
 
-    /// A cap on the neck of a clamped bottle before one hand, not turned yet.
+    /// Returns a scene with a cap on the neck of a clamped bottle in front of one hand, not turned
+    /// yet.
     #[must_use]
     pub fn screw(cap: Object, bottle: Object, side: Side) -> Self {
         let at_m = beside(SCREW_M, side);
@@ -122,7 +129,8 @@ impl Scene {
         scene
     }
 
-    /// A cap on a stand before the hand that screws, and a free bottle between the hands.
+    /// Returns a scene with a cap on a stand in front of the screwing hand and a free bottle
+    /// between the hands.
     #[must_use]
     pub fn assembly(cap: Object, bottle: Object, screws: Side) -> Self {
         let stand = Plate {
@@ -144,7 +152,7 @@ impl Scene {
         scene
     }
 
-    /// Tells clients the sizes of the scene's cap and bottle and the heights that follow from them.
+    /// Sets the nominal sizes and heights of cap and bottle to their true values.
     pub(super) fn tell_of_closure(&mut self) {
         let [cap, bottle] = &mut self.objects[..] else {
             return;
@@ -170,7 +178,7 @@ impl Scene {
     }
 }
 
-/// Whether a hand has a posture where an object is let go and over it, open as it then is.
+/// Returns whether a hand reaches the place and the approach above it, opened for release.
 fn reaches(hand: &HandModel, hint: &GraspHint) -> bool {
     let [x_m, y_m, z_m] = hint.from_m;
     let opening_m = (hint.width_m + OPEN_M).min(hand.widest_m());

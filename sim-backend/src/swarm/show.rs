@@ -1,4 +1,4 @@
-//! What onlookers see of the fields. Nothing here changes them.
+//! Observer's view of the fields, read-only.
 
 use field::{
     EXECUTION_FRAMES, HEADINGS, Model, Push, TRIAL_FRAMES, TrialRun, accuracy, efficiency, solved,
@@ -8,8 +8,9 @@ use shm_schemas::{AgentTruth, ArenaTruth, FieldTruth, PostTruth, Text, WallTruth
 use super::{Answer, Swarm};
 
 impl Swarm {
-    /// Writes what an onlooker sees of this frame, without the stamp: where everybody is, senses what and, by the answer that
-    /// [`Swarm::advance`] is about to hear, does what. Once a trial is over, how it ended. Costs no robot anything.
+    /// Writes the observer's view of this frame, without the stamp: poses, sensor bits, and the
+    /// motion for the commands that [`Swarm::advance`] is about to receive. After a trial it
+    /// contains the result. Robots are not affected.
     pub fn show(&self, answer: Answer<'_>, arena: &mut ArenaTruth) {
         let commands = match answer {
             Answer::Commands(commands) if self.understands(commands) => Some(commands),
@@ -71,7 +72,7 @@ impl Swarm {
     }
 }
 
-/// Writes what a field is like: what of its preset can be seen.
+/// Writes the field's description: the visible part of its preset.
 fn describe(model: &Model, arena: &mut ArenaTruth) {
     let preset = model.preset();
     arena.execution_frames = EXECUTION_FRAMES;

@@ -1,4 +1,4 @@
-//! What the judge makes of an object's history.
+//! Tests of the object history.
 
 use super::*;
 use crate::body::{Motion, turned};
@@ -10,7 +10,7 @@ fn object(name: &str) -> WorldObject {
     WorldObject::new(&Placed::new(object, [0.3, 0.0], 0.0), &Ground::default())
 }
 
-/// Puts an object at rest in the air, leaning.
+/// Puts an object at rest at a height with a tilt.
 fn pose(object: &mut WorldObject, up_m: f64, lean_rad: f64) {
     let mut orientation = [1.0, 0.0, 0.0, 0.0];
     for _ in 0..100 {
@@ -40,7 +40,7 @@ fn only_an_open_bottle_that_tilts_far_enough_spills() {
     check(50.0, true, 1, 1);
 }
 
-/// What became of a wooden block: per tick its height, whether a fingertip presses, the force of what it stands on.
+/// Returns the truth of a wooden block after ticks of height, fingertip contact and support force.
 fn after(history: &[(f64, bool, f64)]) -> ObjectTruth {
     let mut wood = object("wood");
     for (tick, (up_m, held, table_n)) in (1..).zip(history) {
@@ -72,7 +72,8 @@ fn the_release_that_counts_is_the_first_after_landing() {
     assert_eq!((truth.released_above_m, truth.dropped), (0.0, 0));
 }
 
-/// Regression: what was put back once, to be grasped anew, was judged by that first landing and let go 17 s too late.
+/// Regression: after put back and regrasp, the first landing counted, which made the release 17 s
+/// late.
 #[test]
 fn what_is_put_back_and_lifted_again_has_landed_when_it_lands_at_last() {
     let history = [

@@ -1,4 +1,4 @@
-//! Robots of other structures before the simulated world: the same controller, the same contacts.
+//! Robots of other structures with the same controller and contact model.
 
 use crate::rig::{Rig, displace, goal, object};
 use robot_model::{GraspFrame, RobotFiles, RobotModel, Side};
@@ -7,13 +7,13 @@ use sim_backend::{Scene, simulated_skin};
 
 const FLAT: &str = "flat-4x4-4.5";
 
-/// A robot that ships, with another skin.
+/// Returns a built-in robot with another skin.
 fn with_skin(robot: &str, layout: &str) -> RobotModel {
     let robot = RobotModel::find(robot).expect("it ships");
     robot.with_skin(simulated_skin(layout.parse().expect("a layout")))
 }
 
-/// A scene of one object to grasp, askew by so much.
+/// Returns a grasp scene with an object misaligned by `yaw_deg`.
 fn askew(name: &str, yaw_deg: f64, robot: &RobotModel) -> Scene {
     let hand = robot.hand(Side::Right);
     let mut scene = Scene::grasp(object(name), Side::Right).before(hand);
@@ -21,7 +21,7 @@ fn askew(name: &str, yaw_deg: f64, robot: &RobotModel) -> Scene {
     scene
 }
 
-/// The same, aside by so much and more slippery than usual.
+/// Returns the same scene with a lateral offset and a more slippery object.
 fn slippery_askew(name: &str, y_mm: f64, yaw_deg: f64, robot: &RobotModel) -> Scene {
     let mut scene = askew(name, yaw_deg, robot);
     displace(&mut scene, 0, [0.0, y_mm, 0.0]);
@@ -29,7 +29,7 @@ fn slippery_askew(name: &str, y_mm: f64, yaw_deg: f64, robot: &RobotModel) -> Sc
     scene
 }
 
-/// Grasps an object that stands under where the hand rests, and lifts it.
+/// Grasps and lifts an object below the hand's rest position.
 fn grasps(robot: &str, name: &str) {
     let robot = RobotModel::find(robot).expect("it ships");
     let scene = Scene::grasp(object(name), Side::Right).before(robot.hand(Side::Right));
@@ -61,8 +61,8 @@ fn two_fingers_grasp_against_one() {
     }
 }
 
-/// Both jaws of a gripper with one drive close alike: the one that touches first pushes the object before it, and the drive cannot
-/// tell on which side it works.
+/// With one drive both jaws close together: the first to touch pushes the object, and the drive
+/// cannot distinguish the sides.
 #[test]
 fn one_jaw_may_push_an_object_before_the_other_touches() {
     for off_m in [-0.003, 0.003] {
@@ -76,7 +76,7 @@ fn one_jaw_may_push_an_object_before_the_other_touches() {
     }
 }
 
-/// Fingertips that are no domes, on the same robots: what they feel of a grasp and how they give way is in the robot file.
+/// Flat and cylindrical fingertips; the robot file describes their elements and compliance.
 #[test]
 fn pads_and_cylinders_grasp_as_domes_do() {
     for robot in ["test-bench", "arm7-gripper"] {
@@ -94,7 +94,8 @@ fn pads_and_cylinders_grasp_as_domes_do() {
     }
 }
 
-/// Regression: a gripper of 80 mm did not set down what is 60 mm wide, because it could not open by 12 mm on each side.
+/// Regression: a gripper of 80 mm did not release an object of 60 mm, because it could not open by
+/// 12 mm per side.
 #[test]
 fn a_gripper_opens_as_far_as_it_can_to_let_go() {
     let files = RobotFiles::find("arm7-gripper").expect("it ships");
@@ -113,8 +114,9 @@ fn a_gripper_opens_as_far_as_it_can_to_let_go() {
     assert_eq!(rig.object().dropped, 0, "{:?}", rig.object());
 }
 
-/// Regression: flat pads pressed a cap harder with every turn, to 30 N in the sixth, while Module 3 would have had them open; and domes
-/// took a cap that slid through them for one that turned, because what they had learnt to press faded as the wrist went on.
+/// Regression: flat pads pressed a cap harder with every turn, up to 30 N, while Module 3 requested
+/// opening. Domes mistook a slipping cap for a turning one, because the learned force decayed with
+/// wrist motion.
 #[test]
 fn a_wrist_turns_stiff_caps_many_times_over() {
     let dome = RobotModel::find("arm7-gripper").expect("it ships");
@@ -138,8 +140,8 @@ fn a_wrist_turns_stiff_caps_many_times_over() {
     }
 }
 
-/// Regression: a rigid block that stood askew turned between two fingertips and one, and seemed as soft as a sponge by that: it was
-/// refused.
+/// Regression: a misaligned rigid block rotated between two fingertips and one, therefore seemed as
+/// soft as a sponge, and was rejected.
 #[test]
 fn what_turned_against_the_fingertips_is_probed_again_before_it_is_called_soft() {
     for (name, yaw_deg) in [("slippery-50", 4.5), ("slippery-200", -4.4)] {
@@ -152,8 +154,8 @@ fn what_turned_against_the_fingertips_is_probed_again_before_it_is_called_soft()
     }
 }
 
-/// Regression: much of what shears a fingertip on a face askew is the squeeze of the faces and no load; what the load test had just proved
-/// to hang was said to slide by that, pressed to F_2 and put back.
+/// Regression: on misaligned faces, the squeeze causes most of the shear. A verified object was
+/// classified as sliding, pressed up to F_2 and put back.
 #[test]
 fn what_a_test_has_proved_to_hang_is_not_put_back_because_it_looks_like_sliding() {
     for robot in ["test-bench", "arm7-gripper"] {
@@ -173,7 +175,8 @@ fn what_a_test_has_proved_to_hang_is_not_put_back_because_it_looks_like_sliding(
     }
 }
 
-/// Regression: the same squeeze grew with the pressing that answered it, up to F_2, for what weighs 50 g.
+/// Regression: the same squeeze grew with the grip force that answered it, up to F_2 for an object
+/// of 50 g.
 #[test]
 fn what_bears_no_more_load_for_it_is_not_pressed_on() {
     for y_mm in [-1.5, 1.5] {
@@ -186,7 +189,8 @@ fn what_bears_no_more_load_for_it_is_not_pressed_on() {
     }
 }
 
-/// Regression: a block that was too heavy to be lifted at all was said to turn in the hand, and stayed there.
+/// Regression: a block too heavy to lift was classified as rotating in the hand, and stayed
+/// gripped.
 #[test]
 fn what_seems_to_turn_while_it_still_stands_is_put_back() {
     let robot = RobotModel::find("three-finger").expect("it ships");
@@ -206,8 +210,8 @@ fn what_seems_to_turn_while_it_still_stands_is_put_back() {
     assert_eq!((truth.stands, truth.pressed), (1, 0), "{truth:?}");
 }
 
-/// A 5-DOF arm whose gripper has one fixed and one turning jaw: its domes face each other at one opening only, and the hand tilts as
-/// it closes.
+/// 5-DOF arm with one fixed and one rotating jaw. Its domes face each other at one opening only,
+/// and the hand tilts while closing.
 #[test]
 fn a_fixed_and_a_turning_jaw_grasp_and_let_go() {
     let robot = angular_jaw();
@@ -230,8 +234,8 @@ fn angular_jaw() -> RobotModel {
     .expect("it fits")
 }
 
-/// Regression: of the same arm the usual place was out of reach; and turned against its arm it was sent to one where it can let go but
-/// not open, dragged what it had set down along, and crushed it.
+/// Regression: the usual place was out of reach. At a rotated place the hand could not open fully,
+/// dragged the object along and crushed it.
 #[test]
 fn an_arm_of_five_joints_sets_down_where_its_base_turns_it() {
     let robot = angular_jaw();
@@ -255,7 +259,8 @@ fn an_arm_of_five_joints_sets_down_where_its_base_turns_it() {
     }
 }
 
-/// Regression: jaws that each have a drive of their own stood at their stops, because the arm moved the hand aside for its posture.
+/// Regression: jaws with separate drives stood at their stops, because the arm used them to shift
+/// the hand laterally.
 #[test]
 fn jaws_with_a_drive_each_share_the_opening() {
     let files = RobotFiles::find("arm7-gripper").expect("it ships");

@@ -1,7 +1,8 @@
-//! The arms keep apart: what the check of a goal allows for is what arms really do.
+//! Clearance between the arms: the goal check's margin covers the real deviations.
 //!
-//! Before anything moves, the check follows the ways of both arms as planned, and keeps `CLEARANCE_M` of air between them. In
-//! motion every arm lags behind its command, and no arm is built exactly as its model: here both are measured.
+//! Before a motion, the check simulates the planned paths of both arms and keeps `CLEARANCE_M`
+//! between them. A real arm lags behind its command and differs from its model; this test measures
+//! both effects.
 
 use crate::rig::{Rig, goal, object, seeds};
 use atas_core::check::CLEARANCE_M;
@@ -9,12 +10,12 @@ use robot_model::Side;
 use shm_schemas::{GoalKind, GoalState};
 use sim_backend::{Errors, Scene};
 
-/// Ticks between two looks: an arm moves by less than a millimetre.
+/// Ticks between two measurements: an arm moves by less than a millimetre.
 const LOOK_TICKS: u64 = 4;
 
 #[test]
 fn two_arms_together_stray_by_less_than_the_clearance_that_is_planned() {
-    // What an arm may be wrong by: see `atas-sim errors`.
+    // Model errors of an arm, see `atas-sim errors`.
     let errors = Errors {
         link_m: Errors::ALL.link_m,
         servo_stiffness: Errors::ALL.servo_stiffness,

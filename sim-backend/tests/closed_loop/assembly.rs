@@ -1,4 +1,4 @@
-//! Two hands assemble; either may be the one that screws.
+//! Two-hand assembly; either hand screws.
 
 use crate::rig::{Rig, goal, object};
 use robot_model::Side;

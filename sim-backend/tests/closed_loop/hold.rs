@@ -1,11 +1,11 @@
-//! Load that is added while the hand holds: answered, or reported; never silent.
+//! Added load during a hold: compensated or reported.
 
 use crate::rig::{Rig, goal, object};
 use robot_model::Side;
 use shm_schemas::{Cause, GoalKind};
 use sim_backend::Scene;
 
-/// A hand that holds an object 50 mm above the table, and nothing to report.
+/// Returns a hand that holds an object 50 mm above the table without warnings.
 fn holding(name: &str) -> Rig {
     let scene = Scene::grasp(object(name), Side::Right);
     let mut rig = Rig::new(&scene);
@@ -76,7 +76,7 @@ fn a_load_that_comes_at_once_is_held_or_reported() {
         check(name, 0.2);
         check(name, 2.0);
     }
-    // 0.2 N more is more than the sponge weighs, and 0.1 N on a finger that presses with 0.3 N reads as noise: it sinks by a
-    // centimetre until it is caught.
+    // 0.2 N exceed the sponge's weight, and 0.1 N on a fingertip pressing with 0.3 N are within the
+    // noise: the sponge sinks by a centimetre first.
     check("sponge", 2.0);
 }

@@ -1,4 +1,4 @@
-//! A motion that doubt interrupts goes on along its path as if nothing had been: no swinging, and the same outcome.
+//! Interrupted motions: a hand resumes along its path without oscillation, with the same outcome.
 
 use crate::rig::{Missing, Rig, goal, object, seeds};
 use atas_core::Order;
@@ -7,7 +7,8 @@ use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Mode, Rea
 use sim_backend::random::Random;
 use sim_backend::{Object, Scene};
 
-/// How much farther than those of an undisturbed hand its joints may be commanded altogether: they brake, and catch up.
+/// Largest ratio of the joint path to that of an undisturbed hand. Braking and catching up take up
+/// to 10 %.
 const DETOUR: f64 = 1.1;
 
 fn hold(rig: &mut Rig) {
@@ -15,7 +16,8 @@ fn hold(rig: &mut Rig) {
     assert_eq!(rig.mode(), Mode::HOLD);
 }
 
-/// Reaches for an object and is held after so many ticks; the way that the joints were commanded until the fingers close, rad.
+/// Approaches an object, with a hold after `held_after` ticks; returns the joint path commanded
+/// until the fingers close, rad.
 fn reach_rad(robot: &RobotModel, scene: &Scene, held_after: Option<u64>) -> f64 {
     let mut rig = Rig::of(robot.clone(), scene, 1);
     rig.begin(&goal(GoalKind::GRASP, scene, Side::Right));
@@ -43,7 +45,7 @@ fn a_hand_that_was_held_on_its_way_goes_on_along_it() {
     }
 }
 
-/// Pursues a goal that is held every so many ticks.
+/// Executes a goal with a hold every `held_every` ticks.
 fn pursue(scene: &Scene, request: &GoalRequest, held_every: Option<u64>) -> (GoalUpdate, Rig) {
     let mut rig = Rig::new(scene);
     rig.begin(request);
@@ -87,11 +89,11 @@ fn tasks_that_are_held_again_and_again_end_as_ever() {
             let scene = Scene::grasp(object(name), Side::Right);
             check(GoalKind::GRASP, &scene, held_every, DETOUR);
         }
-        // A turn that was held may have to be made once more.
+        // A held turn may have to be repeated.
         let scene = Scene::screw(object("cap"), object("open-bottle"), Side::Right);
         check(GoalKind::SCREW, &scene, held_every, 2.0);
     }
-    // Module 4 waits until what it holds has come to rest, so placing needs longer pauses between them.
+    // Module 4 waits until the held object has settled, so placing needs longer intervals.
     let scene = Scene::pick_place(object("wood"), Side::Right);
     check(GoalKind::PICK_PLACE, &scene, 310, DETOUR);
 }
@@ -100,7 +102,7 @@ fn below(random: &mut Random, count: u64) -> u64 {
     random.bits() % count
 }
 
-/// Up to 60 ms in which this or that does not arrive, or no tick comes.
+/// Drops inputs or ticks for up to 60 ms.
 fn disturb(rig: &mut Rig, random: &mut Random) {
     let ms = 1 + below(random, 60);
     let frames = |left, right| Missing {
@@ -120,7 +122,7 @@ fn disturb(rig: &mut Rig, random: &mut Random) {
     }
 }
 
-/// A task of a robot that can do it, drawn.
+/// Draws a robot and a task that it can execute.
 fn draw(random: &mut Random) -> (RobotModel, Scene, GoalRequest) {
     let things = ["wood", "sponge", "paper-box", "bottle", "slippery-200"];
     let thing = object(things[below(random, 5) as usize]);
@@ -150,7 +152,7 @@ fn whatever_is_missing_for_a_moment_nothing_is_lost() {
         let (robot, scene, request) = draw(&mut random);
         let mut rig = Rig::of(robot, &scene, 1);
         rig.begin(&request);
-        // Seldom enough that no step runs out of time.
+        // Rarely enough that no step times out.
         let every = 400 + below(&mut random, 600);
         let mut disturbances = 0;
         let end = loop {

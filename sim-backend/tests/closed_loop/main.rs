@@ -1,6 +1,7 @@
-//! The production controller before the simulated world, in process: what only both together can show.
+//! Closed-loop tests: the production controller with the simulated world, in process.
 //!
-//! Success over the families of objects is the evaluation's affair (`atas eval`); here are the branches that it rarely takes.
+//! The evaluation (`atas eval`) measures success over object families; these tests cover branches
+//! that it rarely takes.
 
 mod any_robot;
 mod apart;

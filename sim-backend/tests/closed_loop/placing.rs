@@ -1,4 +1,4 @@
-//! Placing where there is nothing to stand on.
+//! Placing without a support at the expected height.
 
 use crate::rig::{Rig, goal, object};
 use robot_model::Side;
@@ -11,7 +11,7 @@ fn what_finds_no_support_is_raised_and_kept() {
     scene.plates.truncate(1);
     let mut rig = Rig::new(&scene);
     let mut goal = goal(GoalKind::PICK_PLACE, &scene, Side::Right);
-    // Ten millimetres of missing plate, and twenty more: farther down than the hand is allowed to look.
+    // 10 mm of missing plate and 20 mm more: below the controller's search range.
     goal.to_m[2] += 0.020;
     let end = rig.pursue(&goal);
     assert_eq!(

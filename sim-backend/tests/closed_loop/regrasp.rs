@@ -1,12 +1,12 @@
-//! Objects that stand elsewhere than told: the fingertips feel where, and the hand grasps them there.
+//! Objects with a pose error: the hand estimates their pose by touch and regrasps.
 
 use crate::rig::{Rig, displace, goal, object};
 use robot_model::{RobotModel, Side};
 use shm_schemas::GoalKind;
 use sim_backend::Scene;
 
-/// Regression: slippery boxes that stood askew by 8° were pressed to F_2 and refused as too heavy: much of the friction went into the
-/// faces' angle.
+/// Regression: slippery boxes misaligned by 8° were pressed up to F_2 and rejected as too heavy.
+/// The face angle used most of the friction.
 #[test]
 fn what_stands_askew_or_beside_its_place_is_grasped_anew_where_it_is_felt() {
     let check = |name: &str, error: [f64; 3], expected: usize| {
@@ -26,12 +26,12 @@ fn what_stands_askew_or_beside_its_place_is_grasped_anew_where_it_is_felt() {
     check("wood", [2.0, 2.0, -13.0], 1);
     check("slippery-50", [0.0, 0.0, -9.0], 1);
     check("slippery-200", [0.0, 1.0, 12.0], 1);
-    // So light that the finger that touches first pushes it to the middle.
+    // So light that the first fingertip to touch pushes it to the middle.
     check("sponge", [0.0, 4.0, 3.0], 0);
     check("bottle", [-4.5, 1.0, 0.0], 1);
 }
 
-/// What remains beside the middle of the hand is taken off where the object is set down.
+/// The remaining offset in the hand is corrected when the object is placed.
 #[test]
 fn an_object_is_set_down_where_it_shall_stand_and_not_where_the_hand_was_told_to_go() {
     for (name, error) in [
@@ -54,7 +54,7 @@ fn an_object_is_set_down_where_it_shall_stand_and_not_where_the_hand_was_told_to
     }
 }
 
-/// Regression: a cap whose place, or whose bottle's, was told wrong by 3 mm never met its thread.
+/// Regression: a cap never met its thread if its place or its bottle's was wrong by 3 mm.
 #[test]
 fn a_cap_meets_its_thread_wherever_both_are_felt_to_stand() {
     for (cap, bottle) in [
@@ -82,7 +82,7 @@ fn a_cap_meets_its_thread_wherever_both_are_felt_to_stand() {
     }
 }
 
-/// A hand on a lift alone cannot go where it feels the object; it grasps it as it stands.
+/// A hand on a lift without lateral motion grasps the object where it is.
 #[test]
 fn a_hand_that_cannot_go_aside_does_not_try_to() {
     let robot = RobotModel::find("test-bench").expect("it ships");
@@ -93,7 +93,7 @@ fn a_hand_that_cannot_go_aside_does_not_try_to() {
     assert_eq!(rig.came_again, 0);
 }
 
-/// Hands with other fingers feel the same.
+/// Hands with other fingers regrasp too.
 #[test]
 fn robots_of_other_structures_come_again_too() {
     for (name, object_name, error) in [
@@ -114,7 +114,8 @@ fn robots_of_other_structures_come_again_too() {
     }
 }
 
-/// Regression: a block whose centre of mass lay 4 mm beside the grip was refused as too heavy, or turned in the hand.
+/// Regression: a block with its centre of mass 4 mm off the grip was rejected as too heavy, or
+/// rotated in the hand.
 #[test]
 fn what_hangs_askew_is_put_back_and_grasped_nearer_to_its_centre_of_mass() {
     for (name, beside_mm, yaw_deg) in [

@@ -1,4 +1,4 @@
-//! The grip outlives the process: whatever ends a daemon or stops it, the object stays in the hand.
+//! The grip survives interruptions of the daemon: the object stays in the hand.
 
 use crate::rig::{Rig, goal, object, seeds};
 
@@ -7,7 +7,7 @@ use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, Mode, Reason};
 use sim_backend::Scene;
 
-/// How a daemon is interrupted.
+/// Interruption of a daemon.
 type Interruption = fn(&mut Rig);
 
 const INTERRUPTIONS: [(&str, Interruption); 5] = [
@@ -28,7 +28,7 @@ const INTERRUPTIONS: [(&str, Interruption); 5] = [
     }),
 ];
 
-/// Objects from the firmest to the softest, and the slipperiest.
+/// Objects of all stiffnesses, and the most slippery.
 const OBJECTS: [&str; 5] = ["wood", "slippery-200", "bottle", "paper-box", "sponge"];
 fn assert_kept(rig: &mut Rig, what: &str) {
     let before = rig.object();
@@ -50,7 +50,7 @@ fn a_held_object_is_kept_whatever_happens_to_the_daemon() {
             let scene = Scene::grasp(object(name), Side::Right);
             let mut rig = Rig::seeded(&scene, seed);
             rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
-            // One after the other, as on a bad day.
+            // All interruptions in sequence, on one grip.
             for (how, interrupt) in INTERRUPTIONS {
                 interrupt(&mut rig);
                 assert_kept(

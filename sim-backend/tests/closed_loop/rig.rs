@@ -1,4 +1,4 @@
-//! Controller and world, tick by tick.
+//! Test rig: controller and world, tick by tick.
 
 use std::ops::RangeInclusive;
 
@@ -11,7 +11,6 @@ use shm_schemas::{
 };
 use sim_backend::{GraspHint, Object, Scene, Sensed, World};
 
-/// Both, and the warnings so far.
 pub(crate) struct Rig {
     pub(crate) world: World,
     controller: Box<Controller>,
@@ -20,34 +19,30 @@ pub(crate) struct Rig {
     tick: u64,
     epoch: u64,
     pub(crate) warnings: Vec<Cause>,
-    /// How far all joints together were commanded, rad.
+    /// Total commanded path of all joints, rad.
     pub(crate) travelled_rad: f64,
     commanded_rad: Option<[f64; JOINTS]>,
-    /// How often a hand came again to what it had grasped.
     pub(crate) came_again: usize,
-    /// How the last goal ended.
     pub(crate) end: Option<GoalUpdate>,
     lie: Option<Lie>,
     missing: Missing,
 }
 
-/// What does not arrive at present.
+/// Inputs that currently do not arrive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Missing {
-    /// The frames of these hands.
     pub(crate) frames: [bool; 2],
-    /// The joint states.
     pub(crate) joints: bool,
 }
 
-/// A skin that says something else than it feels: whose, since when, and how.
+/// Sensor corruption: hand, start time and function.
 struct Lie {
     side: Side,
     since_ns: u64,
     of: Box<FrameLie>,
 }
 
-/// What becomes of a frame when a skin has lied for so many seconds.
+/// Change of a frame; the number is the time since the corruption began, s.
 type FrameLie = dyn Fn(f64, &mut HandFrame);
 
 fn controller(robot: &RobotModel, writer_epoch: u64) -> Box<Controller> {
@@ -62,7 +57,7 @@ pub(crate) fn object(name: &str) -> Object {
     Object::built_in(name).expect("built in")
 }
 
-/// Moves an object of a scene from where clients are told that it stands: mm, mm, degrees.
+/// Displaces an object from its nominal pose: mm, mm, degrees.
 pub(crate) fn displace(scene: &mut Scene, index: usize, [x_mm, y_mm, yaw_deg]: [f64; 3]) {
     let placed = &mut scene.objects[index];
     placed.position_m[0] += x_mm * 1e-3;
@@ -71,18 +66,18 @@ pub(crate) fn displace(scene: &mut Scene, index: usize, [x_mm, y_mm, yaw_deg]: [
 }
 
 impl Rig {
-    /// Both at rest, the controller READY.
+    /// Returns the two-hand arm at rest, the controller READY.
     pub(crate) fn new(scene: &Scene) -> Self {
         Self::seeded(scene, 1)
     }
 
-    /// The same with other errors and noise.
+    /// Same, with another seed for errors and noise.
     pub(crate) fn seeded(scene: &Scene, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         Self::of(robot, scene, seed)
     }
 
-    /// Another robot.
+    /// Returns a rig with another robot.
     pub(crate) fn of(robot: RobotModel, scene: &Scene, seed: u64) -> Self {
         let mut rig = Self {
             world: World::new(&robot, scene, seed).expect("a world"),
@@ -104,7 +99,7 @@ impl Rig {
         rig
     }
 
-    /// From now on a hand's skin lies.
+    /// Corrupts the frames of a hand from now on.
     pub(crate) fn lie_on(&mut self, side: Side, of: impl Fn(f64, &mut HandFrame) + 'static) {
         let (since_ns, of) = (self.world.now_ns(), Box::new(of));
         self.lie = Some(Lie { side, since_ns, of });
@@ -162,14 +157,14 @@ impl Rig {
         }
     }
 
-    /// This does not arrive for so many milliseconds.
+    /// Runs `ms` ticks without these inputs.
     pub(crate) fn miss(&mut self, missing: Missing, ms: u64) {
         self.missing = missing;
         self.ticks(ms);
         self.missing = Missing::default();
     }
 
-    /// The robot goes on without a tick for so many milliseconds.
+    /// Simulates the world without controller ticks.
     pub(crate) fn stall(&mut self, alone_ms: u64) {
         for _ in 0..alone_ms {
             self.world.sense(&mut self.sensed);
@@ -178,7 +173,7 @@ impl Rig {
         self.tick += alone_ms;
     }
 
-    /// The robot goes on without a daemon for so many milliseconds; then another daemon begins.
+    /// Simulates the world without a daemon, then starts a new one.
     pub(crate) fn restart(&mut self, alone_ms: u64) {
         self.stall(alone_ms);
         self.epoch += 1;
@@ -186,23 +181,22 @@ impl Rig {
         self.tick = 0;
     }
 
-    /// Gives an order.
     pub(crate) fn order(&mut self, order: &Order) {
         self.step(Some(order));
     }
 
-    /// Begins a goal and pursues it until its hand is in this step and the first object this high.
+    /// Starts a goal and runs as [`Rig::run_until`].
     pub(crate) fn pursue_until(&mut self, request: &GoalRequest, step: &str, lifted_m: f64) {
         self.begin(request);
         self.go_on_until(step, lifted_m);
     }
 
-    /// A goal as the daemon would begin it.
+    /// Validates a goal as the daemon does.
     fn checked(&self, request: &GoalRequest) -> Goal {
         self.check(request).expect("a goal that can be pursued")
     }
 
-    /// Why a goal that must be refused is.
+    /// Returns the reason why a goal is rejected.
     pub(crate) fn refused(&self, request: &GoalRequest) -> Reason {
         self.check(request).expect_err("a goal that is refused")
     }
@@ -212,13 +206,12 @@ impl Rig {
         check::check(request, &circumstances)
     }
 
-    /// Begins a goal.
     pub(crate) fn begin(&mut self, request: &GoalRequest) {
         let goal = self.checked(request);
         self.order(&Order::Start(goal));
     }
 
-    /// Goes on until the goal's hand is in this step and the first object this high.
+    /// Runs until this step of the goal's hand, with the first object lifted this high.
     pub(crate) fn go_on_until(&mut self, step: &str, lifted_m: f64) {
         for _ in 0..100_000 {
             if self.step_name() == step && self.object().lifted_m >= lifted_m {
@@ -241,7 +234,6 @@ impl Rig {
         self.controller.mode().1
     }
 
-    /// Pursues a goal to its end.
     pub(crate) fn pursue(&mut self, request: &GoalRequest) -> GoalUpdate {
         let goal = self.checked(request);
         let mut order = Some(Order::Start(goal));
@@ -254,7 +246,7 @@ impl Rig {
         panic!("the goal has no end");
     }
 
-    /// Pursues a goal that must succeed.
+    /// Executes a goal that must succeed.
     pub(crate) fn achieve(&mut self, request: &GoalRequest) {
         let end = self.pursue(request);
         assert_eq!(
@@ -266,7 +258,7 @@ impl Rig {
         );
     }
 
-    /// Adds to the first object's load until it is this much, N.
+    /// Increases the first object's load to `to_n`, N.
     pub(crate) fn load(&mut self, to_n: f64, n_per_s: f64) {
         let ticks = (to_n / n_per_s * 1e3).ceil() as u64;
         for tick in 1..=ticks {
@@ -276,7 +268,7 @@ impl Rig {
         }
     }
 
-    /// How far the bodies of each arm are from where its commands would have them, m.
+    /// Returns the largest deviation of each arm's bodies from their commanded position, m.
     pub(crate) fn strays_m(&self) -> [f64; 2] {
         let q_rad = self.commanded_rad.expect("commands have come");
         Side::BOTH.map(|side| {
@@ -286,7 +278,6 @@ impl Rig {
         })
     }
 
-    /// The gap between both arms, m.
     pub(crate) fn gap_m(&self) -> f64 {
         clearance_m(&self.world.bodies(0), &self.world.bodies(1))
     }
@@ -296,7 +287,7 @@ impl Rig {
     }
 }
 
-/// A goal about the first object, as a client would send it.
+/// Returns a client's goal for the first object.
 pub(crate) fn goal(kind: GoalKind, scene: &Scene, side: Side) -> GoalRequest {
     let GraspHint {
         from_m,
@@ -325,7 +316,7 @@ fn arrived(frames: &[HandFrame], is_missing: bool) -> &[HandFrame] {
     if is_missing { &[] } else { frames }
 }
 
-/// Seeds, as many as every run can afford; `ATAS_SEEDS=50` in the environment asks for more.
+/// Returns the seeds 1 to `affordable`, or to the environment variable `ATAS_SEEDS`.
 pub(crate) fn seeds(affordable: u64) -> RangeInclusive<u64> {
     let asked = std::env::var("ATAS_SEEDS").ok();
     1..=asked.map_or(affordable, |count| {

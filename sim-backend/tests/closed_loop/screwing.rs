@@ -1,4 +1,4 @@
-//! Threads of both senses.
+//! Threads of both directions.
 
 use crate::rig::{Rig, goal, object};
 use robot_model::Side;

@@ -1,4 +1,4 @@
-//! Skins that lie (fault catalogue F15 to F17): whatever they say, nothing is dropped and nothing is crushed.
+//! Corrupted skins (fault catalogue F15 to F17): nothing is dropped or crushed.
 
 use std::cell::RefCell;
 
@@ -7,10 +7,11 @@ use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, HandFrame, Mode};
 use sim_backend::Scene;
 
-/// Ticks from the fault until its consequence is judged: a goal of a hold would long have ended.
+/// Ticks from the fault to the evaluation: longer than the goal of a hold.
 const WATCHED: u64 = 20_000;
 
-/// What becomes of an object that a hand lifts when its skin begins to lie: `lie` is told for how long it has, s.
+/// Corrupts the skin of a hand while it lifts an object. `lie` receives the time since the start,
+/// s, and the frame.
 fn lied_to(name: &str, lie: impl Fn(f64, &mut HandFrame) + 'static) -> Rig {
     let scene = Scene::grasp(object(name), Side::Right);
     let mut rig = Rig::new(&scene);
@@ -30,7 +31,8 @@ fn drifting(n_per_s: f64, fingers: core::ops::Range<usize>) -> impl Fn(f64, &mut
     }
 }
 
-/// Regression: a zero that drifted by 0.01 N/s per element opened the hand, and the goal succeeded with the object on the table.
+/// Regression: a zero drift of 0.01 N/s per element opened the hand, and the goal succeeded with
+/// the object on the table.
 #[test]
 fn a_zero_that_drifts_holds_and_drops_nothing() {
     let check = |name: &str, n_per_s: f64, fingers: core::ops::Range<usize>| {
@@ -48,8 +50,8 @@ fn a_zero_that_drifts_holds_and_drops_nothing() {
             object.slip_in_hand_m
         );
         assert!(object.lifted_m > 0.015, "{case}: {object:?}");
-        // A zero that sinks makes elements vanish instead of forces: the grip gets a little stronger, and that is all. One that
-        // rises by little is not noticed in this time.
+        // A falling zero removes elements from the contact, which only raises the grip slightly. A
+        // slow rise is not detected within this time.
         if n_per_s >= 0.01 {
             let found = (rig.mode(), rig.reason().cause);
             assert_eq!(found, (Mode::HOLD, Cause::FORCE_AGAINST_JOINTS), "{case}");
@@ -63,7 +65,7 @@ fn a_zero_that_drifts_holds_and_drops_nothing() {
     }
 }
 
-/// The elements of the first fingertip that are pressed hardest keep their readings.
+/// Freezes the most loaded elements of the first fingertip.
 fn sticking(count: usize) -> impl Fn(f64, &mut HandFrame) {
     let kept = RefCell::new(Vec::new());
     move |_, frame| {

@@ -1,11 +1,11 @@
-//! What a goal's client knows of an object beside its place and width: how high it reaches, and what it bears.
+//! Optional goal data: object height and tolerated force.
 
 use crate::rig::{Rig, goal, object};
 use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, ObjectTruth};
 use sim_backend::{Object, Scene, Shape};
 
-/// A grasp as changed by what is told: how it ended, and the truth.
+/// Grasps an object with a changed goal; returns outcome and ground truth.
 fn grasped(object: Object, told: impl FnOnce(&mut GoalRequest)) -> (GoalState, Cause, ObjectTruth) {
     let scene = Scene::grasp(object, Side::Right);
     let mut goal = goal(GoalKind::GRASP, &scene, Side::Right);
@@ -15,7 +15,7 @@ fn grasped(object: Object, told: impl FnOnce(&mut GoalRequest)) -> (GoalState, C
     (end.state, end.reason.cause, rig.object())
 }
 
-/// A wooden post of this height.
+/// Returns a wooden post of this height.
 fn post(height_m: f64) -> Object {
     let mut post = object("wood");
     let Shape::Box { half_m } = &mut post.shape else {
@@ -25,8 +25,8 @@ fn post(height_m: f64) -> Object {
     post
 }
 
-/// Regression: the hand went to its place above the object by the straight way from where it rests, and hit a high one from the
-/// side.
+/// Regression: the hand moved from its rest position straight to the approach point and hit a high
+/// object from the side.
 #[test]
 fn the_hand_comes_over_what_is_high() {
     for height_m in [0.15, 0.18, 0.20] {
@@ -37,7 +37,7 @@ fn the_hand_comes_over_what_is_high() {
     }
 }
 
-/// An object that is grasped far below its top is hit from above unless the goal tells how far.
+/// A grasp far below an object's top hits it from above unless the goal states the height.
 #[test]
 fn a_deep_grasp_needs_to_know_the_top() {
     let deep = |goal: &mut GoalRequest| goal.from_m[2] = 0.10;
@@ -51,7 +51,8 @@ fn a_deep_grasp_needs_to_know_the_top() {
     assert!(truth.lifted_m > 0.03);
 }
 
-/// Regression: a soft ball that needs 1 N and bears 4 was refused, whatever its owner knew.
+/// Regression: a soft ball that needs 1 N and tolerates 4 N was rejected despite the stated force
+/// limit.
 #[test]
 fn a_goal_may_allow_what_stiffness_alone_would_not() {
     let ball = || Object {
@@ -78,7 +79,7 @@ fn a_goal_may_allow_what_stiffness_alone_would_not() {
     }
 }
 
-/// What is known to bear little is pressed with no more than that, however hard it feels.
+/// The stated force limit holds even for a stiff object.
 #[test]
 fn a_goal_may_allow_less_than_stiffness_would() {
     for (name, max_force_n) in [("wood", 1.5), ("heavy-block", 3.0), ("heavy-block", 7.0)] {

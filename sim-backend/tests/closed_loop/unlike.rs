@@ -1,16 +1,16 @@
-//! Skins and objects that are not as the controller was made for: each case once was lost, slid for centimetres, or swung in
-//! the hand while the goal succeeded.
+//! Deviations of skin and object from the controller's model. Regression: each case was once
+//! dropped, slipped for centimetres, or rotated in the hand although the goal succeeded.
 
 use crate::rig::{Rig, goal, object};
 use robot_model::Side;
 use shm_schemas::{Cause, GoalKind, GoalState, ObjectTruth};
 use sim_backend::{Errors, Scene};
 
-/// Most slip, m, and turn, rad, in the hand that a success may have.
+/// Largest slip, m, and rotation, rad, in the hand on success.
 const SLIP_MAX_M: f64 = 0.003;
 const TURN_MAX_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;
 
-/// A grasp of an object of a family with these errors: how it ended, and the truth.
+/// Grasps an object of a family with these errors; returns outcome and ground truth.
 fn grasped(name: &str, errors: &Errors, seed: u64) -> (GoalState, Cause, ObjectTruth) {
     let scene = Scene::grasp(object(name), Side::Right);
     let scene = scene.varied(seed).with_errors(errors, seed);

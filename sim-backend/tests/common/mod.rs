@@ -1,4 +1,4 @@
-//! A robot that follows a script: what the tests of the world need instead of a controller.
+//! Scripted robot, in place of a controller.
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
 use nalgebra::Vector3;
@@ -6,7 +6,7 @@ use robot_model::{GraspFrame, HandVector, IkWeights, RobotModel, RobotVector, Si
 use shm_schemas::JointCommand;
 use sim_backend::{GraspHint, Scene, Sensed, World};
 
-/// A hand under script: a grasp frame goes in, commands for the whole robot come out.
+/// Scripted hand: converts a grasp pose to commands for the whole robot.
 pub(crate) struct Script {
     pub(crate) robot: RobotModel,
     pub(crate) world: World,
@@ -18,11 +18,11 @@ pub(crate) struct Script {
     sequence: u64,
 }
 
-/// Compliance-free start: fingertips this far from the object on both sides, m.
+/// Start distance of the fingertips from the object on both sides, m.
 pub(crate) const START_GAP_M: f64 = 0.002;
 
 impl Script {
-    /// The hand stands around the nominal grasp, [`START_GAP_M`] away on both sides.
+    /// Places the hand around the nominal grasp, [`START_GAP_M`] away on both sides.
     pub(crate) fn around(scene: Scene, side: Side, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let hand = robot.hand(side);
@@ -38,7 +38,7 @@ impl Script {
         Self::at(scene, side, frame, seed)
     }
 
-    /// The hand stands at a frame; the other one where the scene says, or at home.
+    /// Places the hand at a grasp pose, the other hand at the scene's start posture or at home.
     pub(crate) fn at(mut scene: Scene, side: Side, frame: GraspFrame, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let q_rad = robot
@@ -63,12 +63,11 @@ impl Script {
         }
     }
 
-    /// Joint angles commanded now.
     pub(crate) fn start_rad(&self) -> RobotVector {
         self.others_rad
     }
 
-    /// Goes on with the other hand, which stands at a frame; this one stays as it is commanded now.
+    /// Continues with the other hand, at `frame`; this hand keeps its commanded position.
     pub(crate) fn change_hand(&mut self, frame: GraspFrame) {
         self.others_rad[self.robot.joint_range(self.side)].copy_from_slice(&self.q_rad);
         self.side = match self.side {
@@ -79,7 +78,7 @@ impl Script {
         self.frame = frame;
     }
 
-    /// One tick: sense, one step of inverse kinematics towards the frame, advance.
+    /// Simulates one tick: sense, one step of inverse kinematics, advance.
     pub(crate) fn tick(&mut self) {
         self.world.sense(&mut self.sensed);
         let command = self.command();
@@ -93,7 +92,6 @@ impl Script {
         }
     }
 
-    /// The sealed command for the present frame.
     pub(crate) fn command(&mut self) -> JointCommand {
         let hand = self.robot.hand(self.side);
         let pose = hand.forward(&self.q_rad);
@@ -137,7 +135,7 @@ impl Script {
         self.ticks(100, |_| ());
     }
 
-    /// The weaker finger's true normal force, N.
+    /// Returns the smaller true normal force of the two fingertips, N.
     pub(crate) fn normal_n(&self) -> f64 {
         let [a, b, ..] = self.world.truth().normal_n[self.side.index()];
         a.min(b)

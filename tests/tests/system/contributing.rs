@@ -20,7 +20,9 @@ fn attributes(text: &str) -> Vec<&str> {
 #[test]
 fn the_example_modules_have_what_the_list_asks_of_one() {
     let listed = read("daemon/atas/src/modules/list.rs");
-    let (_, asked) = listed.split_once("with their memories.\n").expect("a type");
+    let (_, asked) = listed
+        .split_once("State of all modules of one hand.\n")
+        .expect("a type");
     let asked: Vec<&str> = asked.lines().map(str::trim).take(2).collect();
     assert!(asked.iter().all(|line| line.starts_with("#[")), "{asked:?}");
     for page in ["CONTRIBUTING.md", "clients/guide/src/module.md"] {

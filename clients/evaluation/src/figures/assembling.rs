@@ -1,4 +1,4 @@
-//! The assembly (Fig. 8): what both hands do, the cap's angle and torque, the grips.
+//! Figure of an assembly (Fig. 8): steps of both hands, grips, angle and torque of the cap.
 
 use plotters::style::RGBColor;
 use robot_model::Side;
@@ -9,7 +9,7 @@ use super::screwing::{CAP, draw_cap};
 use super::trace::Trace;
 use crate::task::SIDE;
 
-/// Colours of the hands: acting, helping.
+/// Colours of the acting and the helping hand.
 const HANDS: [RGBColor; 2] = [BLUE, ORANGE];
 
 pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {

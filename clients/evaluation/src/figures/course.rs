@@ -1,4 +1,4 @@
-//! What is known of a goal that was really pursued: its events, and where it was recorded what every tick felt.
+//! Data of one goal of a real run: its events, and the report of every tick if recorded.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -13,29 +13,28 @@ use shm_schemas::{EventKind, FingerReport, HandReport, ModuleEvent, ModuleId, Ti
 use super::goals::{Choice, Goals};
 use super::phases::Step;
 
-/// A goal of a run.
+/// Goal of a run.
 #[derive(Debug)]
 pub struct Course {
-    /// What the run is called in a legend.
+    /// Name of the run in a legend.
     pub name: String,
-    /// Its number in the run; the first is 1.
+    /// Number of the goal in the run, from 1.
     pub number: usize,
-    /// Name of its task, if that is known.
+    /// Name of the task, if known.
     pub task: Option<String>,
-    /// How it went.
+    /// Summary of the goal.
     pub account: Account,
     events: Vec<ModuleEvent>,
-    /// Reports of the goal's ticks, in order; empty where only events are known.
+    /// Reports of the goal's ticks, if recorded.
     reports: Vec<TickReport>,
-    /// Fingers of each hand that feel.
     fingers: [usize; HANDS],
 }
 
 impl Course {
-    /// From the files of one run, in order.
+    /// Reads a goal from the files of one run, in order.
     ///
     /// # Errors
-    /// A file cannot be read to its end, or no such goal began in them.
+    /// A file cannot be read completely, or no such goal began in them.
     pub fn recorded(name: &str, files: &[PathBuf], choice: &Choice) -> anyhow::Result<Self> {
         let goals = Goals::recorded(name, files)?;
         let mut course = Self::remembered(name, &goals, choice)?;
@@ -43,7 +42,7 @@ impl Course {
             return Ok(course);
         };
         let ticks = first.tick..=last.tick;
-        // Another time, because which goal is meant is only known at the end.
+        // Second pass, because the choice of the goal needs all events.
         for row in Rows::open(files)? {
             let row = row?;
             if row.tick > *ticks.end() {
@@ -56,10 +55,10 @@ impl Course {
         Ok(course)
     }
 
-    /// From events alone.
+    /// Takes a goal from events only.
     ///
     /// # Errors
-    /// No such goal began in them.
+    /// No such goal began.
     pub fn remembered(name: &str, goals: &Goals, choice: &Choice) -> anyhow::Result<Self> {
         let goal = goals.pick(choice)?;
         Ok(Self {
@@ -73,7 +72,7 @@ impl Course {
         })
     }
 
-    /// The goal in words, for example `goal 2, grasp`.
+    /// Returns the goal as text, for example `goal 2, grasp`.
     #[must_use]
     pub fn title(&self) -> String {
         let task = self.task.as_ref();
@@ -81,12 +80,11 @@ impl Course {
         format!("goal {}{task}", self.number)
     }
 
-    /// How many fingers of a hand feel.
     pub(super) fn fingers(&self, side: Side) -> usize {
         self.fingers[side.index()].clamp(1, FINGERS)
     }
 
-    /// A moment in words: what happened, how often, and what the hand felt.
+    /// Returns a key event as text: what happened, how often, and the measured values.
     #[must_use]
     pub fn sentence(&self, moment: &Moment) -> String {
         let often = match moment.times {
@@ -98,8 +96,8 @@ impl Course {
         format!("{}{often}{felt}", moment.sentence)
     }
 
-    /// What the hand felt in the tick in which a module was switched on, in words; `None` for other events, or where ticks are
-    /// not known.
+    /// Returns the measured values when a module became active; `None` for other events, or without
+    /// reports.
     #[must_use]
     pub fn felt(&self, event: &ModuleEvent) -> Option<String> {
         let hand = event
@@ -111,24 +109,22 @@ impl Course {
         Some(words::evidence(event.module, report, self.fingers[hand]))
     }
 
-    /// Whether it is known what the ticks felt.
     pub(super) fn has_ticks(&self) -> bool {
         !self.reports.is_empty()
     }
 
-    /// How long the goal took, s.
+    /// Returns the duration of the goal, s.
     #[must_use]
     pub fn took_s(&self) -> f64 {
         self.account.took_s()
     }
 
-    /// Since the goal began, s.
+    /// Returns the time since the goal began, s.
     #[must_use]
     pub fn since_s(&self, captured_ns: u64) -> f64 {
         captured_ns.saturating_sub(self.account.span_ns[0]) as f64 * 1e-9
     }
 
-    /// The steps of a hand, s since the goal began.
     pub(super) fn steps(&self, side: Side) -> Vec<Step> {
         let own = |step: &&account::Step| step.hand.index() == Some(side.index());
         let steps = self.account.steps.iter().filter(own).map(|step| {
@@ -141,13 +137,12 @@ impl Course {
         steps.collect()
     }
 
-    /// When a step was first entered, s since the goal began.
     pub(super) fn entered_s(&self, step: &str) -> Option<f64> {
         let entered = self.account.steps.iter().find(|s| s.name == step);
         entered.map(|step| self.since_s(step.captured_ns))
     }
 
-    /// A value of a hand and its fingers over time, s since the goal began; at most `points` of them.
+    /// Returns a value over time, s since the goal began; at most `points` values.
     pub(super) fn series(
         &self,
         side: Side,
@@ -166,7 +161,6 @@ impl Course {
         values.filter(|(_, value)| value.is_finite()).collect()
     }
 
-    /// When a module of a hand worked, s since the goal began.
     pub(super) fn spans(&self, side: Side, module: ModuleId) -> Vec<Range<f64>> {
         let own = |event: &&ModuleEvent| {
             event.module == module && event.hand.index() == Some(side.index())

@@ -1,5 +1,5 @@
-//! What all figures share: colours, panels, lines, lanes, marks. Drawn at twice the size at which they are read, because
-//! the drawing library places points on whole pixels.
+//! Shared drawing code: colours, panels, lines, lanes, event marks. Drawn at double size because
+//! the library rounds points to whole pixels.
 
 use std::ops::Range;
 
@@ -28,18 +28,17 @@ const GRID: RGBColor = RGBColor(224, 227, 232);
 
 /// Width of a figure, px.
 pub(super) const WIDTH: u32 = 1760;
-/// Room left of a panel for its labels, px: the same for all, so that panels share their time axis.
+/// Left margin of a panel, px; equal for all panels, which share the time axis.
 pub(super) const LEFT: u32 = 220;
 pub(super) const RIGHT: u32 = 30;
 const BOTTOM: u32 = 76;
 const TEXT: f64 = 30.0;
 pub(super) const SMALL: f64 = 27.0;
-/// Mean width of a character over the height of the text (sans-serif).
+/// Mean width of a character over the text height (sans-serif).
 pub(super) const CHARACTER: f64 = 0.54;
-/// Points of a line: more than one per pixel would not be seen.
+/// Maximum number of points of a line, about one per pixel.
 pub(super) const POINTS: usize = 1400;
 
-/// Draws into memory.
 pub(super) fn figure(
     height: u32,
     title: &str,
@@ -83,14 +82,12 @@ pub(super) fn text(size: f64, colour: RGBColor) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(&colour)
 }
 
-/// What a panel is labelled with.
 pub(super) struct Axes<'a> {
-    /// Description of the x axis; empty for a panel above another that shares it.
+    /// Label of the x axis; empty if shared with the panel below.
     pub(super) x: &'a str,
     pub(super) y: &'a str,
 }
 
-/// A panel with axes, its steps as bands behind.
 pub(super) fn panel<'a, 'b>(
     area: &'a Area<'b>,
     x: Range<f64>,
@@ -119,7 +116,7 @@ pub(super) fn panel<'a, 'b>(
         .y_label_formatter(&|y| number(*y))
         .x_desc(axes.x);
     mesh.draw()?;
-    // Beside the axis, not along it: a word that stands upright is read at once.
+    // Horizontal text beside the axis is easier to read than rotated text.
     let style = text(SMALL, INK).pos(Pos::new(HPos::Right, VPos::Center));
     area.draw(&Text::new(axes.y.to_owned(), (LEFT as i32 - 14, 22), style))?;
     Ok(chart)
@@ -130,7 +127,6 @@ fn number(value: f64) -> String {
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
-/// Every second step as a band; their names stand above the panels ([`super::phases`]).
 fn bands(
     chart: &mut Chart<'_, '_>,
     x: &Range<f64>,
@@ -148,7 +144,6 @@ fn bands(
     Ok(())
 }
 
-/// A line.
 pub(super) fn line(
     chart: &mut Chart<'_, '_>,
     points: Vec<(f64, f64)>,
@@ -159,7 +154,6 @@ pub(super) fn line(
     Ok(())
 }
 
-/// A dashed line.
 pub(super) fn dashed(
     chart: &mut Chart<'_, '_>,
     points: Vec<(f64, f64)>,
@@ -170,19 +164,16 @@ pub(super) fn dashed(
     Ok(())
 }
 
-/// A moment in time.
 #[derive(Clone, Copy)]
 pub(super) struct Moment {
     pub(super) at: f64,
     pub(super) word: &'static str,
     pub(super) colour: RGBColor,
-    /// Height of the word, as a share of the panel's.
     pub(super) share: f64,
-    /// Whether the word stands before it.
+    /// True: text left of the line.
     pub(super) before: bool,
 }
 
-/// A moment as a line across the panel, with its word beside it.
 pub(super) fn moment(chart: &mut Chart<'_, '_>, moment: &Moment) -> Drawing {
     let (x, y) = (chart.x_range(), chart.y_range());
     let ends = vec![(moment.at, y.start), (moment.at, y.end)];
@@ -201,7 +192,6 @@ pub(super) fn moment(chart: &mut Chart<'_, '_>, moment: &Moment) -> Drawing {
     Ok(())
 }
 
-/// What the lines of a panel are, in a row on top of the figure's right, over its panels.
 pub(super) fn legend(area: &Area<'_>, top: i32, entries: &[(&str, RGBColor, bool)]) -> Drawing {
     let widths = entries
         .iter()
@@ -224,28 +214,25 @@ pub(super) fn legend(area: &Area<'_>, top: i32, entries: &[(&str, RGBColor, bool
     Ok(())
 }
 
-/// Height of a panel in which a unit is as long upwards as sideways, px.
 pub(super) fn equal_height(x: &Range<f64>, y: &Range<f64>) -> u32 {
     let per_unit = f64::from(WIDTH - LEFT - RIGHT) / (x.end - x.start);
     ((y.end - y.start) * per_unit) as u32 + BOTTOM + 44
 }
 
-/// One lane: a name, and when it is on.
+/// Lane of a timeline: name and active spans.
 pub(super) struct Lane {
     pub(super) name: String,
     pub(super) colour: RGBColor,
     pub(super) spans: Vec<Range<f64>>,
 }
 
-/// Height of a lane, px, and of what is below the lanes.
+/// Height of a lane, px.
 const LANE: u32 = 38;
 
-/// Height of so many lanes with their axis, px.
 pub(super) fn lanes_height(count: usize) -> u32 {
     LANE * count as u32 + BOTTOM + 44
 }
 
-/// Lanes over the same time as the panels above.
 pub(super) fn lanes(
     area: &Area<'_>,
     x: Range<f64>,
@@ -278,7 +265,7 @@ pub(super) fn lanes(
         let y = count - 1.0 - index as f64;
         let axis = vec![(x.start, y + 0.5), (x.end, y + 0.5)];
         line(&mut chart, axis, GRID, 2)?;
-        // What is shorter than two pixels is drawn as two: it happened.
+        // Spans shorter than two pixels are drawn two pixels wide, to stay visible.
         let bars = lane.spans.iter().map(|span| {
             let to = span.end.max(span.start + 2.0 * per_px);
             Rectangle::new(
@@ -296,12 +283,10 @@ pub(super) fn lanes(
     Ok(())
 }
 
-/// A range from 0 to a little above the largest value.
 pub(super) fn up_to(largest: f64) -> Range<f64> {
     0.0..(largest * 1.08).max(1e-6)
 }
 
-/// The largest y of some lines.
 pub(super) fn highest(lines: &[&[(f64, f64)]]) -> f64 {
     let values = lines.iter().flat_map(|points| points.iter());
     values.fold(0.0, |highest, (_, y)| y.max(highest))

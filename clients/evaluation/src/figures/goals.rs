@@ -1,4 +1,4 @@
-//! The goals of a run: which there were, and which one is meant.
+//! Goals of a run, and selection of one of them.
 
 use std::path::PathBuf;
 
@@ -7,20 +7,20 @@ use atas_recording::{Rows, origin};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Hand, ModuleEvent, Status};
 
-/// Which goal of a run is meant.
+/// Selection of a goal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Choice {
-    /// The last one that is a task: not one that only lets go, if there is another.
+    /// Last task; a goal that only releases counts if there is no other.
     #[default]
     LastTask,
-    /// By its number: the first is 1, the last −1.
+    /// Number: 1 is the first, −1 the last.
     Number(i64),
-    /// The last one of this task.
+    /// Last goal of this task.
     Task(String),
 }
 
 impl Choice {
-    /// What a user says: a number, or the name of a task.
+    /// Parses user input: a number or a task name; `None` selects the last task.
     #[must_use]
     pub fn said(text: Option<&str>) -> Self {
         match text {
@@ -32,41 +32,39 @@ impl Choice {
     }
 }
 
-/// The goals of a run.
+/// Goals of a run.
 #[derive(Debug)]
 pub struct Goals {
-    /// What the run is called.
     run: String,
     events: Vec<ModuleEvent>,
-    /// Goals that statuses tell of, by name, and since when, ns, in order.
+    /// Start time (ns) and task name from status messages.
     told: Vec<(u64, String)>,
-    /// When the run began, ns.
+    /// Start of the run, ns.
     begun_ns: u64,
-    /// Fingers of each hand that feel.
     pub(super) fingers: [usize; HANDS],
 }
 
-/// One of them.
+/// Goal of a run.
 #[derive(Clone, Debug)]
 pub struct Goal<'a> {
-    /// Its number; the first is 1.
+    /// Number of the goal, from 1.
     pub number: usize,
-    /// Name of its task; `None` if no status is known that tells of it.
+    /// Task name; `None` without a matching status message.
     pub task: Option<&'a str>,
-    /// The hand that acts.
+    /// Acting hand.
     pub hand: Hand,
-    /// Since the run began, s.
+    /// Start since the run began, s.
     pub from_s: f64,
-    /// How it went.
+    /// Summary of the goal.
     pub account: Account,
     pub(super) events: &'a [ModuleEvent],
 }
 
 impl Goals {
-    /// Of the files of one run, in order.
+    /// Reads the files of one run, in order.
     ///
     /// # Errors
-    /// A file cannot be read to its end.
+    /// A file cannot be read completely.
     pub fn recorded(run: &str, files: &[PathBuf]) -> anyhow::Result<Self> {
         let mut rows = Rows::open(files)?;
         let mut goals = Self {
@@ -88,7 +86,8 @@ impl Goals {
         Ok(goals)
     }
 
-    /// Of events alone, oldest first, as a running daemon remembers them; its status knows the last goal's name.
+    /// Builds the list from a running daemon's events, oldest first; its status names the last
+    /// task.
     #[must_use]
     pub fn remembered(run: &str, events: Vec<ModuleEvent>, status: &Status) -> Self {
         let last = account::goals(&events).last().map(|goal| goal[0].stamp);
@@ -103,7 +102,7 @@ impl Goals {
         }
     }
 
-    /// All of them, oldest first.
+    /// Returns all goals, oldest first.
     #[must_use]
     pub fn list(&self) -> Vec<Goal<'_>> {
         let goals = account::goals(&self.events).into_iter().enumerate();
@@ -112,7 +111,7 @@ impl Goals {
             .filter_map(|(index, events)| {
                 let runs = events.iter().find(|event| account::begins(event))?;
                 let account = account::tell(events)?;
-                // The newest that was told of since the goal before it: one refused in between never ran.
+                // Newest status since the previous goal; a goal rejected in between never ran.
                 let since_ns = std::mem::replace(&mut ended_ns, account.span_ns[1]);
                 let told = self.told.iter().rev();
                 let mut told = told.filter(|(ns, _)| (since_ns..=ended_ns).contains(ns));
@@ -128,10 +127,10 @@ impl Goals {
             .collect()
     }
 
-    /// The one that is meant.
+    /// Returns the selected goal.
     ///
     /// # Errors
-    /// There is none.
+    /// No goal matches.
     pub fn pick(&self, choice: &Choice) -> anyhow::Result<Goal<'_>> {
         let mut goals = self.list();
         let (run, count) = (&self.run, goals.len());
@@ -168,7 +167,6 @@ impl Goals {
     }
 }
 
-/// The place of the goal with this number among so many.
 fn place(number: i64, count: usize) -> Option<usize> {
     let from_end = number < 0;
     let steps = usize::try_from(number.unsigned_abs()).ok()?;
@@ -176,7 +174,6 @@ fn place(number: i64, count: usize) -> Option<usize> {
     is_there.then(|| if from_end { count - steps } else { steps - 1 })
 }
 
-/// The task of the goal that a status tells of.
 fn task(status: &Status) -> String {
     match status.task.as_str() {
         "" => status.goal_kind.name().to_owned(),
@@ -201,7 +198,7 @@ mod tests {
         event
     }
 
-    /// A grasp, a screwing that was refused after it, a placing, a release.
+    /// Three goals: a grasp with a rejected screwing after it, a placing, a release.
     fn three() -> Goals {
         let goal = |tick: u64, step: &str, state: &str| {
             [

@@ -1,4 +1,4 @@
-//! The grasp (Fig. 4): forces between their thresholds, the lift, and which module worked when.
+//! Figure of a grasp (Fig. 4): forces between their thresholds, lift, module activity.
 
 use plotters::style::RGBColor;
 use shm_schemas::ModuleId;
@@ -8,7 +8,7 @@ use super::phases::Phases;
 use super::trace::{Tick, Trace};
 use crate::task::SIDE;
 
-/// Modules with their colours, as lanes from top to bottom.
+/// Modules with label and colour, lanes from top to bottom.
 const LANES: [(ModuleId, &str, RGBColor); 7] = [
     (ModuleId::FIRST_TOUCH, "1 first touch", BLUE),
     (ModuleId::PROBE, "stiffness probe", PINK),
@@ -71,7 +71,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         dashed(&mut chart, f2, RED)?;
         dashed(&mut chart, needed, GREY)?;
         line(&mut chart, sheared, GREEN, 4)?;
-        // The second finger on the first, thinner: where they agree, both are seen.
+        // Thinner second line on top, to keep both visible.
         for (pressed, (colour, width)) in pressed.into_iter().zip([(BLUE, 7), (SKY, 3)]) {
             line(&mut chart, pressed, colour, width)?;
         }
@@ -92,7 +92,6 @@ fn finger(tick: &Tick, index: usize) -> f64 {
     f64::from(Trace::acting(tick).report.fingers[index].normal_n)
 }
 
-/// Mean of the fingers.
 pub(super) fn mean(tick: &Tick, value: fn(&shm_schemas::FingerReport) -> f32) -> f64 {
     let fingers = &Trace::acting(tick).report.fingers[..robot_model::VIRTUAL_FINGERS];
     fingers.iter().map(|f| f64::from(value(f))).sum::<f64>() / fingers.len() as f64

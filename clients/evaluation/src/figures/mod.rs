@@ -1,18 +1,17 @@
-//! Figures of a task as SVG: what the fingertips felt, which module worked when, and what truly became of it.
+//! SVG figures of a task: forces at the fingertips, module activity, and ground truth.
 //!
-//! **In:** a task, an object, a seed ([`draw`]); or the recordings of real runs, of each a goal
-//! ([`Goals`]) as its [`Course`]. **Out:** one file, the
-//! same bytes every time. The trace of an offline run is drawn by one file per figure; `figure` and `phases` hold what they
-//! share. Forces, thresholds and modules are the controller's own reports; heights, torques and the support's force of an
-//! offline run are the simulator's truth, which no controller sees, and which no recording has.
+//! **In:** a task, an object, a seed ([`draw`]); or goals ([`Goals`]) of recorded runs, each as a
+//! [`Course`]. **Out:** one SVG file, always the same bytes. `figure` and `phases` hold shared
+//! code. Forces, thresholds and modules come from the controller's reports. Heights, torques and
+//! support force of an offline run are ground truth, absent from recordings.
 //!
 //! | figure | shows |
 //! |---|---|
 //! | `grasping` | F_n and F_t between F_1 and F_2, the lift, and a lane per module |
-//! | `placing` | the release: the support's force, the grip, opening and height around the contact |
-//! | `screwing` | Fig. 6 (the square and what contact made of it, cycle by cycle), the cap's angle and torque |
-//! | `assembling` | what both hands do, their grips, the cap's angle and torque |
-//! | `pursuing` | of real runs: forces between thresholds, height, slip, modules; several over each other; what decided |
+//! | `placing` | the release: support force, grip, opening and height around the contact |
+//! | `screwing` | Fig. 6 (commanded square, path per cycle), cap angle and torque |
+//! | `assembling` | steps and grips of both hands, angle and torque of the cap |
+//! | `pursuing` | forces, height, slip, modules of recorded goals; overlays; key events |
 //! | `residuals` | errors of a calibration over the known force |
 
 mod assembling;
@@ -40,7 +39,7 @@ pub use residuals::residuals;
 /// Runs a task offline with an object and draws it.
 ///
 /// # Errors
-/// The world cannot be made, or the task never came to what the figure shows.
+/// The world cannot be created, or the task did not reach the part that the figure shows.
 pub fn draw(task: Task, object: &Object, seed: u64) -> anyhow::Result<String> {
     let trace = Trace::of(task, object, seed)?;
     match task {
@@ -51,10 +50,10 @@ pub fn draw(task: Task, object: &Object, seed: u64) -> anyhow::Result<String> {
     }
 }
 
-/// The object of a task's figure where none is named.
+/// Returns the default object of a task's figure.
 ///
 /// # Errors
-/// The built-in object's file is wrong.
+/// The built-in object's file is invalid.
 pub fn usual(task: Task) -> Result<Object, sim_backend::ObjectError> {
     Object::built_in(match task {
         Task::Grasp | Task::PickPlace => Scene::OBJECT,

@@ -1,7 +1,7 @@
-//! The steps of a hand over time: a bar for each, and the name of every one above them.
+//! Timeline of a hand's steps: one bar and one name per step.
 //!
-//! A name begins where its step begins. Where it would run into a later one it stands a row higher, on a line down to its
-//! step; later names are lower, so that no line crosses a name.
+//! A name that would overlap a later one is raised by a row and connected to its step by a line.
+//! Later names are lower, so that no line crosses a name.
 
 use std::ops::Range;
 
@@ -17,17 +17,16 @@ const BARS: u32 = 14;
 /// Room above the names, px.
 const ABOVE: u32 = 6;
 
-/// A step: its name, and its time on the axis of the panels below.
+/// Step: name, and time range on the axis of the panels below.
 pub(super) type Step = (String, Range<f64>);
 
-/// The steps that are seen, each with the row of its name, from the bottom.
 pub(super) struct Phases {
     x: Range<f64>,
     steps: Vec<(Step, u32)>,
 }
 
 impl Phases {
-    /// Places the names of those steps that lie within `x`.
+    /// Assigns rows to the names of the steps within `x`.
     pub(super) fn of(x: &Range<f64>, steps: &[Step]) -> Self {
         let is_seen = |(_, time): &&Step| time.start <= x.end && time.end >= x.start;
         let mut phases = Self {
@@ -46,7 +45,6 @@ impl Phases {
         phases
     }
 
-    /// Where the axis must end so that the last name has room.
     pub(super) fn end(x: &Range<f64>, steps: &[Step]) -> f64 {
         let plot_px = f64::from(WIDTH - LEFT - RIGHT);
         let reach = |(name, time): &Step| {
@@ -56,13 +54,11 @@ impl Phases {
         steps.iter().map(reach).fold(x.end, f64::max)
     }
 
-    /// Height that [`Self::draw`] needs, px.
     pub(super) fn height(&self) -> u32 {
         let rows = self.steps.iter().map(|(_, row)| row + 1).max();
         ABOVE + rows.unwrap_or(0) * ROW + BARS
     }
 
-    /// Draws them; `whose` stands on the left.
     pub(super) fn draw(&self, area: &Area<'_>, whose: &str, colour: RGBColor) -> Drawing {
         let bottom = self.height() as i32;
         let bars = bottom - BARS as i32;
@@ -86,14 +82,12 @@ impl Phases {
         Ok(())
     }
 
-    /// From the left end of the axis, px.
     fn px(&self, at: f64) -> f64 {
         let within = at.clamp(self.x.start, self.x.end) - self.x.start;
         within / (self.x.end - self.x.start) * f64::from(WIDTH - LEFT - RIGHT)
     }
 }
 
-/// What a name needs, px.
 fn width_px(name: &str) -> f64 {
     name.chars().count() as f64 * SMALL * CHARACTER + 16.0
 }
@@ -127,7 +121,7 @@ mod tests {
             ("lift", 0.3),
         ];
         assert_eq!(rows(&crowded), [3, 2, 1, 0]);
-        // The first ends before the third begins, and the second is not in its way.
+        // The first name ends before the third begins, and the second does not overlap the first.
         assert_eq!(rows(&[("a", 0.0), ("b", 3.0), ("c", 3.1)]), [0, 1, 0]);
         assert_eq!(rows(&[("gone", -3.0), ("lift", 1.0)]), [0]);
     }

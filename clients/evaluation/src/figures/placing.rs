@@ -1,11 +1,12 @@
-//! The release of placing (Fig. 7): what the support, the grip, the opening and the height do around the contact.
+//! Figure of the release in placing (Fig. 7): support force, grip, opening and height around the
+//! contact.
 
 use anyhow::Context;
 
 use super::figure::{self, *};
 use super::trace::{Tick, Trace};
 
-/// Time before and after the moment at which the support carries, ms.
+/// Time shown before and after the support carries the object, ms.
 const BEFORE_MS: f64 = 80.0;
 const AFTER_MS: f64 = 140.0;
 
@@ -89,7 +90,6 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     })
 }
 
-/// What happened when, ms after the support carried.
 fn moments(trace: &Trace, carried_s: f64) -> Vec<Moment> {
     let ms = |ns: u64| (trace.at_s(ns) - carried_s) * 1e3;
     let released_ns = trace.truth.objects[0].released_ns;

@@ -1,5 +1,4 @@
-//! Goals that were really pursued: forces between their thresholds, the hand's height, slip, and which module worked when.
-//! One alone, several over each other, or one with the moments that decided and what they mean.
+//! Figures of recorded goals: one goal, an overlay of several, or one with its key events.
 
 use std::ops::Range;
 
@@ -14,28 +13,28 @@ use super::course::Course;
 use super::figure::{self, *};
 use super::phases::{Phases, Step};
 
-/// Colours of runs over each other, and of the fingers of one: as many as can be told apart.
+/// Colours of overlaid runs and of a run's fingertips; their number limits an overlay.
 const COLOURS: [RGBColor; 7] = [BLUE, ORANGE, GREEN, PINK, SKY, RED, INK];
-/// Colours and widths of the fingers of one run. Later ones lie on earlier ones, thinner: where they agree, all are seen.
+/// Colour and line width per fingertip; later lines are thinner and on top, to keep all visible.
 const OF_FINGERS: [(RGBColor, u32); FINGERS] = [(BLUE, 8), (SKY, 5), (PINK, 3), (INK, 2)];
 /// Heights of panels, px.
 const FORCES: u32 = 440;
 const SMALL_PANEL: u32 = 210;
-/// Height of a line of the account, px, where its columns begin, and characters in the last of them.
+/// Event list: line height (px), column positions (px), characters in the last column.
 const LINE: u32 = 40;
 const COLUMNS: [i32; 4] = [60, 120, 270, 440];
 const CHARACTERS: usize = 92;
-/// Characters of a name beside the panels.
+/// Maximum length of a run's name beside the panels, characters.
 const NAME: usize = 14;
-/// How much is shown before the step in which the time begins, s.
+/// Time shown before the step at which the time axis starts, s.
 const BEFORE_S: f64 = 0.4;
-/// Friction utilisation that is still told apart: beyond it everything slides.
+/// Largest friction utilisation shown; above 1 the contact slides.
 const S_MAX: f32 = 1.5;
 
-/// Draws the goals of some runs over each other, each from its beginning, or from where it first enters a step.
+/// Draws goals over each other, aligned at their beginning or first entry into a step.
 ///
 /// # Errors
-/// There are none or too many, one of them never came to the step, or the drawing library fails.
+/// `courses` has no entry or too many, a goal never entered the step, or the drawing library fails.
 pub fn overlay(courses: &[Course], from: Option<&str>) -> anyhow::Result<String> {
     let most = COLOURS.len();
     anyhow::ensure!(
@@ -51,7 +50,7 @@ pub fn overlay(courses: &[Course], from: Option<&str>) -> anyhow::Result<String>
     draw(&title, hands(courses, &view))
 }
 
-/// Draws one goal with the moments that decided, and tells them below.
+/// Draws one goal with its key events marked and listed below.
 ///
 /// # Errors
 /// The drawing library fails.
@@ -77,7 +76,7 @@ pub fn explained(course: &Course) -> anyhow::Result<String> {
     draw(&headline(course), stack)
 }
 
-/// Steps have names above the panels, and that a goal began needs no telling.
+/// Excludes steps, whose names stand above the panels, and the beginning of the goal.
 fn decides(moment: &Moment) -> bool {
     let event = &moment.event;
     event.kind != EventKind::STEP && !account::begins(event)
@@ -94,12 +93,11 @@ fn headline(course: &Course) -> String {
     )
 }
 
-/// What is seen of the time.
 struct View {
     x: Range<f64>,
-    /// Where each run's time begins, s since its goal did.
+    /// Origin of each run's time axis, s since its goal began.
     zero_s: Vec<f64>,
-    /// Moments to be marked, s.
+    /// Marked instants, s.
     marks_s: Vec<f64>,
 }
 
@@ -148,7 +146,7 @@ impl View {
             .collect()
     }
 
-    /// A value of every run over time, of a hand and its fingers.
+    /// Returns a value of a hand and its fingertips over time, per run.
     fn series(
         &self,
         courses: &[Course],
@@ -164,7 +162,6 @@ impl View {
     }
 }
 
-/// One panel of a figure.
 struct Strip<'a> {
     height: u32,
     draw: Box<dyn Fn(&Area<'_>) -> Drawing + 'a>,
@@ -190,7 +187,6 @@ fn draw(title: &str, stack: Vec<Strip<'_>>) -> anyhow::Result<String> {
     })
 }
 
-/// The panels of the hands that did something.
 fn hands<'a>(courses: &'a [Course], view: &'a View) -> Vec<Strip<'a>> {
     let acted = |side: &Side| courses.iter().any(|c| !c.steps(*side).is_empty());
     let sides: Vec<Side> = Side::BOTH.into_iter().filter(acted).collect();
@@ -237,7 +233,6 @@ fn shortened(name: &str) -> String {
     }
 }
 
-/// Forces of one run between their thresholds.
 fn forces<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
     let series = |value: &dyn Fn(&HandReport, &[FingerReport]) -> f32| {
         let one = view.series(std::slice::from_ref(course), side, value);
@@ -281,7 +276,6 @@ fn forces<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
     })
 }
 
-/// The grip of several runs, each with its F_2.
 fn grips<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
     let pressed = view.series(courses, side, |_, fingers| mean(fingers, |f| f.normal_n));
     let f2 = view.series(courses, side, |hand, _| hand.f2_n);
@@ -298,7 +292,6 @@ fn grips<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
     })
 }
 
-/// Height of the hand's centre, as commanded.
 fn height<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
     let heights = view.series(courses, side, |hand, _| (hand.centre_m[2] * 1e3) as f32);
     let values = || heights.iter().flatten().map(|(_, mm)| *mm);
@@ -326,7 +319,7 @@ fn height<'a>(courses: &'a [Course], view: &'a View, side: Side) -> Strip<'a> {
     })
 }
 
-/// Friction utilisation of the finger that slips most; at 1 it slides.
+/// Draws the largest friction utilisation of all fingertips; at 1 the contact slides.
 fn slip<'a>(courses: &'a [Course], view: &'a View, side: Side, is_last: bool) -> Strip<'a> {
     let most = |_: &HandReport, fingers: &[FingerReport]| {
         let used = fingers.iter().map(|f| f.utilisation);
@@ -347,7 +340,6 @@ fn slip<'a>(courses: &'a [Course], view: &'a View, side: Side, is_last: bool) ->
     })
 }
 
-/// A lane for every module that worked.
 fn modules<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
     let zero_s = view.zero_s[0];
     let lane = |(index, id): (usize, &ModuleId)| Lane {
@@ -368,7 +360,6 @@ fn modules<'a>(course: &'a Course, view: &'a View, side: Side) -> Strip<'a> {
     })
 }
 
-/// The account below the panels: number, time and tick of each moment, and what happened.
 fn told<'a>(course: &Course, moments: &[&Moment]) -> Strip<'a> {
     let mut lines: Vec<[String; 4]> = Vec::new();
     let mut add = |head: [String; 3], sentence: &str| {
@@ -404,7 +395,6 @@ fn told<'a>(course: &Course, moments: &[&Moment]) -> Strip<'a> {
     })
 }
 
-/// Lines that fit.
 fn wrapped(sentence: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in sentence.split_whitespace() {
@@ -428,7 +418,6 @@ fn marks(chart: &mut Chart<'_, '_>, view: &View) -> Drawing {
     })
 }
 
-/// A run alone is drawn in ink, several in their colours.
 fn colours(courses: &[Course]) -> Vec<RGBColor> {
     match courses {
         [_] => vec![INK],

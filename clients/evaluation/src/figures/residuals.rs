@@ -1,18 +1,18 @@
-//! The errors of a calibration over the force that was known, axis by axis.
+//! Figure of calibration errors over the known force, per axis.
 
 use plotters::prelude::*;
 
 use super::figure::{Axes, BLUE, GREY, figure, line, panel};
 
-/// Height of one axis' panel, px.
+/// Height of one panel, px.
 const PANEL: u32 = 420;
-/// Points drawn of each axis at most.
+/// Maximum number of points per axis.
 const POINTS: usize = 3000;
 
-/// Draws known forces and errors, N, each along normal and both tangential axes.
+/// Draws pairs of known force and error, N, each with normal and two tangential components.
 ///
 /// # Errors
-/// There is nothing to draw, or the drawing library fails.
+/// `points` is empty, or the drawing library fails.
 pub fn residuals(title: &str, points: &[([f64; 3], [f64; 3])]) -> anyhow::Result<String> {
     anyhow::ensure!(
         !points.is_empty(),

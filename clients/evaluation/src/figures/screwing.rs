@@ -1,4 +1,5 @@
-//! Cap screwing: Fig. 6, the square trajectory and what contact made of it, cycle by cycle; and the cap's angle and torque.
+//! Figure of cap screwing: commanded square and actual path per cycle (Fig. 6), angle and torque of
+//! the cap.
 
 use std::ops::Range;
 
@@ -35,7 +36,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     })
 }
 
-/// The path of finger 1, in the plane of the cap: along the turn, and out from the cap's axis to the fingertip's pole, mm.
+/// Path of side 1's pole in the plane of the cap, mm: along the turn, outward from the axis.
 type Path = Vec<(f64, f64)>;
 
 fn place(trace: &Trace, tick: &Tick) -> (f64, f64) {
@@ -54,7 +55,7 @@ fn place(trace: &Trace, tick: &Tick) -> (f64, f64) {
     )
 }
 
-/// The cycles of Module 0: each from the beginning of a turn to the next.
+/// Splits the path into the cycles of Module 0, each from the beginning of one turn to the next.
 fn cycles(trace: &Trace, screw_s: &Range<f64>) -> Vec<Path> {
     let far_mm = trace.settings.screw.travel_m * 1e3 * 0.9;
     let mut cycles: Vec<Path> = vec![Vec::new()];
@@ -63,7 +64,7 @@ fn cycles(trace: &Trace, screw_s: &Range<f64>) -> Vec<Path> {
         let (ahead_mm, out_mm) = place(trace, tick);
         has_turned |= ahead_mm > far_mm;
         if has_turned && ahead_mm < -far_mm {
-            // A cycle begins where the one before ended, so that no gap is drawn.
+            // A cycle starts at the end of the previous one, so that the line has no gap.
             let last = cycles.last().and_then(|path| path.last()).copied();
             cycles.push(last.into_iter().collect());
             has_turned = false;
@@ -76,11 +77,11 @@ fn cycles(trace: &Trace, screw_s: &Range<f64>) -> Vec<Path> {
     cycles
 }
 
-/// What Fig. 6 shows: the square and the cap below it, mm.
+/// Visible range of Fig. 6, mm: the square with the cap below.
 struct Ranges {
     x: Range<f64>,
     y: Range<f64>,
-    /// Where the first turn began.
+    /// Outward position at the start of the first turn.
     start_mm: f64,
 }
 
@@ -137,8 +138,7 @@ fn draw_path(trace: &Trace, cycles: &[Path], ranges: &Ranges, area: &Area<'_>) -
     )
 }
 
-/// Where the fingertip's pole is when it just touches the round cap: nearer to the axis off the middle, because the dome is
-/// round too.
+/// Draws the pole position of a round fingertip that just touches the round cap.
 fn draw_rim(trace: &Trace, chart: &mut Chart<'_, '_>, radius_mm: f64) -> Drawing {
     let dome_mm = trace.dome_radius_m * 1e3;
     let reach_mm = radius_mm + dome_mm;
@@ -147,16 +147,15 @@ fn draw_rim(trace: &Trace, chart: &mut Chart<'_, '_>, radius_mm: f64) -> Drawing
     line(chart, touch.collect(), ORANGE, 5)
 }
 
-/// From light to dark.
 fn shaded(share: f64) -> RGBColor {
     let mix = |light: f64, dark: f64| (light + (dark - light) * share) as u8;
     RGBColor(mix(160.0, 0.0), mix(208.0, 60.0), mix(240.0, 120.0))
 }
 
-/// Height of the panels of a cap's angle and torque, px.
+/// Height of the panels of angle and torque, px.
 pub(super) const CAP: u32 = 280 + 360;
 
-/// A cap's angle and torque over time, with the moment of Module 4.
+/// Draws angle and torque of a cap over time, and the end of the screw step.
 pub(super) fn draw_cap(trace: &Trace, time_s: Range<f64>, area: &Area<'_>) -> Drawing {
     let cap = &trace.truth.objects[0];
     let angle = trace.series(&time_s, POINTS, |t| t.object.cap_angle_rad.to_degrees());

@@ -1,4 +1,4 @@
-//! One trial run offline, tick by tick: what a figure may show.
+//! Trace of one offline trial, tick by tick, as data of a figure.
 
 use std::ops::Range;
 
@@ -14,7 +14,6 @@ use crate::offline::OfflineRun;
 use crate::task::{SIDE, Task};
 use crate::trial_seed;
 
-/// A trial.
 pub(super) struct Trace {
     pub(super) scene: Scene,
     pub(super) goal: GoalRequest,
@@ -23,35 +22,32 @@ pub(super) struct Trace {
     pub(super) truth: WorldTruth,
     pub(super) ticks: Vec<Tick>,
     pub(super) dome_radius_m: f64,
-    /// Names of the steps that were entered, and which one each hand is in.
+    /// Names of the steps entered, and the current step of each hand.
     names: Vec<String>,
     now: [Option<usize>; 2],
 }
 
-/// One tick.
 #[derive(Clone, Debug)]
 pub(super) struct Tick {
     pub(super) now_ns: u64,
-    /// Since the goal began, s.
+    /// Time since the goal began, s.
     pub(super) t_s: f64,
     pub(super) hands: [Hand; 2],
     pub(super) object: ObjectTruth,
 }
 
-/// One hand.
 #[derive(Clone, Debug)]
 pub(super) struct Hand {
     pub(super) report: HandReport,
-    /// True normal force of each side's fingertips, N.
+    /// True normal force per grasp side, N.
     pub(super) pressed_n: [f64; VIRTUAL_FINGERS],
-    /// Commanded middle of each side's domes, base frame, m.
+    /// Commanded centre of each side's fingertips, base frame, m.
     pub(super) tips_m: [Vector3<f64>; VIRTUAL_FINGERS],
-    /// Index into the names of the steps; `None` before the first.
+    /// Index of the step's name; `None` before the first step.
     step: Option<usize>,
 }
 
 impl Trace {
-    /// Runs a member of an object's family.
     pub(super) fn of(task: Task, object: &Object, seed: u64) -> anyhow::Result<Self> {
         let robot =
             RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
@@ -117,8 +113,7 @@ impl Trace {
         });
     }
 
-    /// Takes in which steps the hands entered, by the controller's own account: also those that no task lists, because a hand
-    /// turns back.
+    /// Updates the current steps from events, which include recovery steps.
     fn enter_steps(&mut self, outputs: &Outputs) {
         let entered = outputs
             .events
@@ -140,29 +135,25 @@ impl Trace {
         }
     }
 
-    /// When the task ended, s.
     pub(super) fn end_s(&self) -> f64 {
         self.ticks.last().map_or(0.0, |tick| tick.t_s)
     }
 
-    /// The acting hand.
     pub(super) fn acting(tick: &Tick) -> &Hand {
         &tick.hands[SIDE.index()]
     }
 
-    /// Time of an instant of the world, s since the goal began.
     pub(super) fn at_s(&self, ns: u64) -> f64 {
         let first = &self.ticks[0];
         first.t_s + (ns as f64 - first.now_ns as f64) * 1e-9
     }
 
-    /// When this step of a hand began and ended, s; `None` if it never came.
+    /// Returns the first time range of a step, s; `None` if the hand never entered it.
     pub(super) fn step_s(&self, side: Side, name: &str) -> Option<Range<f64>> {
         let steps = self.steps(side).into_iter();
         steps.into_iter().find(|(n, _)| n == name).map(|(_, s)| s)
     }
 
-    /// A hand's steps, each with its time, s.
     pub(super) fn steps(&self, side: Side) -> Vec<(String, Range<f64>)> {
         let mut steps: Vec<(usize, Range<f64>)> = Vec::new();
         for tick in &self.ticks {
@@ -185,7 +176,6 @@ impl Trace {
             .collect()
     }
 
-    /// Spans of time in which a condition holds, s.
     pub(super) fn spans(&self, holds: impl Fn(&Tick) -> bool) -> Vec<Range<f64>> {
         let mut spans: Vec<Range<f64>> = Vec::new();
         let mut before = false;
@@ -201,7 +191,6 @@ impl Trace {
         spans
     }
 
-    /// A value over time, at most `points` of them.
     pub(super) fn series(
         &self,
         time_s: &Range<f64>,

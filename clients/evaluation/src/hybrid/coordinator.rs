@@ -1,105 +1,96 @@
-//! Who has the say: a table of phases, each with the signs that end it.
+//! Coordinator: a table of phases, each with its control owner and end conditions.
 //!
-//! Adding a phase is adding a line. Nothing here moves anything or looks at anything: [`Signs`] are what was seen and felt.
+//! Input: [`Signs`], the observed state of base and hand. Output: the phase.
 
 use sim_backend::course::{EYES_M, Light};
 
-/// Where a light must be for the base to stop, base frame: metres ahead, and to each side of the eyes. Braking from high speed
-/// takes 0.1 m.
+/// Region of the light in which the base stops, base frame: ahead of and beside the eyes. Braking
+/// from high speed takes 0.1 m.
 const AHEAD: Spot = Spot {
     ahead_m: [0.25, 0.42],
     beside_m: 0.10,
 };
-/// Where it must be for the hand, once the base stands: the proved workspace of the right hand, less what a camera may err by.
+/// Region of the light within reach of the hand after the stop: validated workspace of the right
+/// hand less the camera error.
 const REACH: Spot = Spot {
     ahead_m: [0.225, 0.395],
     beside_m: 0.13,
 };
 
-/// Distance of the robot that has the right of way from which on this one stands, and from which on it drives again, between the
-/// middles of their bases, m: two robots with their arms before them touch at 0.9 m.
+/// Distances to the robot with the right of way at which this one stops and resumes, m. Extended
+/// arms touch at 0.9 m.
 const CROWDED_M: f64 = 1.6;
 const FREE_M: f64 = 1.8;
 
-/// A rectangle before the eyes.
 struct Spot {
     ahead_m: [f64; 2],
     beside_m: f64,
 }
 
 impl Spot {
-    /// Whether a light is in it; what is not finite is not.
+    /// Returns true if a light is inside; false for values that are not finite.
     fn has(&self, [ahead_m, left_m]: [f64; 2]) -> bool {
         let [near_m, far_m] = self.ahead_m;
         (near_m..=far_m).contains(&ahead_m) && (left_m - EYES_M[1]).abs() <= self.beside_m
     }
 }
 
-/// What a hand is told to do.
+/// Task of the hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandTask {
-    /// Grasp the object and lift it.
+    /// Grasp and lift the object.
     Grasp,
-    /// Set it down at the goal.
+    /// Set the object down at the goal.
     SetDown,
 }
 
-/// Which side has the say.
+/// Control owner of a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Say {
-    /// The table, which looks for the light; the hand goes on with what it does.
+    /// Table drives towards the light; the hand continues its task.
     Table,
-    /// Nobody: the base brakes.
+    /// None: the base brakes.
     Nobody,
-    /// The hand; the base stands.
+    /// Hand executes a task; the base stands.
     Hand(HandTask),
 }
 
-/// What the hand says of its task.
+/// State of the hand's task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HandState {
-    /// It is at work, or has nothing to do.
+    /// Running, or no task.
     #[default]
     Busy,
-    /// It has done it.
+    /// Succeeded.
     Done,
-    /// It has given it up.
+    /// Failed or refused.
     GaveUp,
 }
 
-/// What is seen and felt.
+/// Observed state of base and hand.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Signs {
-    /// Where the light is: metres ahead of the base's middle and to the left; `None` where there is none.
+    /// Position of the light, m: ahead of the base centre and to the left; `None` without a light.
     pub light_m: Option<[f64; 2]>,
-    /// The base stands.
+    /// True if the base stands.
     pub stands: bool,
-    /// What the hand says.
+    /// State of the hand's task.
     pub hand: HandState,
-    /// Every finger of the hand presses.
+    /// True if all grasp sides are in contact.
     pub holds: bool,
-    /// Distance of the robot that has the right of way, m; `None` if this one has it.
+    /// Distance to the robot with the right of way, m; `None` if this robot has it.
     pub first_m: Option<f64>,
 }
 
-/// A sign that a phase looks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sign {
-    /// The light is where the base should stop.
     Ahead,
-    /// The base stands, and the hand reaches the light.
     Within,
-    /// The base stands, and the hand does not.
     Beyond,
-    /// The hand has done its task.
     Done,
-    /// The hand has given up.
     GaveUp,
-    /// The hand holds nothing.
     Lost,
-    /// The robot that has the right of way is near.
     Crowded,
-    /// It is not.
     Free,
 }
 
@@ -119,29 +110,26 @@ impl Signs {
     }
 }
 
-/// What follows a sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Then {
-    /// The phase with this index.
     Phase(usize),
-    /// The course is done.
     Done,
-    /// The course has failed.
     Fail(&'static str),
 }
 
-/// One phase.
+/// Row of the phase table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phase {
-    /// Name, as users see it.
+    /// Name, as shown to users.
     pub name: &'static str,
-    /// Which side has the say.
+    /// Control owner.
     pub say: Say,
-    /// Which light counts.
+    /// Light that the base observes.
     pub light: Light,
-    /// What ends it: the first sign that shows counts.
+    /// End conditions; the first true one counts.
     ends: &'static [(Sign, Then)],
-    /// Longest time in this phase, all its visits together, s (ours: several times what it takes), and what then follows.
+    /// Time limit of all visits together, s, and the next step after it. Design choice: several
+    /// times the usual duration.
     limit_s: f64,
     late: Then,
 }
@@ -157,7 +145,7 @@ const GIVE_WAY_CARRYING: usize = 7;
 
 const LOST: (Sign, Then) = (Sign::Lost, Then::Fail("lost on the way"));
 
-/// The phases, in the order of the course, and those of a robot that lets another one pass.
+/// Phases in the order of the course, then those of a robot that gives way.
 pub static PHASES: [Phase; 8] = [
     Phase {
         name: "search",
@@ -245,16 +233,16 @@ pub static PHASES: [Phase; 8] = [
     },
 ];
 
-/// How a course has ended.
+/// Result of a course.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// All phases are done.
+    /// All phases done.
     Done,
-    /// It has failed, in these words.
+    /// Failed, with the failure key.
     Failed(&'static str),
 }
 
-/// Walks one robot through the phases.
+/// Phase state of one robot.
 #[derive(Clone, Debug, Default)]
 pub struct Coordinator {
     phase: usize,
@@ -263,19 +251,19 @@ pub struct Coordinator {
 }
 
 impl Coordinator {
-    /// The present phase.
+    /// Returns the current phase.
     #[must_use]
     pub fn phase(&self) -> &'static Phase {
         &PHASES[self.phase]
     }
 
-    /// How the course has ended, if it has.
+    /// Returns the result once the course has ended.
     #[must_use]
     pub fn ended(&self) -> Option<Ended> {
         self.ended
     }
 
-    /// Looks at the signs after `passed_s` more; whether another phase has begun.
+    /// Evaluates the end conditions after `passed_s`; returns true for a new phase.
     pub fn look(&mut self, signs: &Signs, passed_s: f64) -> bool {
         if self.ended.is_some() {
             return false;
@@ -283,7 +271,7 @@ impl Coordinator {
         let phase = self.phase();
         let spent_s = &mut self.spent_s[self.phase];
         *spent_s += passed_s;
-        // Time counts before any sign: two phases whose signs lead to one another would go on for ever.
+        // The time limit precedes the conditions, so that two phases cannot alternate for ever.
         let late = (*spent_s > phase.limit_s).then_some(phase.late);
         let sign = phase.ends.iter().find(|(sign, _)| signs.show(*sign));
         match late.or(sign.map(|(_, then)| *then)) {
@@ -298,7 +286,7 @@ impl Coordinator {
         false
     }
 
-    /// Ends the course because of something that no phase looks for.
+    /// Ends the course for a cause outside the phase table.
     pub fn fail(&mut self, how: &'static str) {
         self.ended.get_or_insert(Ended::Failed(how));
     }
@@ -324,7 +312,6 @@ mod tests {
         }
     }
 
-    /// Shows signs one after another and compares the phases that follow.
     fn walk(shown: &[Signs], expected: &[&str], ended: Option<Ended>) {
         let mut coordinator = Coordinator::default();
         let mut phases = vec![coordinator.phase().name];
@@ -383,7 +370,7 @@ mod tests {
             &["search", "give way"],
             Some(Ended::Failed("not let past")),
         );
-        // Signs that lead from one phase to another and back hold nothing up for ever.
+        // Alternating phases end at their time limit.
         let turns: Vec<Signs> = (0..4000).map(|k| [met, far][k % 2]).collect();
         let mut coordinator = Coordinator::default();
         turns.iter().for_each(|signs| {

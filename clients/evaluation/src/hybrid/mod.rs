@@ -1,25 +1,27 @@
-//! Both methodologies of the paper in one robot: a behaviour table drives its base, modules move its hand.
+//! Hybrid demonstration: combines both methods of the paper in one robot. A behaviour table drives
+//! the base, modules control the hand.
 //!
 //! ```text
-//!  Host ─ row ─▶ table (10 Hz) ─ wheel levels ─▶ Host ─ ride ─▶ world of the hand (1 kHz) ─▶ modules
+//!  Host ─ row ─▶ table (10 Hz) ─ wheel levels ─▶ Host ─ base motion ─▶ hand (1 kHz) ─▶ modules
 //!                  ▲                                                     │
-//!                  └── who has the say? ◀── Pilot ◀── seen, felt ────────┘
+//!                  └── control owner ◀── Pilot ◀── base and hand state ──┘
 //! ```
 //!
-//! The course: search the object of light, come within reach (table), grasp and lift (modules), carry it to the goal of light
-//! (table), set it down there (modules). A [`Pilot`] asks its [`Coordinator`], which is a table, too: of phases, and of signs that end
-//! them. While the
-//! hand has the object, the base drives at half its pace, and the hand gives no force back.
+//! Course: search the object's light and approach it (table), grasp and lift (modules), carry it to
+//! the goal's light (table), set it down (modules). Each [`Pilot`] has a [`Coordinator`], a table
+//! of phases and their end conditions. While the hand carries the object, the base drives at half
+//! speed and the grip is never relaxed.
 //!
-//! * **In:** a [`HybridPlan`]. **Out:** a [`HybridReport`]. A trial is judged as pick and place is, and by how the grip fared on
-//!   the way.
-//! * **Two ways to run it:** in process, here; or every part a process on the bus (`atas demo hybrid`), with the same pilot and the
-//!   same [`Host`](sim_backend::course::Host).
-//! * **Invariants:** a function of the plan, whatever the number of threads, and the same bits over the bus. Every trial ends: each phase has a limit of time. The
-//!   base's accelerations load the grip; nothing else passes between both sides but what the coordinator sees and feels. What
-//!   goes wrong is named and counted, and the robot stands.
-//! * **Absent on purpose:** a camera. Where an object within reach stands is told with the errors of every other evaluation: ±2 mm and
-//!   ±5°. A base that has stopped stands where it believes; arms of two robots meet only as the discs that [`sim_backend::course`] knows.
+//! * **In:** a [`HybridPlan`]. **Out:** a [`HybridReport`]. A trial is evaluated as a pick and
+//!   place, plus the grip during the drive.
+//! * **Two set-ups:** in process (this module), or one process per part on the bus
+//!   (`atas demo hybrid`), with the same pilot and [`Host`](sim_backend::course::Host).
+//! * **Invariants:** the result depends on the plan only, not on threads or bus. Phases have time
+//!   limits. The base acts on the grip by its accelerations only; all other coupling passes through
+//!   the coordinator's conditions.
+//! * **Not included:** a camera. The pose of an object within reach has the usual errors (±2 mm,
+//!   ±5°). A stopped base has no localisation error. Two robots collide as the discs of
+//!   [`sim_backend::course`].
 
 mod coordinator;
 mod pilot;

@@ -1,7 +1,8 @@
-//! One robot's pilot: walks it through the course, from what its base sees and what its hand says.
+//! Pilot: guides one robot through the course, from the state of its base and hand.
 //!
-//! **In:** a [`BaseState`] and the object's true place per frame, the daemon's reports and goal updates. **Out:** a
-//! [`BaseCommand`] per frame, and goals. The same in process and on the bus.
+//! **In:** [`BaseState`] and ground truth of the object per frame, the daemon's reports and goal
+//! updates. **Out:** a [`BaseCommand`] per frame, and goals. Runs unchanged in process and on the
+//! bus.
 
 use atas_client::GoalProgress;
 use atas_client::goal::{HOLD_S, LIFT_M};
@@ -21,28 +22,27 @@ use super::coordinator::{self, Coordinator, Ended, HandState, HandTask, Signs};
 use crate::judge::Placing;
 use crate::offline::{grasp_goal, set_down_goal};
 
-/// The stream of what a robot is told wrongly.
+/// Random stream of the camera errors.
 const CAMERA: u64 = 0x63_616d;
-/// Half widths of it: places, m, and directions, rad (as in every family: ±2 mm, ±5°).
+/// Half widths of the camera errors: position (m), yaw (rad), as in every family (±2 mm, ±5°).
 const ERROR_M: f64 = 0.002;
 const ERROR_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
-/// Normal force of a finger that presses, N (as for the grasp).
+/// Normal force of a fingertip in contact, N; as for the grasp.
 const PRESSED_N: f32 = 0.03;
-/// The task that fetches with fingers that feel nothing once the object is lifted.
+/// Custom task: grasp and lift, then Module 3 only.
 const FETCH_FROZEN: &str = "fetch-frozen";
 
-/// Whether the hand feels on the way.
+/// Reflex modules during the drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reflexes {
-    /// Modules 2 and 3 answer what the drive does.
+    /// Modules 2 and 3 react to disturbances.
     On,
-    /// The fingers stand as they did when the object was lifted.
+    /// Fingers keep their positions after the lift.
     Frozen,
 }
 
 impl Reflexes {
-    /// The task that fetches an object.
     fn task(self) -> Name {
         match self {
             Self::On => FETCH.name,
@@ -50,7 +50,7 @@ impl Reflexes {
         }
     }
 
-    /// What a controller has to be taught for it, if it is not built in.
+    /// Returns the custom task for the controller; `None` if the task is built in.
     pub(super) fn lesson(self) -> Option<Task> {
         let freeze = |step: &Step| Step {
             modules: match step.transition {
@@ -62,7 +62,7 @@ impl Reflexes {
         let steps: Vec<Step> = FETCH.acting.iter().map(freeze).collect();
         let frozen = Task {
             name: self.task(),
-            // It has as many steps as before.
+            // The number of steps is unchanged: never rejected.
             acting: Track::checked(&steps).unwrap_or(FETCH.acting),
             ..FETCH
         };
@@ -70,25 +70,23 @@ impl Reflexes {
     }
 }
 
-/// How long a robot was in one phase.
+/// Time of a robot in one phase.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PhaseTime {
-    /// Its name.
+    /// Name of the phase.
     pub phase: &'static str,
-    /// When it began, s.
+    /// Start time, s.
     pub began_s: f64,
-    /// How long it took, s.
+    /// Duration, s.
     pub took_s: f64,
 }
 
-/// A robot's pilot.
+/// Pilot of one robot.
 pub struct Pilot {
     coordinator: Coordinator,
     camera: Random,
     reflexes: Reflexes,
-    /// What a client knows of its object without seeing it.
     known: GraspHint,
-    /// What it saw of it when it was within reach.
     seen: Option<GraspHint>,
     goal: Option<GoalRequest>,
     progress: GoalProgress,
@@ -97,19 +95,19 @@ pub struct Pilot {
     times: Vec<PhaseTime>,
 }
 
-/// What a frame came to.
+/// Output of one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Decision {
-    /// What the base is told.
+    /// Command for the base.
     pub command: BaseCommand,
-    /// What the hand shall do from now on, if that is new. It must be ordered before time goes on.
+    /// New goal of the hand, if any; must be requested before the next tick.
     pub goal: Option<GoalRequest>,
-    /// The phase that has begun, if one has.
+    /// Phase that has begun, if any.
     pub began: Option<&'static str>,
 }
 
 impl Pilot {
-    /// The pilot of a robot at its start.
+    /// Creates the pilot of a robot at its start.
     #[must_use]
     pub fn new(player: &Player, reflexes: Reflexes) -> Self {
         Self {
@@ -126,8 +124,7 @@ impl Pilot {
         }
     }
 
-    /// One frame: looks at the signs, and says what base and hand shall do. `truth` is of the same moment: of it the pilot is told
-    /// where its object is when that is within reach, with errors, as by a camera.
+    /// Runs one frame. `truth` is used only to simulate the camera measurement of the object.
     pub fn frame(&mut self, state: &BaseState, truth: &WorldTruth) -> Decision {
         let signs = Signs {
             light_m: light_m(state, self.light()),
@@ -175,7 +172,6 @@ impl Pilot {
         self.coordinator.phase().light
     }
 
-    /// What the new phase asks of the hand.
     fn begin(&mut self, state: &BaseState, truth: &WorldTruth) -> Option<GoalRequest> {
         let goal = match self.coordinator.phase().say {
             coordinator::Say::Hand(HandTask::Grasp) => {
@@ -202,7 +198,6 @@ impl Pilot {
         Some(goal)
     }
 
-    /// Where the object is, as it is told: within reach, with errors.
     fn look_at(&mut self, truth: &WorldTruth) -> GraspHint {
         let object = &truth.objects[0];
         let mut off = |half_width: f64| self.camera.between(-half_width, half_width);
@@ -215,7 +210,6 @@ impl Pilot {
         }
     }
 
-    /// Keeps account of the phases.
     fn note(&mut self, state: &BaseState, began: bool) {
         let now_s = (state.frame * course::FRAME_TICKS) as f64 * 1e-3;
         if began {
@@ -230,7 +224,7 @@ impl Pilot {
         }
     }
 
-    /// Hears that the goal was not begun.
+    /// Processes the rejection of the requested goal.
     pub fn hear_rejection(&mut self, reason: Reason) {
         self.hear_goal(&GoalUpdate {
             goal_id: self.goal.map_or(0, |goal| goal.goal_id),
@@ -240,7 +234,7 @@ impl Pilot {
         });
     }
 
-    /// Hears how a goal goes on; of another one it takes no notice.
+    /// Processes a goal update; ignores other goals.
     pub fn hear_goal(&mut self, update: &GoalUpdate) {
         if self.goal.is_none_or(|goal| goal.goal_id != update.goal_id) {
             return;
@@ -253,37 +247,35 @@ impl Pilot {
         };
     }
 
-    /// Hears what the hand felt in the last tick before a frame.
+    /// Processes the report of the last tick before a frame.
     pub fn hear_report(&mut self, report: &TickReport) {
         let fingers = &report.hands[SIDE.index()].fingers[..VIRTUAL_FINGERS];
         self.holds = fingers.iter().all(|finger| finger.normal_n > PRESSED_N);
     }
 
-    /// How the course has ended, if it has.
+    /// Returns the result once the course has ended.
     #[must_use]
     pub fn ended(&self) -> Option<Ended> {
         self.coordinator.ended()
     }
 
-    /// The phases so far, and how long each was.
+    /// Returns the phases so far with their times.
     #[must_use]
     pub fn times(&self) -> &[PhaseTime] {
         &self.times
     }
 
-    /// The hand's last goal.
+    /// Returns the progress of the hand's last goal.
     #[must_use]
     pub fn progress(&self) -> &GoalProgress {
         &self.progress
     }
 
-    /// Why the hand has given up, if it has.
     pub(super) fn gave_up(&self) -> Option<String> {
         let last = self.progress.last();
         (self.hand == HandState::GaveUp).then(|| last.reason.cause.to_string())
     }
 
-    /// The judgement of pick and place.
     pub(super) fn placing(&self, truth: &WorldTruth) -> Placing {
         let to_m = self
             .goal
@@ -293,7 +285,6 @@ impl Pilot {
     }
 }
 
-/// Where a light is; `None` while the hand has it.
 fn light_m(state: &BaseState, light: course::Light) -> Option<[f64; 2]> {
     match light {
         course::Light::Object => (state.object_stands != 0).then_some(state.object_m),
@@ -301,7 +292,7 @@ fn light_m(state: &BaseState, light: course::Light) -> Option<[f64; 2]> {
     }
 }
 
-/// The same direction within a quarter turn of y: half a turn more or less is the same grasp.
+/// Returns the yaw within a quarter turn of y. Half a turn gives the same grasp.
 fn half_turned(yaw_rad: f64) -> f64 {
     use core::f64::consts::{FRAC_PI_2, PI};
     yaw_rad - PI * ((yaw_rad - FRAC_PI_2) / PI).round()

@@ -1,4 +1,4 @@
-//! Many trials, counted.
+//! Plan and report of a hybrid evaluation.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,77 +16,76 @@ use super::trial::{HybridTrial, run};
 use crate::seeds;
 use crate::statistics::{median, wilson};
 
-/// What to evaluate.
+/// Plan of a hybrid evaluation.
 #[derive(Clone, Debug)]
 pub struct HybridPlan {
-    /// Robots on each course, 1 or 2.
+    /// Robots per course, 1 or 2.
     pub robots: usize,
     /// Trials.
     pub trials: u64,
-    /// Number of the first seed.
+    /// First seed.
     pub first_seed: u64,
-    /// The table of every base.
+    /// Behaviour table of every base.
     pub table: Responses,
-    /// Whether the hands feel on the way.
+    /// Reflex modules during the drive.
     pub reflexes: Reflexes,
-    /// Objects, dealt in turn.
+    /// Objects, distributed in turn.
     pub objects: Vec<Object>,
-    /// Threads; 0 for one per core.
+    /// Threads; 0: one per core.
     pub threads: usize,
-    /// The controllers' settings.
+    /// Controller settings.
     pub settings: Settings,
 }
 
-/// What became of it.
+/// Result of a hybrid evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HybridReport {
     /// Always `hybrid`.
     pub task: &'static str,
-    /// Robots on each course.
+    /// Robots per course.
     pub robots: usize,
-    /// Whether the hands felt on the way.
+    /// Reflex modules during the drive.
     pub reflexes: Reflexes,
-    /// How many trials there were.
+    /// Trials.
     pub trials: u64,
-    /// Share of those in which every robot brought its object to its goal.
+    /// Share of trials in which every robot succeeded.
     pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
+    /// 95 % Wilson interval of `success`.
     pub ci95: [f64; 2],
-    /// What became of the others, and how often; of two robots what became of the first that failed.
+    /// Failed trials by key of the first failed robot.
     pub failures: BTreeMap<String, u64>,
-    /// Their seeds.
+    /// Seeds of the failed trials.
     pub failed_seeds: Vec<u64>,
-    /// Object by object: how many robots had it to fetch, and how many of these failed.
+    /// Number of robots and of failures per object.
     pub objects: BTreeMap<String, [u64; 2]>,
-    /// How the grip fared on the way.
+    /// Grip statistics of all drives.
     pub drive: DriveReport,
     /// Median simulated time, s.
     pub simulated_s: f64,
-    /// Number of the first seed.
+    /// First seed.
     pub first_seed: u64,
-    /// What figures over these seeds are good for: `tuning` or `judging`.
+    /// `tuning` or `judging`.
     pub purpose: &'static str,
 }
 
-/// How the grip fared on all drives.
+/// Grip statistics of all drives.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DriveReport {
-    /// Drives that began.
+    /// Number of drives.
     pub count: u64,
-    /// Slip on the way, mm: median and most.
+    /// Slip during a drive, mm: median and maximum.
     pub slip_mm: [f64; 2],
-    /// Drives on which the object slipped by more than 0.1 mm.
+    /// Drives with a slip above 0.1 mm.
     pub slipped: u64,
-    /// Most that the grip changed by, upwards and downwards, N: medians.
+    /// Medians of the largest increase and decrease of the grip, N.
     pub grip_change_n: [f64; 2],
-    /// The largest accelerations, medians.
+    /// Medians of the largest accelerations.
     pub shake: Shake,
 }
 
-/// Stack of a thread that puts controllers and worlds together, which is done in place and moved: more than threads have by
-/// themselves.
+/// Stack of a thread: controllers and worlds, built in place, exceed the default.
 const STACK_BYTES: usize = 16 << 20;
-/// Slip that counts as slipping, m (ours: several times the skin's creep).
+/// Slip above which a drive counts as slipped, m. Design choice: several times the skin's creep.
 const SLIPPED_M: f64 = 1e-4;
 
 impl DriveReport {
@@ -116,10 +115,10 @@ impl DriveReport {
 }
 
 impl HybridPlan {
-    /// Runs all trials; `done` is called after each, from any thread. `None` if `stop` was set meanwhile.
+    /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
     ///
     /// # Errors
-    /// There is nothing to do, or a robot, a course or a world cannot be made.
+    /// The plan is empty, or a robot, course or world cannot be created.
     pub fn run(
         &self,
         stop: &AtomicBool,
@@ -150,10 +149,10 @@ impl HybridPlan {
         Ok(trials.map(|trials| (self.report(&trials), trials)))
     }
 
-    /// Trial `k` of the plan; `watch` hears of every phase that a robot begins: its index, the phase, the time in seconds.
+    /// Runs trial `k`; calls `watch` when a phase begins: robot index, phase, time (s).
     ///
     /// # Errors
-    /// A course or a world cannot be made.
+    /// A course or world cannot be created.
     pub fn trial(
         &self,
         model: &RobotModel,
@@ -169,7 +168,7 @@ impl HybridPlan {
         run(model, &cast, self.table, how, &self.settings, watch)
     }
 
-    /// The trials, counted.
+    /// Counts the trials.
     #[must_use]
     pub fn report(&self, trials: &[HybridTrial]) -> HybridReport {
         let mut failures = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! One robot in process: its pilot, and the world and the controller of its hands.
+//! One robot in process: its pilot, and the world and controller of its hands.
 
 use anyhow::Context;
 use atas_core::{Order, Settings};
@@ -9,17 +9,15 @@ use sim_backend::course::{Host, Player, Responses, SETTLE_TICKS};
 use super::pilot::{Pilot, Reflexes};
 use crate::offline::OfflineRun;
 
-/// One robot.
 pub(super) struct Robot {
     index: usize,
-    /// On the heap: a controller and a world are large.
+    /// On the heap, because controller and world are large.
     run: Box<OfflineRun>,
     pub(super) pilot: Pilot,
     order: Option<Order>,
 }
 
 impl Robot {
-    /// A robot at its start, whose controller is ready.
     pub(super) fn new(
         model: &RobotModel,
         (index, player): (usize, &Player),
@@ -45,7 +43,6 @@ impl Robot {
         })
     }
 
-    /// A frame: looks, decides, and steers. The phase that has begun, if one has.
     pub(super) fn frame(&mut self, host: &mut Host, table: Responses) -> Option<&'static str> {
         let truth = self.truth();
         let state = host.look(self.index, &truth);
@@ -69,7 +66,6 @@ impl Robot {
         host.obey(self.index, command, wheels, truth);
     }
 
-    /// One millisecond on a base that moves as the host says.
     pub(super) fn tick(&mut self, host: &mut Host) -> anyhow::Result<()> {
         self.run.ride(&host.ride(self.index))?;
         let outputs = *self.run.step(self.order.take().as_ref());
@@ -84,7 +80,6 @@ impl Robot {
         })
     }
 
-    /// The judge's view of the world of its hands.
     pub(super) fn truth(&self) -> WorldTruth {
         self.run.world().truth()
     }

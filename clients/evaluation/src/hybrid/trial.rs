@@ -1,4 +1,4 @@
-//! One trial: a course, its robots, tick by tick to the end.
+//! One trial: runs a course with its robots, tick by tick, to the end.
 
 use anyhow::Context;
 use atas_core::Settings;
@@ -11,41 +11,42 @@ use super::coordinator::Ended;
 use super::pilot::{PhaseTime, Pilot, Reflexes};
 use super::robot::Robot;
 
-/// Farthest that an object may stand from the goal, m (ours: a camera's errors and those of placing, together).
+/// Largest distance of the object from the goal, m. Design choice: sum of camera and placing
+/// errors.
 const OFF_GOAL_M: f64 = 0.010;
 
-/// What became of one robot.
+/// Result of one robot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobotTrial {
-    /// Its object.
+    /// Name of its object.
     pub object: String,
-    /// Why it is no success; `None` if it is.
+    /// Failure key.
     pub failure: Option<String>,
-    /// Its phases, in order.
+    /// Phases in order, with their times.
     pub phases: Vec<PhaseTime>,
-    /// How the grip fared on the way, if it came so far.
+    /// Grip statistics of the drive, if the robot carried its object.
     pub drive: Option<DriveFigures>,
-    /// What the fingers pressed with when they last held it, each, N, and F_2.
+    /// Normal force per side at the last contact, N.
     pub grip_n: [f32; 2],
-    /// See `grip_n`.
+    /// F_2 at that time, N.
     pub f2_n: f32,
-    /// Distance of the object from the goal in the end, m; `None` if it was never set down.
+    /// Distance of the object from the goal at the end, m; `None` without success.
     pub off_goal_m: Option<f64>,
 }
 
-/// What became of a trial.
+/// Result of a trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HybridTrial {
-    /// Its seed.
+    /// Seed of the trial.
     pub seed: u64,
-    /// Robot by robot.
+    /// Result of each robot.
     pub robots: Vec<RobotTrial>,
     /// Simulated time, s.
     pub simulated_s: f64,
 }
 
 impl HybridTrial {
-    /// Why it is no success; `None` if every robot succeeded.
+    /// Returns the first robot's failure key; `None` if every robot succeeded.
     #[must_use]
     pub fn failure(&self) -> Option<&str> {
         let mut failures = self.robots.iter().filter_map(|r| r.failure.as_deref());
@@ -54,7 +55,7 @@ impl HybridTrial {
 }
 
 impl RobotTrial {
-    /// The judgement of a robot whose course is over, and whose hands' world is like this.
+    /// Evaluates a robot after its course, with the ground truth of its hands' world.
     #[must_use]
     pub fn of(pilot: &Pilot, ended: &course::Ended, truth: &WorldTruth) -> Self {
         let mishap = ended.mishap.clone();
@@ -72,10 +73,10 @@ impl RobotTrial {
     }
 }
 
-/// Runs a course to its end; `watch` hears of every phase that a robot begins: its index, the phase, the time in seconds.
+/// Runs a course to its end; calls `watch` when a phase begins: robot index, phase, time (s).
 ///
 /// # Errors
-/// A world cannot be made, or cannot go on.
+/// A world cannot be created, or has a fault.
 pub(super) fn run(
     model: &RobotModel,
     cast: &Cast,
@@ -118,7 +119,6 @@ pub(super) fn run(
     })
 }
 
-/// Why a robot without mishap has not succeeded.
 fn failure(pilot: &Pilot, truth: &WorldTruth, off_goal_m: f64) -> Option<String> {
     match pilot.ended() {
         Some(Ended::Done) => {

@@ -1,28 +1,30 @@
-//! Assembly: whether the bottle stands as it was held, and its cap is closed and tight.
+//! Evaluation of an assembly: the bottle stands unturned, its cap is closed and tight.
 
 use shm_schemas::{GoalUpdate, ObjectTruth, WorldTruth};
 
 use super::{TURN_MAX_RAD, ended, harmed, loose, moved_in_hand, unless};
 
-/// Most that a standing bottle may tilt, rad (ours: 2°, beyond any unevenness of the table and far from tipping).
+/// Largest tilt of a standing bottle, rad. Design choice (2°): above any unevenness of the table,
+/// far below tipping.
 const STANDING_RAD: f64 = 2.0 * core::f64::consts::PI / 180.0;
 
-/// What became of an assembly.
+/// Result of an assembly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembly {
-    /// Why it is no success; `None` if it is.
+    /// Failure key.
     pub failure: Option<String>,
-    /// Torque that it takes to turn the cap any further over the friction of its thread; 0 for a cap beside it.
+    /// Holding torque of the cap over its thread's friction; 0 off the thread.
     pub tightness: f64,
-    /// How far the bottle tilts at the end, rad.
+    /// Tilt of the bottle at the end, rad.
     pub tilt_rad: f64,
-    /// How far the bottle has turned about its upright axis from how it stood at the start, rad: it stands while it is held,
-    /// so that the hand's own measure of a turn ([`ObjectTruth::turn_in_hand_rad`]) does not begin.
+    /// Rotation of the bottle about its axis since the start, rad.
+    /// [`ObjectTruth::turn_in_hand_rad`] does not measure it while the bottle stands.
     pub turned_rad: f64,
 }
 
 impl Assembly {
-    /// Of the first object, a cap, and the second, its bottle; `start` is the truth before the goal.
+    /// Evaluates cap (first object) and bottle (second object); `start` is the ground truth before
+    /// the goal.
     #[must_use]
     pub fn of(end: &GoalUpdate, start: &WorldTruth, truth: &WorldTruth) -> Self {
         let [cap, bottle, ..] = &truth.objects;
@@ -52,7 +54,8 @@ impl Assembly {
     }
 }
 
-/// Turn about the upright axis from one orientation to another of an upright object, rad, −π to π.
+/// Returns the rotation about the upright axis between two orientations of an upright object, rad,
+/// −π to π.
 fn turn_rad(before: &[f64; 4], after: &[f64; 4]) -> f64 {
     let yaw_rad =
         |[w, x, y, z]: [f64; 4]| libm::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));

@@ -1,40 +1,41 @@
-//! The grasp: what became of an object.
+//! Evaluation of a grasp.
 
 use shm_schemas::{Cause, GoalState, GoalUpdate, WorldTruth};
 
 use super::{Kept, kept};
 
-/// Share of the lift that an object must truly have risen to count as lifted (ours: leaves room for a slip that was
-/// caught, and none for an object that stayed behind).
+/// Share of the commanded lift above which an object counts as lifted. Design choice: accepts a
+/// stopped slip, rejects an object left behind.
 const LIFTED_SHARE: f64 = 0.5;
-/// Normal force of a finger that still presses, N (ours: half of the controller's own touch threshold).
+/// Normal force above which a fingertip is in contact, N. Design choice: half the controller's
+/// touch threshold.
 const PRESSED_N: f64 = 0.03;
 
-/// What truly became of an object.
+/// True outcome for an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Lifted, in the hand after the hold as it was taken, neither crushed nor dropped, and the goal succeeded.
+    /// Goal succeeded; lifted, stable in the hand and unharmed.
     Held,
-    /// Left unharmed, upright and where it was, with the controller's reason.
+    /// Left unharmed, upright and in place, with the controller's reason.
     Refused(Cause),
-    /// Refused, but it does not stand upright where it was.
+    /// Refused, but not upright in place.
     Displaced(Cause),
-    /// In the lifted hand, but it slipped there farther than [`super::SLIP_MAX_M`].
+    /// In the lifted hand, but slipped more than [`super::SLIP_MAX_M`].
     Slipped,
-    /// In the lifted hand, but it turned there farther than [`super::TURN_MAX_RAD`].
+    /// In the lifted hand, but turned more than [`super::TURN_MAX_RAD`].
     Turned,
-    /// Crushed, whatever else happened.
+    /// Crushed, whatever the goal state.
     Crushed,
-    /// Dropped, whatever the controller thinks.
+    /// Dropped, whatever the goal state.
     Dropped,
-    /// The controller reports success, but the object is not in the lifted hand.
+    /// Goal succeeded, but the object is not in the lifted hand.
     NotLifted,
-    /// The goal ended without success for another reason than the object.
+    /// Goal ended without success for a reason other than the object.
     Failed(Cause),
 }
 
 impl Outcome {
-    /// The outcome of a goal for the first object and the hand with this index.
+    /// Returns the outcome for the first object and the hand with index `hand`.
     #[must_use]
     pub fn of(end: &GoalUpdate, truth: &WorldTruth, hand: usize, lift_m: f64) -> Self {
         let object = &truth.objects[0];
@@ -62,7 +63,7 @@ impl Outcome {
         }
     }
 
-    /// Whether it is what should become of an object of this feasibility.
+    /// Returns true if the outcome is right for this feasibility.
     #[must_use]
     pub fn is_expected(self, feasible: bool) -> bool {
         match self {
@@ -72,7 +73,7 @@ impl Outcome {
         }
     }
 
-    /// One word for tables.
+    /// Returns the name for tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -88,8 +89,7 @@ impl Outcome {
         }
     }
 
-    /// The key under which an unexpected outcome is counted: the word, with the controller's step and cause where it has
-    /// them.
+    /// Returns the failure key: the name, with the controller's step and cause if it has them.
     #[must_use]
     pub fn key(self, step: &str) -> String {
         match self {

@@ -1,34 +1,35 @@
-//! What physics allows: the forces that decide whether an object can be held.
+//! Forces that decide whether an object can be held.
 
 use atas_core::settings;
 use atas_core::thresholds::Thresholds;
 use serde::{Deserialize, Serialize};
 use sim_backend::{GraspHint, Object, Placed};
 
-/// An object is borderline if the force it needs is within this share of F_2. Measured with `atas eval grasp --seeds 25`:
-/// of soft objects the stiffness probe finds F_2 too high by 5 to 9 %, with a standard deviation of 4 %.
+/// Relative distance from F_2 within which an object is borderline. Measured with
+/// `atas eval grasp --seeds 25`: for soft objects the stiffness probe overestimates F_2 by 5 to 9
+/// %, with a standard deviation of 4 %.
 const BORDERLINE_SHARE: f64 = 0.15;
 
-/// The forces that decide whether an object can be held. All per side of the grip, N: several fingertips of one side share them.
+/// Forces that decide whether an object can be held, N per grasp side.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Load {
-    /// Normal force that carries it by friction: m·g / (2·μ), with the true static friction.
+    /// Normal force that holds the object by friction: m·g / (2·μ), true static friction.
     pub needed_n: f64,
-    /// Normal force that carries it without letting it turn between the fingers ([`Object::steady_n`]).
+    /// Normal force that also prevents rotation between the fingertips ([`Object::steady_n`]).
     pub steady_n: f64,
-    /// Normal force that does so where two domes take hold of it: as far beside its middle as the hand was told wrongly.
+    /// Normal force against rotation in a two-dome grasp, with the grasp's position error.
     pub gripped_n: f64,
-    /// Normal force that crushes it.
+    /// Normal force that crushes the object.
     pub crush_n: f64,
-    /// Most that the hand may press with (`grasp.f2_max_n`), whatever the object.
+    /// Maximum force of the hand (`grasp.f2_max_n`), for any object.
     pub press_n: f64,
-    /// F_2 that the policy in force gives for its true stiffness.
+    /// F_2 for the true stiffness.
     pub f2_n: f64,
 }
 
 impl Load {
-    /// Of a true object before a hand with these settings. An object gives way, and is crushed, under each of the `tips` fingertips of
-    /// the side that has fewer: so many times one fingertip's force it bears.
+    /// Computes the forces of a true object for a hand with these settings. Stiffness and crush
+    /// force scale with `tips`, the smaller fingertip count of both sides.
     #[must_use]
     pub fn of(object: &Object, grasp: &settings::Grasp, tips: usize) -> Self {
         let tips = tips as f64;
@@ -42,11 +43,12 @@ impl Load {
         }
     }
 
-    /// The same for an object that does not stand where the hand was told.
+    /// Updates `gripped_n` for the true position of the object relative to the expected one.
     #[must_use]
     pub fn gripped(self, placed: &Placed, told: GraspHint) -> Self {
         let [off_x_m, off_y_m] = [0, 1].map(|axis| placed.position_m[axis] - told.from_m[axis]);
-        // Across the closing axis; along it the fingers find the object.
+        // Across the closing axis. An error along it does not matter: the fingers close until
+        // contact.
         let beside_m = told.yaw_rad.cos() * off_y_m - told.yaw_rad.sin() * off_x_m;
         let mut object = placed.object.clone();
         object.centre_of_mass_m.y += beside_m;
@@ -56,22 +58,19 @@ impl Load {
         }
     }
 
-    /// Feasible under the paper's rule: the force it needs is below F_2, and does not crush it. Every object is one or the
-    /// other by this plain definition, borderline or not.
+    /// Returns true if the needed force is below F_2 and the crush force (the paper's rule).
     #[must_use]
     pub fn is_feasible(&self) -> bool {
         self.needed_n < self.f2_n && self.needed_n < self.crush_n
     }
 
-    /// Feasible by physics alone, whatever policy governs the grip: what holds it steady neither crushes it nor is more than
-    /// the hand can press.
+    /// Returns true if the force against rotation is below the crush force and the hand's maximum.
     #[must_use]
     pub fn is_physically_feasible(&self) -> bool {
         self.steady_n < self.crush_n && self.steady_n < self.press_n
     }
 
-    /// Borderline: so near to F_2 that the measured stiffness may rightly decide either way. Reported beside the counts,
-    /// never taken out of them.
+    /// Returns true if measurement errors of the stiffness may change the feasibility.
     #[must_use]
     pub fn is_borderline(&self) -> bool {
         (self.needed_n / self.f2_n - 1.0).abs() < BORDERLINE_SHARE
@@ -167,7 +166,7 @@ mod tests {
         );
     }
 
-    /// Regression: a box that two fingertips on each side held well counted as one that no hand can hold.
+    /// Regression: a box held well by two fingertips per side was counted as infeasible.
     #[test]
     fn two_fingertips_on_each_side_may_press_twice_as_hard() {
         let (grasp, object) = (

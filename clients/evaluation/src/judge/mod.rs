@@ -1,17 +1,17 @@
-//! The judge: what truly became of a task.
+//! Evaluation of a task's outcome against ground truth.
 //!
-//! **In:** the goal's last update, the simulator's truth, what physics allows. **Out:** a finding per task, which is a
-//! success or names its failure by a key that reports count. The judge looks at what the controller never sees, and
-//! never at an object's name.
+//! **In:** the goal's last update, the simulator's ground truth, the forces that decide
+//! feasibility. **Out:** a result per task: success, or a failure key that reports count. The judge
+//! uses data that the controller cannot access, but never an object's name.
 //!
 //! | task | success |
 //! |---|---|
-//! | grasp | [`Outcome`]: held if physics allows it, else put back unharmed, upright and where it was |
-//! | pick and place | [`Placing`]: within 5 mm, opened within 20 ms of support and not above it, unharmed |
-//! | screw | [`Screwing`]: closed, to 1.3 to 2.5 × the thread's friction |
-//! | assembly | [`Assembly`]: bottle standing and not turned, cap closed as tight as in screwing |
+//! | grasp | [`Outcome`]: held if feasible, else put back unharmed, upright and in place |
+//! | pick and place | [`Placing`]: within 5 mm, opened within 20 ms of support and not above it |
+//! | screw | [`Screwing`]: closed to 1.3 to 2.5 × the thread's friction |
+//! | assembly | [`Assembly`]: bottle standing and not turned, cap closed as in screwing |
 //!
-//! In no task may an object slip more than 3 mm or turn more than 10° in the hand that carries it.
+//! In every task, an object may slip at most 3 mm and turn at most 10° in the carrying hand.
 
 mod assembly;
 mod grasp;
@@ -29,23 +29,22 @@ pub use screw::Screwing;
 
 use shm_schemas::{GoalState, GoalUpdate, ObjectTruth};
 
-/// Farthest that an object may slip in the hand, m (issue).
+/// Largest slip in the hand, m (acceptance criterion).
 pub const SLIP_MAX_M: f64 = 0.003;
-/// Farthest that an object may turn in the hand, rad (issue: 10°).
+/// Largest turn in the hand, rad (acceptance criterion: 10°).
 pub const TURN_MAX_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;
-/// How tight a closed cap is, times the friction of its thread (issue).
+/// Range of a closed cap's tightness: holding torque over friction torque of the thread (acceptance
+/// criterion).
 const TIGHT: [f64; 2] = [1.3, 2.5];
 
-/// How an object was kept in the hand that carried it last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kept {
-    /// As it was taken, within [`SLIP_MAX_M`] and [`TURN_MAX_RAD`].
     AsTaken,
     Slipped,
     Turned,
 }
 
-/// A number that is not finite is within no limit.
+/// Compares slip and turn with their limits; a value that is not finite exceeds them.
 fn kept(object: &ObjectTruth) -> Kept {
     let stuck = object.slip_in_hand_m <= SLIP_MAX_M;
     let straight = object.turn_in_hand_rad <= TURN_MAX_RAD;
@@ -56,7 +55,6 @@ fn kept(object: &ObjectTruth) -> Kept {
     }
 }
 
-/// The key of an object that was not kept as it was taken; `None` if it was.
 fn moved_in_hand(object: &ObjectTruth) -> Option<String> {
     match kept(object) {
         Kept::AsTaken => None,
@@ -65,7 +63,7 @@ fn moved_in_hand(object: &ObjectTruth) -> Option<String> {
     }
 }
 
-/// The key of a cap that is not on its thread, or not as tight as it shall be; `None` if it is.
+/// Returns the failure key of a cap that is off its thread or outside the tightness range.
 fn loose(cap: &ObjectTruth) -> Option<String> {
     let tightness = cap.cap_holding_n_m / cap.cap_friction_n_m;
     unless(cap.cap_engaged != 0, "off its thread")
@@ -73,7 +71,6 @@ fn loose(cap: &ObjectTruth) -> Option<String> {
         .or_else(|| unless(tightness <= TIGHT[1], "too tight"))
 }
 
-/// The key of a goal that did not succeed, by the controller's own account; `None` if it did.
 fn ended(end: &GoalUpdate) -> Option<String> {
     let (cause, step) = (end.reason.cause, end.step.as_str());
     match end.state {
@@ -84,7 +81,6 @@ fn ended(end: &GoalUpdate) -> Option<String> {
     }
 }
 
-/// The key of an object that came to harm; `None` if it did not.
 fn harmed(object: &ObjectTruth) -> Option<String> {
     let harms = [
         (object.crushed, "crushed"),
@@ -96,7 +92,7 @@ fn harmed(object: &ObjectTruth) -> Option<String> {
     harm.map(|(_, key)| key.to_owned())
 }
 
-/// The key, if the condition does not hold; a number that is not finite fulfils none.
+/// Returns the key if the condition is false. Comparisons with NaN are false.
 fn unless(holds: bool, key: &str) -> Option<String> {
     (!holds).then(|| key.to_owned())
 }

@@ -1,37 +1,37 @@
-//! Pick and place: where the object stands, and when and how high above its place it was let go.
+//! Evaluation of pick and place: position of the object, time and height of its release.
 //!
-//! The latency runs from the moment at which the support truly carries ([`shm_schemas::ObjectTruth::carried_ns`]: 0.2 N or
-//! a tenth of the weight, and not for an instant only) to the moment at which the hand begins to open. Until the last
-//! fingertip has left it takes as long as a squeezed hand needs to open, which is measured besides.
+//! The latency starts when the support carries the object
+//! ([`shm_schemas::ObjectTruth::carried_ns`]: 0.2 N or a tenth of the weight, sustained). It ends
+//! when the hand begins to open; the time until the last contact ends is measured separately.
 
 use shm_schemas::{GoalState, GoalUpdate, ObjectTruth, WorldTruth};
 
 use super::{ended, harmed, moved_in_hand, unless};
 
-/// Farthest that an object may stand from its place, horizontally, m (issue).
+/// Largest horizontal distance from the destination, m (acceptance criterion).
 const OFF_M: f64 = 0.005;
-/// Longest time from support to the beginning of the release, s (issue).
+/// Longest time from support to the beginning of the release, s (acceptance criterion).
 const LATENCY_S: f64 = 0.020;
-/// Highest above its support that an object may be let go, m (issue).
+/// Largest height above the support at release, m (acceptance criterion).
 const ABOVE_M: f64 = 0.002;
-/// What became of a pick and place.
+/// Result of a pick and place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placing {
-    /// Why it is no success; `None` if it is.
+    /// Failure key.
     pub failure: Option<String>,
-    /// Horizontal distance of the object from its place, m.
+    /// Horizontal distance from the destination, m.
     pub off_m: f64,
-    /// From support to the beginning of the release, s; 0 if the hand opened before, infinite if it never did.
+    /// Time from support to the beginning of the release, s; 0 if negative, infinite if never.
     pub latency_s: f64,
-    /// From support until the last fingertip has left, s; 0 and infinite as before.
+    /// Time from support to the end of contact, s; limits as for `latency_s`.
     pub parting_s: f64,
-    /// Height above its support at which the last fingertip left it, m.
+    /// Height above the support at the end of contact, m.
     pub released_above_m: f64,
 }
 
 impl Placing {
-    /// Of the first object, whose place is `to_m` (x, y, base frame). `let_go_ns` is when the hand began to let go, on the
-    /// clock of the truth.
+    /// Evaluates the first object with destination `to_m` (x, y, base frame). `let_go_ns`: time at
+    /// which the hand began to open.
     #[must_use]
     pub fn of(
         end: &GoalUpdate,
@@ -68,7 +68,8 @@ impl Placing {
     }
 }
 
-/// Whether the hand left without the object: set out and not refused, never set down, and as low as it was.
+/// Returns true if the hand left without the object: not refused, never set down, and at its
+/// initial height.
 fn stayed(end: &GoalUpdate, object: &ObjectTruth) -> bool {
     let is_low = object.lifted_m.abs() < ABOVE_M;
     let set_out = end.state == GoalState::SUCCEEDED || !end.step.as_str().is_empty();

@@ -1,22 +1,22 @@
-//! Cap screwing: how tight the cap is.
+//! Evaluation of cap screwing: tightness of the cap.
 
 use shm_schemas::{Cause, GoalUpdate, WorldTruth};
 
 use super::{ended, harmed, loose, moved_in_hand, unless};
 
-/// What became of a screwing.
+/// Result of a screwing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Screwing {
-    /// Why it is no success; `None` if it is.
+    /// Failure key.
     pub failure: Option<String>,
-    /// Torque that it takes to turn the cap any further over the friction of its thread.
+    /// Holding torque of the cap over its thread's friction.
     pub tightness: f64,
-    /// How far the cap was turned over the angle at which it closes.
+    /// Rotation of the cap over the angle at which it closes.
     pub turned: f64,
 }
 
 impl Screwing {
-    /// Of the first object, a cap.
+    /// Evaluates the first object, a cap.
     #[must_use]
     pub fn of(end: &GoalUpdate, truth: &WorldTruth) -> Self {
         let cap = &truth.objects[0];
@@ -34,7 +34,6 @@ impl Screwing {
     }
 }
 
-/// The key of a screwing that was not concluded in time.
 fn never(end: &GoalUpdate) -> Option<String> {
     unless(end.reason.cause != Cause::TIMED_OUT, "never")
 }

@@ -1,4 +1,4 @@
-//! Judges of the tasks after the grasp, as tables of what happened and what it is called.
+//! Tests of the evaluation of pick and place, screwing and assembly: ground truth to failure key.
 
 use shm_schemas::{Cause, GoalState, GoalUpdate, ObjectTruth, Reason, Text, WorldTruth};
 
@@ -25,7 +25,8 @@ fn world(first: ObjectTruth, second: ObjectTruth) -> WorldTruth {
     truth
 }
 
-/// An object that landed after 100 ms, was carried after 101 ms, and parted from the hand after 190 ms where it belongs.
+/// Object at its destination: landed after 100 ms, carried by the support after 101 ms, released
+/// after 190 ms.
 fn placed() -> ObjectTruth {
     ObjectTruth {
         position_m: [0.32, -0.27, 0.03],
@@ -140,7 +141,6 @@ fn screwings() {
     check(held, cap(2.0), Some("failed: busy"));
 }
 
-/// An upright object that has turned about its axis.
 fn turned_by(deg: f64) -> ObjectTruth {
     let half_rad = deg.to_radians() / 2.0;
     ObjectTruth {

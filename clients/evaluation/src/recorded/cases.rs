@@ -1,4 +1,4 @@
-//! From rows to cases: which rows belong together, from which object they are, and what is true of them.
+//! Groups rows into cases with their object and label.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,35 +8,33 @@ use anyhow::{Context, bail, ensure};
 use super::kind::Kind;
 use super::sheet::Sheet;
 
-/// Where the truth is.
+/// Source and meaning of the labels.
 #[derive(Clone, Debug, Default)]
 pub struct Labels {
-    /// The column.
+    /// Label column.
     pub column: Option<String>,
-    /// A file that has it, if the recording has not; else it is looked for beside the recording.
+    /// File with the label column, if the recording lacks it. Default: another .csv in the same
+    /// folder.
     pub file: Option<PathBuf>,
-    /// Values that mean slip, or hard; all but the negative ones if empty.
+    /// Values that mean slip or hard; if empty, all but the negative ones.
     pub positive: Vec<String>,
-    /// Values that mean stable, or soft; the model's if empty.
+    /// Values that mean stable or soft; if empty, the model's.
     pub negative: Vec<String>,
-    /// The column that tells objects apart.
+    /// Column that identifies the object.
     pub objects: Option<String>,
 }
 
-/// Rows that belong together.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Case {
-    /// Rows in order of time.
     pub(super) rows: Vec<usize>,
-    /// What was touched: cases of one object are never split between fitting and judging.
+    /// Object in contact. Cases of one object are never split between fitting and evaluation.
     pub(super) object: String,
-    /// What sort of thing it is, where a recording holds several: `fruit`.
+    /// Category of the object, if a recording has several (column `fruit` or `sort`).
     pub(super) sort: String,
-    /// What the label says.
     pub(super) label: String,
 }
 
-/// Columns that number cases, by kind.
+/// Returns the columns that may number the cases, in order of preference.
 fn keys(kind: &Kind) -> &'static [&'static str] {
     match kind {
         Kind::Slip { .. } => &["sequence", "sample", "trial"],
@@ -46,7 +44,6 @@ fn keys(kind: &Kind) -> &'static [&'static str] {
     }
 }
 
-/// The cases of a sheet, in order of their first rows.
 pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Result<Vec<Case>> {
     let key = sheet.first_of(keys(kind));
     let sort = sheet.first_of(&["fruit", "sort"]);
@@ -66,7 +63,7 @@ pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Resu
     for row in 0..sheet.len() {
         let cell = |column: Option<usize>| column.map_or("", |column| sheet.text(row, column));
         let label = truth.of(sheet, row, cell(key));
-        // Where nothing numbers cases, one ends where the label or the object is another.
+        // Without a case number, a case ends where label or object changes.
         let now = Some((cell(object), label.clone()));
         if key.is_none() && before.is_some() && before != now {
             run += 1;
@@ -83,7 +80,7 @@ pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Resu
             });
             found.len() - 1
         });
-        // A row without a label has that of its case.
+        // A row without a label takes the label of its case.
         if found[place].label.is_empty() {
             found[place].label.clone_from(&label);
         }
@@ -100,13 +97,10 @@ pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Resu
     Ok(found)
 }
 
-/// Where the labels of cases come from.
 enum Truth {
-    /// A column of the recording.
     Column(usize),
-    /// Another table, by the case's number.
+    /// Another table: label by case number.
     Table(BTreeMap<String, String>),
-    /// Nothing was asked for.
     None,
 }
 
@@ -154,7 +148,7 @@ fn truths(sheet: &Sheet, key: Option<usize>, labels: &Labels) -> anyhow::Result<
     Ok(Truth::Table(pairs.collect()))
 }
 
-/// The one table in the recording's folder that has the labels.
+/// Opens the only other table in the recording's folder with label and key column.
 fn neighbour(sheet: &Sheet, column: &str, key: &str) -> anyhow::Result<Sheet> {
     let folder = match sheet.path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

@@ -1,4 +1,4 @@
-//! From labels to truths, and from scores to decisions.
+//! Maps labels to truths, and scores to decisions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,17 +8,17 @@ use serde::Serialize;
 use super::cases::{Case, Labels};
 use super::rates::Scored;
 
-/// Which constants judge a case.
+/// Source of the constants that evaluate a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fit {
-    /// Those of the model.
+    /// Constants of the model.
     Given,
-    /// Fitted on all cases of the same recording but those of its object, for each object in turn.
+    /// Fitted per object on all other objects of the recording (leave-one-object-out).
     Across,
 }
 
-/// Fits a threshold to scores and truths.
+/// Fits a threshold to pairs of score and truth.
 pub(super) type Fitter = fn(&[(f64, bool)]) -> anyhow::Result<f64>;
 
 /// What is said when nothing can be judged.
@@ -26,7 +26,7 @@ pub(super) fn no_labels() -> &'static str {
     "could not judge anything because no case has a label of use; say which values mean what with --positive and --negative"
 }
 
-/// What is said when only one of two can be judged.
+/// Error text: all usable labels belong to one class.
 pub(super) fn one_class(truths: &[Option<bool>], [positive, negative]: [&str; 2]) -> String {
     let known = truths.iter().flatten().count();
     let class = match truths.iter().flatten().any(|is| *is) {
@@ -39,7 +39,8 @@ pub(super) fn one_class(truths: &[Option<bool>], [positive, negative]: [&str; 2]
     )
 }
 
-/// What each label says: `Some(true)` slip or hard. Of two values 0 and 1, or false and true, the meaning is plain.
+/// Returns the truth of each case: `Some(true)` for slip or hard, `None` without a usable label.
+/// Labels 0/1, false/true and no/yes need no definition.
 pub(super) fn truths(
     cases: &[Case],
     labels: &Labels,
@@ -74,7 +75,6 @@ pub(super) fn truths(
     cases.iter().map(meaning).collect()
 }
 
-/// Numbers are the same however they are written.
 fn is_same(a: &str, b: &str) -> bool {
     match (a.parse::<f64>(), b.parse::<f64>()) {
         (Ok(a), Ok(b)) => a == b,
@@ -82,7 +82,6 @@ fn is_same(a: &str, b: &str) -> bool {
     }
 }
 
-/// The cases whose truth is known.
 pub(super) fn known(
     scores: impl Iterator<Item = f64>,
     truths: &[Option<bool>],
@@ -93,7 +92,7 @@ pub(super) fn known(
         .collect()
 }
 
-/// Decisions by a threshold, which may not know the objects that it decides on.
+/// Decides each case by the given threshold, or by one that `across` fits on all other objects.
 pub(super) fn decide(
     cases: &[Case],
     scores: &[f64],
@@ -126,7 +125,6 @@ pub(super) fn decide(
     Ok(decided.collect())
 }
 
-/// The objects of these cases.
 pub(super) fn objects<'a>(cases: &'a [Case], truths: &[Option<bool>]) -> BTreeSet<&'a str> {
     let known = cases.iter().zip(truths);
     known

@@ -1,4 +1,5 @@
-//! Hard against soft: the production stiffness probe on all fingers together, over the whole squeeze and at its first step.
+//! Classification of squeezes as hard or soft by the production stiffness probe on all fingers
+//! together.
 
 use anyhow::ensure;
 use atas_core::perception::{Bearing, StiffnessEstimate};
@@ -14,30 +15,29 @@ use super::sheet::Sheet;
 use super::skin::{Reading, Skin};
 use super::verdict::Verdict;
 
-/// Frames at the beginning, before the fingers can have touched, after which what is felt is taken as zero (ours).
+/// Frames at the beginning without contact, after which the sensor bias is set. Design choice.
 const SILENT_FRAMES: usize = 4;
-/// Faces that a squeeze presses on.
+/// Sides that share the squeeze force.
 const FACES: f64 = 2.0;
-/// How the fingertips give way is not known here: as little as any do.
+/// The compression of these fingertips is unknown; rigid fingertips are assumed.
 const RIGID_TIPS: Compression = Compression {
     at_1n_m: 1e-6,
     exponent: 0.48,
 };
-/// Nor how much of them pressed.
+/// The contact area is also unknown; full faces are assumed.
 const WHOLE_FACES: [Bearing; 2] = [Bearing::WHOLE; 2];
-/// Least closing that a stiffness is divided by, m (ours: what an actuator's encoder resolves).
+/// Smallest closing for a stiffness estimate, m. Design choice: resolution of an actuator's
+/// encoder.
 const CLOSING_MIN_M: f64 = 1e-5;
 
-/// Stiffness of one face, N/m; 0 if nothing was touched or it cannot be told.
+/// Stiffness per side, N/m; 0 without contact or without an estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Felt {
-    /// From the whole squeeze.
     pub(super) whole_n_m: f64,
-    /// With the first frame after the one that touched.
+    /// Estimate including the first frame after contact.
     pub(super) first_step_n_m: f64,
 }
 
-/// What production perception feels in one squeeze.
 pub(super) fn feel(
     sheet: &Sheet,
     (forces, angles): (&[[usize; 3]], &[usize]),
@@ -79,7 +79,7 @@ pub(super) fn feel(
         ) {
             felt.whole_n_m = fit.object_n_m;
         }
-        // The frame that touches is the first; the step after it ends with the next one.
+        // The first frame with contact is number 1; the step after contact ends with number 2.
         if after_touch < 2 && (after_touch > 0 || face_n > model.touch_on_n) {
             after_touch += 1;
             felt.first_step_n_m = if felt.whole_n_m > 0.0 {
@@ -94,7 +94,8 @@ pub(super) fn feel(
     Ok(felt)
 }
 
-/// Stiffness from the last frame without touch to this one: something so hard that the probe has had no three frames yet.
+/// Returns the stiffness since the last frame without contact, for objects too stiff for three
+/// probe frames.
 fn chord_n_m(before: Option<(f64, f64)>, (closing_m, face_n): (f64, f64)) -> f64 {
     before.map_or(0.0, |(before_m, before_n)| {
         let closed_m = (closing_m - before_m).max(CLOSING_MIN_M);
@@ -117,7 +118,7 @@ fn settings(model: &Hardness) -> anyhow::Result<Settings> {
     Ok(settings)
 }
 
-/// x, y, z as the tangential and normal axes of one element; only the size of the force is used.
+/// Reads x, y, z as tangential and normal axes of one element; only the magnitude is used.
 fn three(sheet: &Sheet, row: usize, [x, y, z]: [usize; 3]) -> Option<[f64; 3]> {
     Some([
         sheet.number(row, z)?,
@@ -126,7 +127,6 @@ fn three(sheet: &Sheet, row: usize, [x, y, z]: [usize; 3]) -> Option<[f64; 3]> {
     ])
 }
 
-/// Mean angle of the fingers that say theirs, as total closing.
 fn closing_m(sheet: &Sheet, row: usize, angles: &[usize], lever_m: f64) -> Option<f64> {
     let said: Vec<f64> = angles
         .iter()
@@ -136,7 +136,7 @@ fn closing_m(sheet: &Sheet, row: usize, angles: &[usize], lever_m: f64) -> Optio
     (!said.is_empty()).then(|| mean_deg.to_radians() * lever_m)
 }
 
-/// The threshold midway between what hard and soft objects feel like, in the logarithm.
+/// Fits the threshold: geometric mean of the mean stiffness of hard and of soft objects.
 pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
     let mean = |class: bool| {
         let of: Vec<f64> = scores
@@ -156,7 +156,6 @@ pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
     Ok((0.5 * (hard.unwrap_or(0.0) + soft.unwrap_or(0.0))).exp())
 }
 
-/// Judges what was felt of every squeeze.
 pub(super) fn judge(
     cases: &[Case],
     felt: &[Felt],

@@ -1,4 +1,4 @@
-//! Scores against labels: what is fitted, and what is judged.
+//! Evaluates a recording against its labels, or fits the model to it.
 
 use anyhow::{bail, ensure};
 use rayon::prelude::*;
@@ -12,17 +12,16 @@ use super::steps::steps_s;
 use super::verdict::Verdict;
 use super::{hardness, rupture, slip, soundness, touches};
 
-/// What production perception feels in every case of a recording, in the order of the cases.
 enum Felt {
     Sequences(Vec<slip::Sequence>),
     Squeezes(Vec<hardness::Felt>),
     PeaksN(Vec<f64>),
 }
 
-/// Judges a recording.
+/// Evaluates a recording.
 ///
 /// # Errors
-/// Its columns fit nothing, its labels say nothing, or there is too little to fit.
+/// No kind of recording has its columns, it has no usable labels, or too few cases to fit.
 pub fn judge(sheet: &Sheet, labels: &Labels, model: &Model, fit: Fit) -> anyhow::Result<Verdict> {
     let kind = Kind::of(sheet)?;
     let look = || soundness::look(sheet, &kind, rate_hz(&kind, model));
@@ -44,7 +43,7 @@ pub fn judge(sheet: &Sheet, labels: &Labels, model: &Model, fit: Fit) -> anyhow:
     Ok(verdict)
 }
 
-/// Fits what can be fitted to a recording; everything else stays as in `model`.
+/// Fits the constants of one kind to a recording; all others stay as in `model`.
 ///
 /// # Errors
 /// As for [`judge`].
@@ -109,7 +108,7 @@ fn feel(sheet: &Sheet, kind: &Kind, cases: &[Case], model: &Model) -> anyhow::Re
     }
 }
 
-/// Something of every case's rows and the time from each to the next, s; on all cores.
+/// Calls a function with the rows of every case and the time steps (s) between them, on all cores.
 fn each<T: Send>(
     sheet: &Sheet,
     rate_hz: f64,
@@ -120,7 +119,6 @@ fn each<T: Send>(
     cases.par_iter().map(one).collect()
 }
 
-/// The rows that say something new, and the time from each to the next, s.
 fn fresh(
     sheet: &Sheet,
     columns: &[usize],

@@ -1,64 +1,67 @@
-//! What a recording holds, by its columns.
+//! Kind of a recording, determined by its columns.
 
 use anyhow::bail;
 use serde::Serialize;
 
 use super::sheet::Sheet;
 
-/// Electrodes, axes and fingers that are looked for.
+/// Largest number in an element's column name.
 const SERIES_MAX: usize = 64;
 
-/// What a recording can be judged for, and where its columns are.
+/// Kind of a recording, with the indices of its columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A fingertip on an object that is held or moved: slip against stable touch. Columns per element: `ff_e1`… in counts, or
-    /// three axes `normal0_n,tangential10_n,tangential20_n`… as `atas-sensor --dry-run` writes them.
+    /// One fingertip on an object, evaluated for slip. Columns per element: `ff_e1`… in counts, or
+    /// three axes `normal0_n,tangential10_n,tangential20_n`… as `atas-sensor --dry-run` writes
+    /// them.
     Slip {
-        /// Per element its normal and tangential axes; a bare electrode has only the first.
+        /// Normal and tangential axes per element; a single-axis electrode has only the first.
         elements: Vec<[Option<usize>; 3]>,
     },
-    /// Fingers with three-axis fingertips that close on an object: hard against soft. `f1_x,f1_y,f1_z,pos1_deg`….
+    /// Fingers with three-axis fingertips that squeeze an object, evaluated as hard or soft.
+    /// Columns: `f1_x,f1_y,f1_z,pos1_deg`….
     Squeeze {
-        /// Per finger its forces, N.
+        /// Force axes per finger, N.
         forces: Vec<[usize; 3]>,
-        /// Per finger its angle, degrees.
+        /// Angle per finger, degrees.
         angles: Vec<usize>,
     },
-    /// One finger that presses until something gives way: `force_N,pos_mm`.
+    /// One finger that presses an object until it ruptures. Columns: `force_N,pos_mm`.
     Press {
         /// Force, N.
         force: usize,
-        /// Position in the direction of pressing, mm.
+        /// Position along the pressing direction, mm.
         position: usize,
     },
-    /// One three-axis fingertip that is touched now and then: `fx_counts,fy_counts,fz_counts`, or the same in newtons.
+    /// One three-axis fingertip with intermittent contact. Columns:
+    /// `fx_counts,fy_counts,fz_counts`, or `normal_n,tangential1_n,tangential2_n`.
     Touch {
-        /// x, y, z in the device's counts, or normal and tangential forces in newtons.
+        /// x, y, z in counts, or normal and tangential forces in N.
         axes: [usize; 3],
-        /// Whether they are counts.
+        /// True for counts.
         is_counts: bool,
     },
 }
 
-/// What is judged, as reports name it.
+/// Evaluated property, as named in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judged {
-    /// Slip against stable touch.
+    /// Slip or stable contact.
     Slip,
-    /// Hard against soft.
+    /// Hard or soft.
     Hardness,
-    /// The force at which something gives way.
+    /// Rupture force.
     Rupture,
-    /// Touches.
+    /// Contact.
     Touch,
 }
 
 impl Kind {
-    /// Looks at the columns of a sheet.
+    /// Determines the kind from the columns of a sheet.
     ///
     /// # Errors
-    /// No kind has these columns; the message names what each needs.
+    /// No kind has these columns; the message lists the required ones.
     pub fn of(sheet: &Sheet) -> anyhow::Result<Self> {
         let squeeze = squeeze(sheet);
         if let Some(kind) = squeeze {
@@ -95,7 +98,6 @@ impl Kind {
         )
     }
 
-    /// The columns that are read, by what they are.
     pub(super) fn readings(&self) -> Vec<(&'static str, Vec<usize>)> {
         match self {
             Self::Slip { elements } => {
@@ -118,7 +120,7 @@ impl Kind {
         }
     }
 
-    /// What is judged.
+    /// Returns the evaluated property.
     #[must_use]
     pub fn judged(&self) -> Judged {
         match self {
@@ -135,7 +137,7 @@ fn squeeze(sheet: &Sheet) -> Option<Kind> {
     for finger in 1..=shm_schemas::capacity::FINGERS {
         let axis = |axis: &str| sheet.column(&format!("f{finger}_{axis}"));
         let angle = sheet.column(&format!("pos{finger}_deg"));
-        // A finger without an angle, or an angle without a finger, says nothing about stiffness.
+        // Stiffness needs forces and angle of the same finger.
         if let (Some(x), Some(y), Some(z), Some(angle)) = (axis("x"), axis("y"), axis("z"), angle) {
             forces.push([x, y, z]);
             angles.push(angle);
@@ -158,7 +160,6 @@ fn touch(sheet: &Sheet) -> Option<Kind> {
     Some(Kind::Touch { axes, is_counts })
 }
 
-/// Elements whose first column is there, numbered from 0 or 1, gaps allowed.
 fn series(sheet: &Sheet, names: impl Fn(usize) -> [String; 3]) -> Vec<[Option<usize>; 3]> {
     (0..=SERIES_MAX)
         .map(|element| names(element).map(|name| sheet.column(&name)))
@@ -167,7 +168,6 @@ fn series(sheet: &Sheet, names: impl Fn(usize) -> [String; 3]) -> Vec<[Option<us
         .collect()
 }
 
-/// The first columns, for a message.
 fn listed(sheet: &Sheet) -> String {
     let shown: Vec<&str> = sheet.columns().iter().take(8).map(String::as_str).collect();
     let more = if sheet.columns().len() > shown.len() {

@@ -1,21 +1,22 @@
-//! Production perception on recordings of real fingertips, judged by labels.
+//! Production perception on recordings of real fingertips, evaluated against labels.
 //!
 //! ```text
-//!  run.mcap ─▶ run ┐ (spans of a table of labels)
-//!  FILE.csv ───────┴▶ Sheet (rows) ─▶ Kind (which columns) ─▶ cases (one sequence, squeeze or press each)
-//!                                                       │ frames through intake and perception of atas-core
-//!                                                       ▼
-//!        Model (constants in force) ───────────▶ score of every case ─▶ Verdict: rates, AUC, errors
+//!  run.mcap ─▶ run ┐ (labelled time spans)
+//!  FILE.csv ───────┴▶ Sheet (rows) ─▶ Kind (columns) ─▶ cases (sequence, squeeze or press)
+//!                                         │ frames through intake and perception of atas-core
+//!                                         ▼
+//!        Model (constants) ───────────▶ score of every case ─▶ Verdict: rates, AUC, errors
 //! ```
 //!
-//! What a recording can be judged for follows from its columns ([`Kind`]): slip against stable touch, hard against soft, the
-//! force at which flesh ruptures, touches.
+//! The columns determine the evaluation ([`Kind`]): slip, hardness, rupture force, or contact.
 //!
-//! * **In:** a table with one row per frame, or a run that `atas record` wrote, the name of the column that holds the truth, a [`Model`]. **Out:** a [`Verdict`].
-//! * **Invariants:** the frames pass the production intake and perception, whose filters and windows are in seconds of the
-//!   sensor's time. The score of a case never sees its label. Whatever is fitted is fitted on other cases than are judged:
-//!   those of another file, or those of other objects ([`Fit::Across`]). The same file gives the same numbers.
-//! * **Absent on purpose:** learning beyond a threshold or a line: each constant has a name and a place in a file.
+//! * **In:** a table with one row per frame, or a run of `atas record`; the name of the label
+//!   column; a [`Model`]. **Out:** a [`Verdict`].
+//! * **Invariants:** frames pass the production intake and perception in sensor time. Scores do not
+//!   depend on labels. Constants are fitted on another file, or on other objects ([`Fit::Across`]).
+//!   The same file gives the same numbers.
+//! * **Not included:** learning beyond a threshold or a line. Each constant has a name in the model
+//!   file.
 
 mod cases;
 mod decision;

@@ -1,4 +1,4 @@
-//! The constants in force: a small file with names, units and where each comes from.
+//! Model: the constants of the evaluation, in a TOML file with names, units and sources.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,50 +6,51 @@ use std::path::Path;
 use anyhow::{Context, ensure};
 use serde::{Deserialize, Serialize};
 
-/// What this version writes and reads.
+/// File format version.
 const FORMAT: u32 = 1;
-/// The constants that come with the program.
+/// Built-in model.
 const SHIPPED: &str = include_str!("../../models/perception.toml");
 
 /// Constants for every kind of recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
-    /// Version of the file.
+    /// Version of the file format.
     pub format: u32,
-    /// Slip against stable touch.
+    /// Slip detection.
     pub slip: Slip,
-    /// Hard against soft.
+    /// Classification as hard or soft.
     pub hardness: Hardness,
-    /// The force at which something gives way.
+    /// Prediction of the rupture force.
     pub rupture: Rupture,
-    /// Touches.
+    /// Contact onsets.
     pub touch: Touch,
 }
 
-/// Slip against stable touch.
+/// Constants of slip detection.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slip {
     /// Window whose means are compared, s.
     pub motion_window_s: f64,
-    /// Share of the time for which the pattern must move.
+    /// Minimum share of the time with motion for slip.
     pub moving_share: f64,
-    /// Motion that counts, in multiples of the sensor's own noise, at `rate_hz`.
+    /// Motion threshold, in multiples of the sensor noise, at `rate_hz`.
     pub motion_at: f64,
-    /// Newtons that a count stands for.
+    /// Force per count, N.
     pub newtons_per_count: f64,
-    /// Frames per second for which `motion_at` is meant, and of a recording that does not say, Hz.
+    /// Sensor rate of `motion_at`, and default frame rate, Hz.
     pub rate_hz: f64,
-    /// Labels that mean a stable touch.
+    /// Labels that mean stable contact.
     pub negative: Vec<String>,
-    /// Where the constants come from.
+    /// Source.
     pub source: String,
 }
 
 impl Slip {
-    /// Motion that counts for a sensor of another rate, Hz: what a stable touch moves is the same, while the noise of a window's mean
-    /// falls with the root of its frames. Both add up by their squares. A faster sensor is another one, and need not creep more.
+    /// Returns the motion threshold for another sensor rate, Hz. Motion of a stable contact is
+    /// independent of the rate; noise of a window mean falls with the root of its frame count; both
+    /// add in squares. Constant above `rate_hz`, because a faster sensor need not creep more.
     pub(super) fn motion_at(&self, rate_hz: f64) -> f64 {
         let creep = self.motion_at * self.motion_at - 1.0;
         let share = (rate_hz / self.rate_hz).min(1.0);
@@ -57,93 +58,93 @@ impl Slip {
     }
 }
 
-/// Hard against soft.
+/// Constants of the classification as hard or soft.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hardness {
-    /// Force on one face that counts as a touch, N.
+    /// Contact threshold of the force per side, N.
     pub touch_on_n: f64,
-    /// Force on one face from which the stiffness is read, N.
+    /// Force per side above which the stiffness is estimated, N.
     pub touch_off_n: f64,
     /// Closing per radian of a finger's angle, m.
     pub lever_m: f64,
-    /// Low-pass on every element, s.
+    /// Time constant of the low-pass on every element, s.
     pub filter_s: f64,
-    /// Frames per second of a recording that does not say, Hz.
+    /// Default frame rate, Hz.
     pub rate_hz: f64,
-    /// Stiffness above which an object is hard, from the whole squeeze, N/m.
+    /// Hardness threshold over the whole squeeze, N/m.
     pub whole_n_m: f64,
-    /// The same from the first step after touch, N/m.
+    /// Hardness threshold at the first step after contact, N/m.
     pub first_step_n_m: f64,
     /// Labels that mean hard.
     pub positive: Vec<String>,
     /// Labels that mean soft.
     pub negative: Vec<String>,
-    /// Where the constants come from.
+    /// Source.
     pub source: String,
 }
 
-/// The force at which something gives way.
+/// Constants of the rupture prediction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rupture {
-    /// Force at which watching begins, N.
+    /// Force above which stiffness is evaluated, N.
     pub from_n: f64,
-    /// Window of force over which the stiffness is read, N.
+    /// Force window of the stiffness estimate, N.
     pub window_n: f64,
-    /// Share of the stiffest below which it yields.
+    /// Share of the maximum stiffness below which yielding is detected.
     pub share: f64,
-    /// Low-pass on force and position, s.
+    /// Time constant of the low-pass on force and position, s.
     pub filter_s: f64,
-    /// Frames per second of a recording that does not say, Hz.
+    /// Default frame rate, Hz.
     pub rate_hz: f64,
-    /// Where the constants come from.
+    /// Source.
     pub source: String,
-    /// From the greatest force before yielding to that at which it ruptured, by sort of thing.
+    /// Rupture force over peak force before yielding, per category.
     pub lines: BTreeMap<String, Line>,
 }
 
-/// A straight line.
+/// Straight line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Line {
-    /// At 0 N.
+    /// Value at 0 N.
     pub offset_n: f64,
-    /// N per N.
+    /// Slope, N/N.
     pub slope: f64,
 }
 
-/// Touches of one fingertip.
+/// Constants of contact detection on one fingertip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Touch {
-    /// Newtons per count along the device's x, y and z.
+    /// Force per count on the sensor's x, y and z axes, N.
     pub newtons_per_count: [f64; 3],
-    /// Normal force that counts as a touch, N.
+    /// Normal force at which contact begins, N.
     pub touch_on_n: f64,
-    /// Normal force below which a touch has ended, N.
+    /// Normal force at which contact ends, N.
     pub touch_off_n: f64,
-    /// Low-pass, s.
+    /// Time constant of the low-pass, s.
     pub filter_s: f64,
-    /// Frames per second of a recording that does not say, Hz.
+    /// Default frame rate, Hz.
     pub rate_hz: f64,
-    /// Where the constants come from.
+    /// Source.
     pub source: String,
 }
 
 impl Model {
-    /// The constants that come with the program.
+    /// Returns the built-in model.
     ///
     /// # Errors
-    /// Never for a program whose tests pass.
+    /// The built-in file is invalid.
     pub fn shipped() -> anyhow::Result<Self> {
         Self::parse(SHIPPED).context("the model that comes with the program")
     }
 
-    /// Reads a file that [`Model::save`] wrote.
+    /// Reads a model file.
     ///
     /// # Errors
-    /// It cannot be read, or says something that no sensor can be.
+    /// The file cannot be read, or a value is out of range.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let name = path.display();
         let text =
@@ -151,10 +152,10 @@ impl Model {
         Self::parse(&text).with_context(|| format!("could not use the model {name}"))
     }
 
-    /// Writes a file.
+    /// Writes a model file.
     ///
     /// # Errors
-    /// It exists, or cannot be written.
+    /// The file exists, or cannot be written.
     pub fn save(&self, path: &Path) -> anyhow::Result<()> {
         let text = toml::to_string(self).context("could not write the model")?;
         let name = path.display();
@@ -164,7 +165,7 @@ impl Model {
             .with_context(|| format!("could not write {name}"))
     }
 
-    /// The same for recordings of this rate where they do not say theirs, Hz.
+    /// Returns the model with this default rate of recordings, Hz.
     #[must_use]
     pub fn at_rate(mut self, rate_hz: f64) -> Self {
         self.slip.motion_at = self.slip.motion_at(rate_hz);
@@ -186,7 +187,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Every number within what a sensor can be; what perception itself is told is checked there.
+    /// Checks ranges; settings passed on to perception are checked there.
     fn check(&self) -> anyhow::Result<()> {
         let (slip, hardness, rupture, touch) =
             (&self.slip, &self.hardness, &self.rupture, &self.touch);

@@ -1,21 +1,20 @@
-//! How well scores tell two classes apart.
+//! Rates of a binary classification.
 
 use serde::Serialize;
 
-/// What a threshold makes of scores, and what any threshold could.
+/// Rates at one threshold, and the area under the curve over all thresholds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Rates {
     /// Mean of sensitivity and specificity.
     pub balanced_accuracy: f64,
-    /// Share of the negatives that are called negative: of stable touches, of soft objects.
+    /// Share of negatives (stable contacts, soft objects) that are classified as negative.
     pub specificity: f64,
-    /// Share of the positives that are called positive.
+    /// Share of positives that are classified as positive.
     pub sensitivity: f64,
     /// Area under the receiver operating characteristic.
     pub auc: f64,
 }
 
-/// One case: what was said of it, how strongly, and what is true.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scored {
     pub(super) score: f64,
@@ -24,7 +23,7 @@ pub(super) struct Scored {
 }
 
 impl Rates {
-    /// Of these cases; `None` unless both classes are there.
+    /// Computes the rates; `None` unless both classes exist.
     pub(super) fn of(cases: &[Scored]) -> Option<Self> {
         let share = |class: bool| {
             let of: Vec<_> = cases.iter().filter(|case| case.is == class).collect();
@@ -41,8 +40,8 @@ impl Rates {
     }
 }
 
-/// Probability that a positive scores higher than a negative, ties counting half (Mann and Whitney 1947); `None` unless both
-/// classes are there. A score that is no number counts as the lowest.
+/// Returns the probability that a positive scores higher than a negative; ties count half (Mann and
+/// Whitney 1947). `None` unless both classes exist. NaN counts as the lowest score.
 #[must_use]
 pub fn auc(cases: impl Iterator<Item = (f64, bool)>) -> Option<f64> {
     let mut cases: Vec<(f64, bool)> = cases

@@ -1,7 +1,8 @@
-//! A recorded run as a table: what its fingertips felt while the spans of a table of labels lasted.
+//! Converts a recorded run to a table with the tactile frames during labelled time spans.
 //!
-//! The labels are rows of `from_s,to_s` and of what was true then; with `hand` and `finger` they are of one fingertip, without of
-//! all. Each span of each fingertip is a case. Times count from the run's first tick.
+//! The label table has the columns `from_s,to_s` and the labels. Optional columns `hand` and
+//! `finger` restrict a row to one fingertip. Each span of each fingertip is a case. Times count
+//! from the run's first tick.
 
 use std::path::Path;
 
@@ -13,13 +14,13 @@ use shm_schemas::capacity::FINGERS;
 use super::cases::Labels;
 use super::sheet::Sheet;
 
-/// Columns that say when and where a label is true; all others are what is true.
+/// Columns that define time and place of a label; all others are labels.
 const PLACE: [&str; 4] = ["from_s", "to_s", "hand", "finger"];
 
-/// Opens a recording of ours, or a table, and says where its labels are.
+/// Opens a run or a table; returns the table and the labels to use with it.
 ///
 /// # Errors
-/// It cannot be read, or a run has no table of labels, or that says nothing about it.
+/// A file cannot be read, a run has no label table, or no frame of the run lies in its spans.
 pub fn open(path: &Path, labels: &Labels) -> anyhow::Result<(Sheet, Labels)> {
     if !is_recording(path)? {
         return Ok((Sheet::open(path)?, labels.clone()));
@@ -42,7 +43,6 @@ pub fn open(path: &Path, labels: &Labels) -> anyhow::Result<(Sheet, Labels)> {
     Ok((sheet(path, &table)?, labels))
 }
 
-/// While something was true.
 struct Span {
     from_s: f64,
     to_s: f64,
@@ -50,13 +50,12 @@ struct Span {
     finger: Option<usize>,
 }
 
-/// What one fingertip felt in one frame.
 struct Touch {
     span: usize,
     hand: Hand,
     finger: usize,
     at_s: f64,
-    /// Per element; `None` for one that was not valid.
+    /// Force per element; `None` for an invalid element.
     forces_n: Vec<Option<[f32; 3]>>,
 }
 
@@ -197,7 +196,6 @@ fn row(touch: &Touch, elements: usize, table: &Sheet, truths: &[usize]) -> csv::
     row
 }
 
-/// As the table of a sensor names them.
 fn element_columns(elements: usize) -> impl Iterator<Item = String> {
     (0..elements).flat_map(move |element| {
         let number = if elements == 1 {

@@ -1,4 +1,4 @@
-//! The force at which what is pressed ruptures: it yields first.
+//! Rupture force of a pressed object, predicted from the force at which it begins to yield.
 
 use std::collections::BTreeMap;
 
@@ -15,10 +15,10 @@ use super::skin::Skin;
 use super::verdict::{Errors, Verdict};
 use crate::statistics::median;
 
-/// Time constants of the low-pass after which a recording that begins in mid-press is as it is (ours: 1 % is left).
+/// Time constants of the low-pass before evaluation starts, for a recording that begins in
+/// mid-press. Design choice: 1 % of the transient remains.
 const SETTLED: f64 = 5.0;
 
-/// One press: the greatest force before it yielded, N.
 pub(super) fn peak_n(
     sheet: &Sheet,
     (force, position): (usize, usize),
@@ -44,7 +44,8 @@ pub(super) fn peak_n(
             continue;
         };
         let percept = *skin.feel(step_s, &[vec![Some([force_n, 0.0, 0.0])]]);
-        // The force comes through a low-pass; the position must be as late as it is.
+        // Filters the position with the same low-pass as the force, so that both have the same
+        // delay.
         let now_m = position_mm * 1e-3;
         let share = percept.step_s / (model.filter_s + percept.step_s).max(f64::MIN_POSITIVE);
         let before_m = late_m.unwrap_or(now_m);
@@ -61,14 +62,15 @@ pub(super) fn peak_n(
     Ok(watch.borne().peak_n)
 }
 
-/// What a peak tells of the force at which such a thing ruptures, N. Of a sort that nothing is known of, it tells itself.
+/// Predicts the rupture force from the peak force, N. Without a line for this category it returns
+/// the peak.
 pub(super) fn predict_n(lines: &BTreeMap<String, Line>, sort: &str, peak_n: f64) -> f64 {
     lines
         .get(sort)
         .map_or(peak_n, |line| line.offset_n + line.slope * peak_n)
 }
 
-/// Least-squares lines, one per sort.
+/// Fits one least-squares line per category.
 pub(super) fn fit(cases: &[(&str, f64, f64)]) -> anyhow::Result<BTreeMap<String, Line>> {
     let mut sorts: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
     for &(sort, peak_n, truth_n) in cases {
@@ -92,7 +94,6 @@ pub(super) fn fit(cases: &[(&str, f64, f64)]) -> anyhow::Result<BTreeMap<String,
     sorts.into_iter().map(line).collect()
 }
 
-/// Sort, peak and truth of the cases that have a number for a label.
 pub(super) fn points<'a>(
     cases: &'a [Case],
     peaks_n: &'a [f64],
@@ -105,7 +106,6 @@ pub(super) fn points<'a>(
     })
 }
 
-/// Judges the peaks of all presses.
 pub(super) fn judge(
     cases: &[Case],
     peaks_n: &[f64],

@@ -1,17 +1,17 @@
-//! A table of comma-separated values, held whole. Columns may be missing, cells empty, and numbers no numbers.
+//! Table of comma-separated values in memory. Columns may be missing, cells empty or not numeric.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 
-/// Most rows that are read (ours: a day at 100 Hz), so that a wrong file does not take all memory.
+/// Maximum number of rows, which limits memory use. Design choice: a day at 100 Hz.
 const ROWS_MAX: usize = 10_000_000;
 
 /// A table with a header.
 #[derive(Clone, Debug)]
 pub struct Sheet {
-    /// Where it came from, for messages.
+    /// Path of the source, for messages.
     pub path: PathBuf,
     header: Vec<String>,
     rows: Vec<csv::StringRecord>,
@@ -21,20 +21,17 @@ impl Sheet {
     /// Reads a file.
     ///
     /// # Errors
-    /// It cannot be opened, has no header or no rows, or is no table.
+    /// The file cannot be opened, is not a table, or has no rows.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let file = std::fs::File::open(path)
             .with_context(|| format!("could not open {}", path.display()))?;
         Self::read(path, std::io::BufReader::new(file))
     }
 
-    /// Reads a table from anywhere; `path` is what messages call it.
-    ///
-    /// # Errors
-    /// As for [`Sheet::open`].
+    /// Reads a table from a reader; `path` is its name in messages.
     pub fn read(path: &Path, source: impl Read) -> anyhow::Result<Self> {
         let name = path.display();
-        // Rows of another length are as good as rows with missing cells.
+        // Shorter rows count as rows with empty cells.
         let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(source);
         let header = reader
             .headers()
@@ -64,7 +61,6 @@ impl Sheet {
         })
     }
 
-    /// A table that was made of something else at `path`.
     pub(super) fn made(path: &Path, header: Vec<String>, rows: Vec<csv::StringRecord>) -> Self {
         Self {
             path: path.to_owned(),
@@ -73,37 +69,37 @@ impl Sheet {
         }
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// Whether there is none; a sheet that was read has some.
+    /// Returns true without rows; never for a table that was read.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// Names of the columns.
+    /// Returns the names of the columns.
     #[must_use]
     pub fn columns(&self) -> &[String] {
         &self.header
     }
 
-    /// The place of a column.
+    /// Returns the index of a column.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|column| column == name)
     }
 
-    /// The place of the first of these columns that there is.
+    /// Returns the index of the first existing column of these names.
     #[must_use]
     pub fn first_of(&self, names: &[&str]) -> Option<usize> {
         names.iter().find_map(|name| self.column(name))
     }
 
-    /// A cell as text; empty if it is missing.
+    /// Returns a cell as text; empty if missing.
     #[must_use]
     pub fn text(&self, row: usize, column: usize) -> &str {
         self.rows
@@ -112,7 +108,7 @@ impl Sheet {
             .map_or("", str::trim)
     }
 
-    /// A cell as a finite number.
+    /// Returns a cell as a finite number.
     #[must_use]
     pub fn number(&self, row: usize, column: usize) -> Option<f64> {
         let value: f64 = self.text(row, column).parse().ok()?;

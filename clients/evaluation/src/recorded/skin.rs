@@ -1,4 +1,4 @@
-//! One fingertip, or several, whose recorded readings pass the production intake and perception.
+//! Feeds recorded readings of fingertips to the production intake and perception.
 
 use atas_core::intake::FrameIntake;
 use atas_core::perception::{Percept, Perception};
@@ -8,14 +8,13 @@ use robot_model::{HandModel, Side};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Hand, HandFrame, Layout, Stamp};
 
-/// Time of the first frame, ns: nothing about it matters, but that it is not the beginning of time.
+/// Time of the first frame, ns; any value above 0.
 const BEGIN_NS: u64 = 1_000_000_000;
-/// Epoch of the recorded sensor.
+/// Writer epoch of the recorded sensor.
 const EPOCH: u64 = 1;
-/// Largest rate of a recording that is believed, Hz: what a tick may have.
+/// Largest accepted frame rate of a recording, Hz: limit of the intake.
 pub(super) const RATE_MAX_HZ: f64 = 10_000.0;
 
-/// Perception that is fed a recording.
 pub(super) struct Skin {
     intake: FrameIntake,
     perception: Perception,
@@ -26,11 +25,11 @@ pub(super) struct Skin {
     now_ns: u64,
 }
 
-/// One finger's readings: `[f_n, f_t1, f_t2]` per element, N; `None` where the recording has none.
+/// Reading of one fingertip: `[f_n, f_t1, f_t2]` per element, N; `None` where the recording has no
+/// value.
 pub(super) type Reading = Vec<Option<[f64; 3]>>;
 
 impl Skin {
-    /// Fingertips with so many elements each, and what perception is told about them.
     pub(super) fn new(fingers: usize, elements: usize, rate_hz: f64, settings: Settings) -> Self {
         let elements = elements.clamp(1, ELEMENTS);
         let name = if elements == 1 {
@@ -62,9 +61,8 @@ impl Skin {
         }
     }
 
-    /// Takes in one frame, so long after the one before, s.
     pub(super) fn feel(&mut self, step_s: f64, fingers: &[Reading]) -> &Percept {
-        // Two frames cannot be of one moment, and a recording that stopped for a day goes on a second later.
+        // Time stamps must increase; gaps are shortened to 1 s.
         let step_ns = (step_s.clamp(1.0 / RATE_MAX_HZ, 1.0) * 1e9) as u64;
         self.now_ns += step_ns;
         self.frame.stamp = Stamp {
@@ -90,7 +88,6 @@ impl Skin {
         self.perception.percept()
     }
 
-    /// Takes what is felt now as zero.
     pub(super) fn bias(&mut self) {
         self.perception.bias();
     }

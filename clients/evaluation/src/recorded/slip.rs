@@ -1,4 +1,4 @@
-//! Slip against stable touch: for most of the time the pattern of readings must move, beyond the sensor's own noise.
+//! Slip detection: the pattern of readings moves beyond the sensor noise for most of the time.
 
 use anyhow::{Context, ensure};
 use atas_core::settings::Settings;
@@ -13,38 +13,35 @@ use super::skin::{Reading, Skin};
 use super::verdict::{After, Verdict};
 use crate::statistics::median;
 
-/// Times after which slip is judged as well: what the waiting buys, s.
+/// Durations after which slip is also evaluated, s: accuracy over waiting time.
 const AFTER_S: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
-/// Standard deviations of the logarithm by which the threshold stands above what stable touches do (ours: one in two hundred of
-/// them lies beyond).
+/// Distance of the threshold above the mean of stable contacts, in standard deviations of the
+/// logarithm. Design choice: 0.5 % of stable contacts exceed it.
 const CLEARANCE: f64 = 2.6;
-/// Least deviation of that logarithm (ours: three stable touches may be alike by chance).
+/// Lower limit of that standard deviation. Design choice: three stable contacts can agree by
+/// chance.
 const DEVIATION_MIN: f64 = 0.1;
-/// Least score, so that it has a logarithm.
+/// Lower limit of a score, so that its logarithm is finite.
 const SCORE_MIN: f64 = 1e-3;
 
-/// What an element may read at most, N: the settings' own limit, since a count may stand for anything.
+/// Limit of an element's reading, N: the setting's maximum, because counts have any size.
 const ANY_N: f64 = 100_000.0;
 
-/// What was felt at one comparison of windows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level {
-    /// Since the beginning of the case, s.
+    /// Time since the beginning of the case, s.
     pub(super) at_s: f64,
     /// Motion in multiples of the noise.
     pub(super) level: f64,
 }
 
-/// What was felt in one case.
 #[derive(Clone, Debug)]
 pub(super) struct Sequence {
-    /// At each comparison.
     pub(super) levels: Vec<Level>,
-    /// Median time from frame to frame, s.
+    /// Median frame period, s.
     pub(super) step_s: f64,
 }
 
-/// What production perception feels in one case.
 pub(super) fn feel(
     sheet: &Sheet,
     elements: &[[Option<usize>; 3]],
@@ -62,7 +59,7 @@ pub(super) fn feel(
             .set(name, value)
             .map_err(|error| anyhow::anyhow!("{error}"))?;
     }
-    // Bare electrodes count; forces are newtons already.
+    // Single-axis electrodes are in counts, three-axis forces in newtons.
     let scale = if elements.iter().all(|axes| axes[1].is_none()) {
         model.newtons_per_count
     } else {
@@ -90,13 +87,13 @@ pub(super) fn feel(
     })
 }
 
-/// Frames per second of most cases, Hz.
 pub(super) fn rate_hz(sequences: &[Sequence], model: &Slip) -> f64 {
     let steps_s = sequences.iter().map(|sequence| sequence.step_s);
     median(steps_s.collect()).map_or(model.rate_hz, |step_s| 1.0 / step_s)
 }
 
-/// An element whose first axis is missing says nothing; further axes that are missing are taken to feel nothing.
+/// Reads one row. An element without a normal reading is invalid; missing tangential readings are
+/// 0.
 fn reading(sheet: &Sheet, elements: &[[Option<usize>; 3]], row: usize, scale: f64) -> Reading {
     let axis = |column: Option<usize>| column.and_then(|column| sheet.number(row, column));
     elements
@@ -109,7 +106,8 @@ fn reading(sheet: &Sheet, elements: &[[Option<usize>; 3]], row: usize, scale: f6
         .collect()
 }
 
-/// The motion that was exceeded for the share of the time that slip needs; 0 for what is too short to say.
+/// Returns the motion exceeded during `moving_share` of the time until `until_s`; 0 without a
+/// comparison.
 pub(super) fn score(levels: &[Level], until_s: f64, model: &Slip) -> f64 {
     let mut of: Vec<f64> = levels
         .iter()
@@ -125,7 +123,7 @@ pub(super) fn score(levels: &[Level], until_s: f64, model: &Slip) -> f64 {
     of[below] + (of[above] - of[below]) * place.fract()
 }
 
-/// The threshold that stable touches keep below: learnt from them alone, so that no slip need be recorded.
+/// Fits the threshold to the scores of stable contacts only; no recorded slip is needed.
 pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
     let stable: Vec<f64> = scores
         .iter()
@@ -140,11 +138,10 @@ pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
     let mean = stable.iter().sum::<f64>() / stable.len() as f64;
     let deviation = crate::statistics::deviation(&stable).context("a deviation")?;
     let threshold = (mean + CLEARANCE * deviation.max(DEVIATION_MIN)).exp();
-    // Less than the noise is no motion.
+    // Motion below the noise is not detectable.
     Ok(threshold.max(1.0))
 }
 
-/// Judges what was felt of every case.
 pub(super) fn judge(
     cases: &[Case],
     sequences: &[Sequence],
@@ -200,8 +197,8 @@ pub(super) fn judge(
     Ok(verdict)
 }
 
-/// The greatest motion of frames of forces, N, in multiples of their own noise: of a sensor that nothing touches, what a threshold
-/// must lie above. 0 for what is too short to say.
+/// Returns the largest motion in frames of forces (N), in multiples of their noise; 0 if too short.
+/// Without contact, it is the lower limit of the threshold.
 #[must_use]
 pub fn greatest_motion(frames: &[Vec<[f64; 3]>], step_s: f64) -> f64 {
     let elements = frames.first().map_or(1, Vec::len);

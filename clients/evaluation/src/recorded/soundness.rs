@@ -1,6 +1,7 @@
-//! What of a recording can say nothing: columns without numbers, that never change, in units that cannot be; rows that repeat.
+//! Checks for unusable data: columns without numbers, constant columns, missing time, repeated
+//! rows.
 //!
-//! Where nothing at all can be said the recording is refused, with what it needs; what is left out is told with the verdict.
+//! A recording without usable data is rejected. Partial defects become warnings of the verdict.
 
 use anyhow::ensure;
 
@@ -8,16 +9,12 @@ use super::kind::Kind;
 use super::sheet::Sheet;
 use super::steps::{TIMES, time_of};
 
-/// Columns that a sentence names.
+/// Maximum number of columns named in a message.
 const NAMED: usize = 3;
-/// Share of the rows that repeat the one before above which they are no frames but what was held (ours: chance repeats all values of
-/// a skin far more seldom, a sensor of half the recording's rate that often).
+/// Share of repeated rows that shows a sensor slower than the recording. Design choice: exceeded at
+/// half the recording's rate, never by chance.
 const HELD_SHARE: f64 = 0.4;
 
-/// What is left out of a recording, in sentences.
-///
-/// # Errors
-/// Nothing can be said about it.
 pub(super) fn look(sheet: &Sheet, kind: &Kind, rate_hz: f64) -> anyhow::Result<Vec<String>> {
     let mut warnings = Vec::new();
     for (what, columns) in kind.readings() {
@@ -64,7 +61,6 @@ pub(super) fn look(sheet: &Sheet, kind: &Kind, rate_hz: f64) -> anyhow::Result<V
     Ok(warnings)
 }
 
-/// What is to be said about time.
 fn time(sheet: &Sheet, rate_hz: f64) -> Option<String> {
     let Some((column, _)) = time_of(sheet) else {
         let names: Vec<&str> = TIMES.iter().map(|(name, _)| *name).collect();
@@ -83,7 +79,7 @@ fn time(sheet: &Sheet, rate_hz: f64) -> Option<String> {
     })
 }
 
-/// Whether so many rows repeat all readings of the row before that the sensor was slower than the recording.
+/// Returns true if the sensor is slower than the recording.
 pub(super) fn is_held(sheet: &Sheet, columns: &[usize]) -> bool {
     let repeats = (1..sheet.len())
         .filter(|&row| repeats(sheet, columns, row - 1, row))
@@ -91,13 +87,11 @@ pub(super) fn is_held(sheet: &Sheet, columns: &[usize]) -> bool {
     repeats as f64 > HELD_SHARE * sheet.len() as f64
 }
 
-/// Whether two rows say the same.
 pub(super) fn repeats(sheet: &Sheet, columns: &[usize], before: usize, row: usize) -> bool {
     let same = |&column: &usize| sheet.text(before, column) == sheet.text(row, column);
     columns.iter().all(same)
 }
 
-/// What a column holds.
 struct Seen {
     numbers: usize,
     least: f64,
@@ -120,7 +114,6 @@ impl Seen {
     }
 }
 
-/// The first of some columns by their names.
 fn named(sheet: &Sheet, columns: &[usize]) -> String {
     let names: Vec<&str> = columns
         .iter()

@@ -1,10 +1,10 @@
-//! Time from frame to frame of a recording.
+//! Frame periods of a recording.
 
 use super::sheet::Sheet;
 use super::skin::RATE_MAX_HZ;
 use crate::statistics::median;
 
-/// Columns of time that are known, and their units, s. The first that there is counts.
+/// Known time columns with their units in s; the first that exists is used.
 pub(super) const TIMES: [(&str, f64); 9] = [
     ("t_s", 1.0),
     ("time_s", 1.0),
@@ -17,7 +17,6 @@ pub(super) const TIMES: [(&str, f64); 9] = [
     ("captured_ns", 1e-9),
 ];
 
-/// The column of time and its unit, s.
 pub(super) fn time_of(sheet: &Sheet) -> Option<(usize, f64)> {
     let known = TIMES.iter();
     known
@@ -25,8 +24,9 @@ pub(super) fn time_of(sheet: &Sheet) -> Option<(usize, f64)> {
         .next()
 }
 
-/// Time from frame to frame, s: as recorded, else as the model says. Time that does not go on is taken to do so, and frames
-/// that came faster than any sensor's were stamped when a file was decoded.
+/// Returns the frame periods, s, from the time column or `rate_hz`. Non-increasing time counts as
+/// one default period. A median rate above [`RATE_MAX_HZ`] means stamps of a decoded file: all
+/// periods are the default.
 pub(super) fn steps_s(sheet: &Sheet, rows: &[usize], rate_hz: f64) -> Vec<f64> {
     let column = time_of(sheet);
     let usual_s = 1.0 / rate_hz;

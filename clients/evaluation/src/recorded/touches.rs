@@ -1,4 +1,4 @@
-//! Touches of one fingertip: production touch detection with its hysteresis.
+//! Contacts of one fingertip, by the production contact detection with hysteresis.
 
 use anyhow::{Context, ensure};
 use atas_core::settings::Settings;
@@ -13,15 +13,12 @@ use super::skin::Skin;
 use super::steps::steps_s;
 use super::verdict::Verdict;
 
-/// What was felt, frame by frame.
 pub(super) struct Felt {
-    /// Rows at which a touch begins.
     pub(super) begins: Vec<usize>,
-    /// Per frame its row, the normal force, N, and whether it is a touch.
+    /// Row, normal force (N) and contact state per frame.
     pub(super) frames: Vec<(usize, f64, bool)>,
 }
 
-/// What production perception feels in a whole recording.
 pub(super) fn feel(
     sheet: &Sheet,
     (axes, is_counts): ([usize; 3], bool),
@@ -52,7 +49,7 @@ pub(super) fn feel(
         let reading = match (value(0), value(1), value(2)) {
             (Some(x), Some(y), Some(z)) if is_counts => {
                 let [sx, sy, sz] = model.newtons_per_count;
-                // An OMD dome reads negative z when pressed along its axis.
+                // An OMD sensor reports negative z under axial pressure.
                 Some([-z * sz, x * sx, y * sy])
             }
             (Some(n), Some(t1), Some(t2)) => Some([n, t1, t2]),
@@ -68,7 +65,6 @@ pub(super) fn feel(
     Ok(felt)
 }
 
-/// Judges a whole recording, frame by frame.
 pub(super) fn judge(
     sheet: &Sheet,
     labels: &Labels,

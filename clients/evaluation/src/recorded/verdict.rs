@@ -1,4 +1,4 @@
-//! The verdict on a recording.
+//! Evaluation result of a recording.
 
 use std::collections::BTreeMap;
 
@@ -9,69 +9,68 @@ use super::decision::{Fit, objects};
 use super::kind::Judged;
 use super::rates::Rates;
 
-/// What a recording says about perception.
+/// Evaluation result of a recording.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// What was judged.
+    /// Evaluated property.
     pub judged: Judged,
-    /// Cases, or frames, that were judged.
+    /// Number of evaluated cases, or frames.
     pub n: usize,
-    /// Cases without a label of use.
+    /// Number of cases without a usable label.
     pub skipped: usize,
-    /// Objects among them.
+    /// Number of objects in the evaluated cases.
     pub objects: usize,
-    /// Which constants judged.
+    /// Source.
     pub fit: Fit,
-    /// Rates of a decision between two.
+    /// Rates of a binary decision.
     #[serde(flatten)]
     pub rates: Option<Rates>,
-    /// Threshold of the model; the decisions of [`Fit::Across`] have one per object.
+    /// Threshold of the model; decisions with [`Fit::Across`] use one per object.
     pub threshold: Option<f64>,
-    /// Hardness at the first step after touch.
+    /// Rates of the hardness decision at the first step after contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_step: Option<Rates>,
-    /// Slip when judged sooner.
+    /// Rates of the slip decision after shorter durations.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub after: Vec<After>,
-    /// Mean absolute error of the force, N.
+    /// Mean absolute error of the rupture force, N.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mae_n: Option<f64>,
-    /// The same by sort of thing.
+    /// Errors of the rupture force per category.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub sorts: BTreeMap<String, Errors>,
-    /// Rows at which touches begin, from 0.
+    /// Rows at which contacts begin, from 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub touches: Option<Vec<usize>>,
-    /// What was left out or taken for granted.
+    /// Ignored data and assumptions.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 
-/// Slip judged by what was felt until then.
+/// Rates of the slip decision after a given duration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct After {
-    /// Time since the beginning, s.
+    /// Time since the beginning of the case, s.
     pub s: f64,
-    /// Rates.
+    /// Rates of the decision.
     #[serde(flatten)]
     pub rates: Rates,
 }
 
-/// Errors of a force.
+/// Errors of the rupture force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Errors {
-    /// Presses.
+    /// Number of presses.
     pub n: usize,
     /// Mean absolute error, N.
     pub mae_n: f64,
-    /// That of saying the mean of all others, N.
+    /// Mean absolute error of the mean of all other presses, N.
     pub mae_of_mean_n: f64,
-    /// How far beyond the true force it was known, median, N: what knowing it costs.
+    /// Median overload at the time of the prediction, N.
     pub beyond_n: f64,
 }
 
 impl Verdict {
-    /// Counts alone; nothing is judged yet.
     pub(super) fn of(judged: Judged, cases: &[Case], truths: &[Option<bool>], fit: Fit) -> Self {
         let n = truths.iter().flatten().count();
         Self {

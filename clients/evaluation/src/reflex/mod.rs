@@ -1,14 +1,16 @@
-//! A reflex beneath a policy: the same clumsy policy with it and without it.
+//! Evaluation of a coarse position policy with and without the reflex modules.
 //!
 //! ```text
-//!  Script (10 Hz, 50 ms late) ─ targets ─▶ OfflineRun ─▶ judge: lifted, as taken, unharmed
-//!                                              └─▶ Onsets: from physical slip to the first harder command
+//!  CoarsePolicy (10 Hz, 50 ms late) ─ targets ─▶ OfflineRun ─▶ judge: lifted, stable, unharmed
+//!                                              └─▶ Onsets: slip to first command for more force
 //! ```
 //!
-//! * **In:** how many trials, from which seed. **Out:** a [`ReflexReport`].
-//! * **Invariants:** a function of its arguments, whatever the number of threads. With and without the reflex, the policy streams
-//!   the same targets to the same world; without it the hand feels nothing, so it obeys the widths as they are.
-//! * **Absent on purpose:** objects that the hand cannot hold under the paper's rule: whoever leads a hand decides what it takes.
+//! * **In:** number of trials, first seed. **Out:** a [`ReflexReport`].
+//! * **Invariants:** the report depends on the arguments only. With and without the reflex, the
+//!   same targets go to the same world. Without it, touch is never detected, and the hand executes
+//!   the commanded widths.
+//! * **Not included:** objects that are infeasible under the paper's rule; the external policy
+//!   chooses the object.
 
 mod onset;
 mod script;
@@ -29,82 +31,81 @@ use trial::{Trial, numb, run};
 
 pub use script::Script;
 
-/// What to evaluate.
+/// Plan of a reflex evaluation.
 #[derive(Clone, Debug)]
 pub struct ReflexPlan {
-    /// Trials, dealt to the objects in turn.
+    /// Trials, distributed to the objects in turn.
     pub trials: u64,
-    /// Number of the first seed of each object.
+    /// First seed per object.
     pub first_seed: u64,
-    /// Threads; 0 for one per core.
+    /// Threads; 0: one per core.
     pub threads: usize,
-    /// The controller's settings.
+    /// Controller settings.
     pub settings: atas_core::Settings,
 }
 
-/// What became of it.
+/// Result of a reflex evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReflexReport {
     /// Always `reflex`.
     pub task: &'static str,
-    /// Number of the first seed of each object.
+    /// First seed per object.
     pub first_seed: u64,
-    /// What figures over these seeds are good for: `tuning` or `judging`.
+    /// `tuning` or `judging`.
     pub purpose: &'static str,
-    /// With the reflex.
+    /// With the reflex modules.
     pub with: Side,
-    /// Without it.
+    /// Without the reflex modules.
     pub without: Side,
-    /// With the reflex: from the tick in which a fingertip begins to slide on what it carries to the first tick that commands
-    /// it to press harder, ms.
+    /// With the reflex modules: time from slip onset to the first command for more force, ms.
     pub slip_to_command_ms: Latency,
 }
 
-/// One way of doing it.
+/// Results with or without the reflex modules.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Side {
-    /// How many there were.
+    /// Trials.
     pub trials: u64,
-    /// Share of those whose object was lifted, as it was taken, and in the hand at the end.
+    /// Share of trials with the object lifted, stable and in the hand at the end.
     pub success: f64,
-    /// Wilson score interval of `success`, 95 %.
+    /// 95 % Wilson interval of `success`.
     pub ci95: [f64; 2],
-    /// How many objects were crushed.
+    /// Number of crushed objects.
     pub crushed: u64,
-    /// What became of the others, and how often.
+    /// Failures by key.
     pub failures: BTreeMap<String, u64>,
-    /// The same with a policy that closes too weakly, and with one that closes too hard: trials, successes.
+    /// Trials and successes of the too weak policies.
     pub weakly: [u64; 2],
-    /// The same.
+    /// Trials and successes of the too strong policies.
     pub hard: [u64; 2],
-    /// Median over successes of the normal force in the end over the force needed; `null` without one.
+    /// Median ratio of final to needed normal force, over successes; `null` without one.
     pub over_grip_median: Option<f64>,
 }
 
-/// How long it takes.
+/// Statistics of the response latency.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Latency {
-    /// Slips that were counted.
+    /// Number of slips counted.
     pub count: u64,
-    /// Slips during which F_2 forbade to press harder before anything was answered; not counted.
+    /// Slips during which F_2 prevented a response; not counted.
     pub at_f2: u64,
-    /// Slips that stopped without an answer; counted with the time that they lasted.
+    /// Slips that ended without a response; counted with their duration.
     pub unanswered: u64,
-    /// Half of them are answered by then, ms; `null` without a slip.
+    /// Median, ms; `null` without a slip.
     pub p50: Option<f64>,
-    /// 99 of 100, ms.
+    /// 99th percentile, ms.
     pub p99: Option<f64>,
-    /// All, ms.
+    /// Maximum, ms.
     pub max: Option<f64>,
-    /// 99 of 100 of these and of the slips at F_2 together, ms: those count until F_2 allowed an answer, or until they ended.
+    /// 99th percentile including slips at F_2 until their response or end, ms.
     pub p99_with_f2: Option<f64>,
 }
 
 impl ReflexPlan {
-    /// Runs all trials; `done` is called after each, from any thread. `None` if `stop` was set meanwhile.
+    /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
     ///
     /// # Errors
-    /// If the robot or a world cannot be made.
+    /// The robot or a world cannot be created, or there are no trials.
     pub fn run(
         &self,
         stop: &AtomicBool,
@@ -204,7 +205,7 @@ impl Latency {
     }
 }
 
-/// The least of sorted values that this share of them does not exceed.
+/// Returns the smallest of the sorted values that at least this share does not exceed.
 fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.max(1) - 1).copied()

@@ -1,28 +1,27 @@
-//! From physical slip to the first harder command, in ticks.
+//! Latency from physical slip to the first command that increases grip, in ticks.
 //!
-//! The simulator knows which share of a fingertip's pressure lies on skin that slides. At the rim some always does; when nearly
-//! all of it slides, friction is exhausted and the object moves in the hand: that tick is the onset. It is answered by the first
-//! tick from then on in which that finger is commanded to close. A finger at F_2 may not press harder (Module 3): slips there are
-//! kept apart.
+//! Onset: nearly all of a fingertip's pressure is on sliding skin (ground truth; some skin at the
+//! rim always slides). Response: the next closing command for that side. At F_2, Module 3 prevents
+//! a response; these slips are counted separately.
 
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::HandReport;
 use sim_backend::World;
 
-/// Share of the pressure that slides from which on the fingertip slips as a whole (ours: what is left sticks by chance).
+/// Sliding share of the pressure above which the fingertip slips as a whole. Design choice: the
+/// remaining contact sticks by chance.
 const SLIPS_SHARE: f64 = 0.9;
-/// Distance that the skin must slide in a run for it to count, m (ours: a tremble at the edge of slipping is none).
+/// Sliding distance above which a slip counts, m. Design choice: excludes tremor at the slip limit.
 const SLIP_M: f64 = 5e-6;
-/// Ticks without slip that end a run (ours: longer than the swing of a load).
+/// Ticks without slip that end a slip. Design choice: longer than the swing of a load.
 const CALM_TICKS: u64 = 50;
-/// Share of F_2 from which on a finger may not press harder: Module 3's.
+/// Share of F_2 above which Module 3 allows no more force.
 const AT_F2_SHARE: f32 = 0.97;
-/// Closing speed that is one, m/s.
+/// Threshold of the closing speed, m/s.
 const CLOSES_M_S: f32 = 1e-6;
 /// Length of a tick, ms.
 const TICK_MS: f64 = 1.0;
 
-/// The slips of one trial.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Onsets {
     fingers: [Finger; VIRTUAL_FINGERS],
@@ -31,14 +30,12 @@ pub(super) struct Onsets {
     unanswered: u64,
 }
 
-/// One fingertip.
 #[derive(Clone, Copy, Debug, Default)]
 struct Finger {
     slid_before_m: f64,
     run: Option<Run>,
 }
 
-/// A run of slipping.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     begin: u64,
@@ -49,8 +46,7 @@ struct Run {
 }
 
 impl Onsets {
-    /// Takes in one tick: the world after it, and what it commanded this hand. `carries` is whether the hand holds something by
-    /// touch.
+    /// Processes one tick; `carries` is true while the hand carries an object under force control.
     pub(super) fn watch(
         &mut self,
         tick: u64,
@@ -66,7 +62,7 @@ impl Onsets {
         for (finger, felt) in fingers.iter().enumerate() {
             let state = &mut self.fingers[finger];
             let slid_m = truth.slip_m[hand][finger];
-            // A new grasp counts from zero again.
+            // The distance restarts at zero for a new grasp.
             let step_m = (slid_m - state.slid_before_m).max(0.0);
             state.slid_before_m = slid_m;
             let slips = carries && world.sliding_share(hand, finger) > SLIPS_SHARE;
@@ -110,12 +106,11 @@ impl Onsets {
         }
     }
 
-    /// From onset to answer, or to the end of a slip that had none, ms; of slips at F_2 apart.
+    /// Returns latencies to the response or the end of the slip, ms; without slips at F_2.
     pub(super) fn latencies_ms(&self) -> &[f64] {
         &self.latencies_ms
     }
 
-    /// The same of the slips during which F_2 forbade an answer, ms.
     pub(super) fn at_f2_ms(&self) -> &[f64] {
         &self.at_f2_ms
     }

@@ -1,33 +1,35 @@
-//! A policy as clumsy as they come: ten targets a second, each 50 ms late, in steps and with a trembling aim; half of them close
-//! too weakly to hold anything, half much too hard. It knows where the object was meant to stand, and feels nothing.
+//! Coarse position policy without tactile feedback: ten targets per second, each 50 ms late, in
+//! steps with position jitter. Half of the policies close too weakly, half too strongly. The
+//! object's place is nominal knowledge.
 
 use shm_schemas::{GraspTarget, GripOrder, Hand, Stamp};
 use sim_backend::GraspHint;
 use sim_backend::random::Random;
 
-/// Ticks between two targets (10 Hz), and from the making of one to its arrival (issue).
+/// Period of the targets (10 Hz) and their latency, ticks (acceptance criterion).
 const PERIOD_TICKS: u64 = 100;
 pub(super) const LATENCY_TICKS: u64 = 50;
-/// How long a target may be followed, ns (ours: three periods and the latency).
+/// Validity of a target, ns. Design choice: three periods plus latency.
 const VALID_NS: u64 = 350_000_000;
-/// Extra opening before the object, m (ours: 9 mm on each side).
+/// Additional opening in the approach, m. Design choice: 9 mm per side.
 const OPEN_BY_M: f64 = 0.018;
-/// Height of the way to the object and of the lift above the grasp, m (ours).
+/// Height above the grasp of the approach and of the lift, m. Design choice.
 const OVER_M: f64 = 0.06;
 pub(super) const LIFT_M: f64 = 0.04;
-/// How far the object is carried aside, m (ours).
+/// Lateral distance of the carry, m. Design choice.
 const ASIDE_M: f64 = 0.06;
-/// Half widths of the jerks: of the centre, m, and of the yaw, rad (ours: 2 mm and 3° every tenth of a second).
+/// Half widths of the jitter per target: centre (m), yaw (rad). Design choice: 2 mm and 3°.
 const JERK_M: f64 = 0.002;
 const JERK_RAD: f64 = 0.05;
-/// How far the policy closes beyond the object's width, m: too weakly, and too hard (ours: a quarter of a millimetre of skin on
-/// each side holds next to nothing; two millimetres on each side crush what can be crushed).
+/// Commanded closing beyond the object's width, m: too weak and too strong. Design choice: 0.25 mm
+/// per side hold almost no load, 2 mm crush fragile objects.
 const WEAK_M: [f64; 2] = [0.0003, 0.0008];
 const HARD_M: [f64; 2] = [0.003, 0.006];
-/// When each phase ends, s (ours: a patient policy would take as long): over the object, down, closed, lifted, aside, done.
+/// End of each phase, s: above the object, down, closed, lifted, moved aside, done. Design choice:
+/// the speed of a careful policy.
 const PHASES_S: [f64; 6] = [2.5, 4.5, 9.0, 12.0, 14.5, 16.0];
 
-/// The policy in one trial.
+/// Policy of one trial.
 #[derive(Clone, Debug)]
 pub struct Script {
     hint: GraspHint,
@@ -39,7 +41,7 @@ pub struct Script {
 }
 
 impl Script {
-    /// A policy for an object; every second seed closes too weakly.
+    /// Creates a policy for an object; `weakly` selects the too weak closing.
     #[must_use]
     pub fn new(hint: GraspHint, hand: Hand, weakly: bool, mut random: Random) -> Self {
         let [least_m, most_m] = if weakly { WEAK_M } else { HARD_M };
@@ -54,19 +56,19 @@ impl Script {
         }
     }
 
-    /// Whether it closes too weakly.
+    /// Returns true if the policy closes too weakly.
     #[must_use]
     pub fn is_weak(&self) -> bool {
         self.weakly
     }
 
-    /// How long it takes, ticks.
+    /// Returns the duration, ticks.
     #[must_use]
     pub fn ticks() -> u64 {
         (PHASES_S[5] * 1e3) as u64
     }
 
-    /// The target that is made in this tick, if one is.
+    /// Returns the target created in this tick, if any.
     pub fn make(&mut self, tick: u64, now_ns: u64, writer_epoch: u64) -> Option<GraspTarget> {
         if !tick.is_multiple_of(PERIOD_TICKS) {
             return None;
@@ -82,7 +84,7 @@ impl Script {
             _ => (ASIDE_M, LIFT_M, self.width_m),
         };
         let mut jerk = |half: f64| self.random.between(-half, half);
-        // Down into the table no policy would aim, and close by it not at all.
+        // The jitter never lowers the target into the table.
         let centre_m = [
             x_m + jerk(JERK_M),
             y_m - aside_m + jerk(JERK_M),

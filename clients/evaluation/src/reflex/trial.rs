@@ -1,4 +1,4 @@
-//! One trial: a member of an object's family, a clumsy policy, and what truly became of the object.
+//! One trial: a family member, a coarse position policy, and the true outcome.
 
 use std::collections::VecDeque;
 
@@ -16,36 +16,29 @@ use crate::offline::OfflineRun;
 use crate::task::SIDE;
 use crate::trial_seed;
 
-/// Epoch of the policy as a writer (ours: any but a sensor's).
+/// Writer epoch of the policy. Any value different from a sensor's.
 const POLICY: u64 = 0x706f_6c69_6379;
-/// The policy's stream of random numbers.
+/// Random stream of the policy.
 const POLICY_STREAM: u64 = 0x6a65_726b;
-/// Share of the lift that the object must truly have risen at the end, and force of a finger that still presses, N: as for the
-/// grasp.
+/// Minimum share of the lift, and normal force (N) of a fingertip in contact; as for the grasp.
 const LIFTED_SHARE: f64 = 0.5;
 const PRESSED_N: f64 = 0.03;
-/// A touch that no fingertip ever feels, N: what makes the hand obey widths as they are.
+/// Touch threshold that no force reaches, N: the hand executes commanded widths.
 const NEVER_N: f64 = 10_000.0;
-/// The step in which a led hand carries.
+/// Step of a teleoperated hand that carries an object.
 const CARRIES: &str = "carry";
 
-/// What became of one trial.
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
-    /// Why it is no success; `None` if it is.
+    /// Failure key.
     pub(super) failure: Option<String>,
-    /// Whether the object was crushed, whatever else.
     pub(super) crushed: bool,
-    /// Whether the policy closed too weakly.
     pub(super) weakly: bool,
-    /// The slips of what was carried.
     pub(super) onsets: Onsets,
-    /// Mean true normal force of both sides in the end over the force that keeps the object from sliding; nothing of one that is not
-    /// in the hand as it was taken.
+    /// Mean final normal force over the force against sliding; `None` without success.
     pub(super) over_grip: Option<f64>,
 }
 
-/// The settings of a hand without the reflex: it feels nothing.
 pub(super) fn numb(settings: &Settings) -> Settings {
     let mut settings = *settings;
     settings.perception.touch_on_n = NEVER_N;
@@ -53,7 +46,6 @@ pub(super) fn numb(settings: &Settings) -> Settings {
     settings
 }
 
-/// Runs the policy on a member of the object's family.
 pub(super) fn run(
     robot: &RobotModel,
     object: &Object,
@@ -115,7 +107,6 @@ pub(super) fn run(
     })
 }
 
-/// The goal that opens the stream.
 fn follow(run: &OfflineRun, robot: &RobotModel, hand: Hand) -> anyhow::Result<Order> {
     let request = GoalRequest {
         stamp: Stamp {

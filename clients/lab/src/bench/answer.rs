@@ -1,4 +1,5 @@
-//! From sensors to the command across processes, both polling, against a bare ping-pong of the same words.
+//! Latency from sensor messages to the command across processes, both polling, compared with a bare
+//! echo of the same messages.
 
 use std::time::Duration;
 
@@ -21,31 +22,28 @@ use super::site::Site;
 use super::transport::{poll, rounds, start_echo};
 use crate::demo::child::Child;
 
-/// Ticks of a grasp that are measured: from the approach into the lift.
+/// Number of measured ticks of a grasp, from approach into lift.
 const TICKS: usize = 5_000;
-/// Most ticks until the goal begins.
 const PATIENCE_TICKS: usize = 2_000;
-/// Most reports taken in one look: all that can wait.
+/// Most reports read at once: the queue length.
 const AT_ONCE: usize = 256;
-/// How long an answer may take before the sensors say again what they said.
+/// Time without a reply after which the sensor messages are sent again.
 const GREET_AFTER: Duration = Duration::from_millis(50);
-/// How long the daemon may take to be there, and to answer.
+/// Longest time for the daemon to start and to reply.
 const DAEMON_WITHIN: Duration = Duration::from_secs(15);
-/// Ticks between two looks at the reports.
+/// Ticks between two reads of the reports.
 const LOOK_EVERY: usize = 64;
 
-/// Durations of one repeat.
 pub(super) struct Answer {
-    /// From before the frames are written to the command's arrival.
+    /// Time from before the frames are written to arrival of the command.
     pub(super) daemon: Percentiles,
-    /// The tick's body meanwhile.
     pub(super) body: Percentiles,
-    /// The same words there and back with nothing in between.
+    /// Round trip of the same messages with a bare echo.
     pub(super) ping_pong: Percentiles,
 }
 
 impl Answer {
-    /// How much longer the daemon takes than the bare words and the body of a tick.
+    /// Returns the daemon's time relative to echo plus tick duration.
     pub(super) fn ratio(&self) -> f64 {
         self.daemon.p50_ns as f64 / (self.ping_pong.p50_ns + self.body.p50_ns) as f64
     }
@@ -61,7 +59,7 @@ pub(super) fn measure(plan: &Plan<'_>) -> anyhow::Result<Answer> {
     })
 }
 
-/// The sensors' end of the bus.
+/// Sensor side of the bus.
 struct Sensors {
     frames: [Publisher<HandFrame>; 2],
     joints: Publisher<JointState>,
@@ -87,7 +85,7 @@ impl Sensors {
         Ok(self.joints.send(joints)?)
     }
 
-    /// What was sent before the daemon was there, it has not heard.
+    /// Connects new readers: messages sent before the daemon joined are lost.
     fn greet(&self) -> anyhow::Result<()> {
         self.frames
             .iter()
@@ -95,7 +93,6 @@ impl Sensors {
         Ok(self.joints.connect_readers()?)
     }
 
-    /// Whether the command that answers this joint state is there.
     fn is_answered(&mut self, sequence: u64) -> anyhow::Result<bool> {
         let news = self.commands.newest(&mut self.command)?;
         Ok(news && self.command.answers_sequence == sequence)
@@ -109,14 +106,14 @@ fn ping_pong(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
     let mut sensors = Sensors::open(&bus)?;
     let (frame, mut joints) = (HandFrame::default(), JointState::default());
     rounds(plan, &mut echo, |sequence, limit| {
-        // The command of no tick answers 0.
+        // Sequence 0 stands for a command without a tick.
         joints.stamp.sequence = sequence + 1;
         sensors.send([&frame, &frame], &joints)?;
         poll(limit, || sensors.is_answered(sequence + 1))
     })
 }
 
-/// A daemon in lock-step polls its sensors, which are played by this thread.
+/// Measures a daemon in lock-step that polls the sensors simulated by this thread.
 fn daemon(plan: &Plan<'_>) -> anyhow::Result<(Percentiles, Percentiles)> {
     let mut scene = Polled::set()?;
     let (mut durations_ns, mut bodies_ns) = (Vec::new(), Vec::new());
@@ -143,7 +140,8 @@ fn daemon(plan: &Plan<'_>) -> anyhow::Result<(Percentiles, Percentiles)> {
     Ok((percentiles::of(durations_ns), percentiles::of(bodies_ns)))
 }
 
-/// A world in this process before a daemon in lock-step. The order of the fields is the order of the end.
+/// Simulated world in this process, connected to a daemon in lock-step. Fields are dropped in this
+/// order.
 struct Polled {
     world: World,
     sensed: Sensed,
@@ -182,7 +180,8 @@ impl Polled {
         })
     }
 
-    /// One tick: from before the sensors write to the command's arrival, ns.
+    /// Runs one tick; returns the time from before the sensor messages to arrival of the command,
+    /// ns.
     fn exchange(&mut self, plan: &Plan<'_>) -> anyhow::Result<u64> {
         self.ask();
         self.world.sense(&mut self.sensed);
@@ -207,7 +206,7 @@ impl Polled {
         Ok(duration_ns)
     }
 
-    /// Sends the goal, which is refused as long as the daemon has not opened its door.
+    /// Sends the goal; retried until the daemon accepts goals.
     fn ask(&mut self) {
         if self.pending.is_none() {
             self.pending = self.client.send(&self.goal).ok();

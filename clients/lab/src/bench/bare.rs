@@ -1,5 +1,5 @@
-//! Bare loops: sleep until the next millisecond, look at the clock, nothing else. With what the daemon does for its own
-//! punctuality, or without: spinning before the deadline, keeping the cores awake.
+//! Bare loops: sleep until the next millisecond and read the clock. Optionally with the daemon's
+//! measures against late wake-ups: spinning before the deadline and keeping the cores awake.
 
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -17,22 +17,23 @@ use shm_schemas::Percentiles;
 use super::tool::Notes;
 use super::{Plan, machine};
 
-/// Period of the loop: the daemon's.
+/// Period of the loop, equal to that of the daemon, ns.
 const PERIOD_NS: u64 = 1_000_000;
 
-/// How long before a deadline a spinning loop wakes up: the most that the daemon does by default (`realtime.spin_us`).
+/// Spin time before a deadline, ns: the daemon's default maximum (`realtime.spin_us`).
 const SPIN_NS: u64 = 50_000;
-/// Who holds 0 here keeps the cores from idle states that they wake up from slowly.
+/// Device that disables deep idle states of the cores while 0 is written and the file is open.
 const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
 
-/// What a bare loop does beside sleeping.
+/// Measures of a bare loop against late wake-ups.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BareLoop {
     pub(super) spins: bool,
     pub(super) keeps_awake: bool,
 }
 
-/// How late a bare loop on the plan's core wakes up; `None`, with a note, where it may not keep the cores awake.
+/// Measures the wake-up latency of a bare loop on the plan's core. Returns `None` and adds a note
+/// if the cores cannot be kept awake.
 pub(super) fn measure(
     plan: &Plan<'_>,
     bare: BareLoop,
@@ -54,7 +55,6 @@ pub(super) fn measure(
     Ok(Some(percentiles::of(late_ns)))
 }
 
-/// Keeps the cores awake as long as the file is open.
 fn hold_awake() -> std::io::Result<File> {
     let mut file = OpenOptions::new().write(true).open(IDLE_LATENCY)?;
     file.write_all(&0_i32.to_ne_bytes())?;
@@ -68,7 +68,7 @@ fn run(
     interrupt: &Interrupt,
 ) -> anyhow::Result<Vec<u64>> {
     machine::pin(core)?;
-    // Without the right to it the daemon runs without it as well: the two stay comparable.
+    // Without the permission, the daemon also runs without it, so results remain comparable.
     let _ = scheduling::enter_fifo(scheduling::TICK_PRIORITY);
     let ticks = u64::try_from(window.as_nanos())? / PERIOD_NS;
     let mut late_ns = Vec::with_capacity(usize::try_from(ticks)?);
@@ -83,7 +83,7 @@ fn run(
         }
         let late = now.saturating_sub(deadline_ns);
         late_ns.push(late);
-        // What has passed is skipped, as in the daemon.
+        // Missed deadlines are skipped, as in the daemon.
         deadline_ns += late / PERIOD_NS * PERIOD_NS;
     }
     Ok(late_ns)
@@ -95,7 +95,7 @@ fn sleep_until(deadline_ns: u64) -> anyhow::Result<()> {
         tv_nsec: i64::try_from(deadline_ns % 1_000_000_000)?,
     };
     match clock_nanosleep_absolute(ClockId::Monotonic, &deadline) {
-        // A signal ends the sleep early; the caller looks at the flag.
+        // A signal ends the sleep early; the caller checks the flag.
         Ok(()) | Err(rustix::io::Errno::INTR) => Ok(()),
         Err(error) => Err(error).context("could not sleep"),
     }

@@ -1,4 +1,5 @@
-//! What a tick costs in numbers that do not depend on the machine's mood: allocations, instructions, system calls.
+//! Cost of a tick in counts that do not depend on machine load: allocations, instructions, system
+//! calls.
 
 use std::path::Path;
 use std::time::Duration;
@@ -13,19 +14,18 @@ use super::site::Site;
 use super::tool::{self, Notes};
 use crate::demo::child::{Child, beside_this_program};
 
-/// The program with the production tick and a simulated world in one thread.
+/// Program that runs the production tick and a simulated world in one thread.
 const HELPER: &str = "atas-bench";
 const HELPER_CURE: &str = "build everything with `cargo build --workspace`; without it tick_us, allocs_per_tick and \
     instructions_per_tick are null";
-/// Ticks that it runs: a grasp from its approach into the lift.
 const TICKS: &str = "8000";
-/// Ticks under callgrind, which is fifty times slower.
+/// Number of ticks under callgrind, which is fifty times slower.
 const TICKS_COUNTED: u32 = 3000;
-/// How long a run of it may take, under callgrind on a busy machine.
+/// Longest run time, valid for callgrind on a loaded machine.
 const WITHIN: Duration = Duration::from_secs(120);
-/// The function in which instructions are counted.
+/// Option that restricts instruction counting to the tick function.
 const TICK_FUNCTION: &str = "--toggle-collect=*production_tick*";
-/// Slow enough for a traced process on a loaded machine.
+/// Settings slow enough for a traced process on a loaded machine.
 const TRACED: [&str; 10] = [
     "--set",
     "realtime.rate_hz=200",
@@ -38,19 +38,16 @@ const TRACED: [&str; 10] = [
     "--set",
     "safety.valid_s=0.02",
 ];
-/// Sleeps in which the traced tick thread gets to know its peers and touches everything once.
+/// Number of initial sleeps without counting: the tick thread connects and touches its memory.
 const WARM_UP: usize = 100;
-/// How long it is traced.
 const TRACE: Duration = Duration::from_secs(4);
 
-/// What was counted; `None` where it could not be.
 pub(super) struct Counts {
     pub(super) ticks: Option<Ticks>,
     pub(super) instructions_per_tick: Option<f64>,
     pub(super) syscalls_per_tick: Option<f64>,
 }
 
-/// What the helper prints.
 #[derive(Deserialize)]
 pub(super) struct Ticks {
     pub(super) body_us: Value,
@@ -91,7 +88,7 @@ fn ticks(helper: &Path, plan: &Plan<'_>) -> anyhow::Result<Ticks> {
     serde_json::from_str(&line).with_context(|| format!("could not read what {HELPER} says"))
 }
 
-/// Instructions within the tick, counted by callgrind (Debian package valgrind).
+/// Counts instructions of the tick with callgrind (Debian package valgrind).
 fn instructions(helper: &Path, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
     let site = Site::new()?;
     let out = site.folder().join("callgrind");
@@ -129,7 +126,7 @@ fn instructions(helper: &Path, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Re
     Ok(total.map(|total| total / f64::from(TICKS_COUNTED)))
 }
 
-/// System calls of the running daemon's tick thread, its sleep among them (Debian package strace).
+/// Counts system calls of the daemon's tick thread, including its sleep (Debian package strace).
 fn syscalls(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
     if !can_trace(plan, notes)? {
         return Ok(None);
@@ -137,7 +134,8 @@ fn syscalls(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
     let atasd = beside_this_program("atasd")?.display().to_string();
     let start = |site: &Site, control: &[&str]| {
         let out = site.folder().join("trace").display().to_string();
-        // -D: the daemon stays our child, strace is its grandchild and ends with it.
+        // With -D the daemon remains a child of this process; strace is its grandchild and ends
+        // with it.
         let strace = ["-D", "-f", "-qq", "-o", &out, &atasd];
         let arguments = [&strace, control].concat();
         Child::start_program(Path::new("strace"), "strace", &arguments, site.folder())
@@ -176,7 +174,7 @@ fn can_trace(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<bool> {
     Ok(status.success())
 }
 
-/// System calls of a thread per sleep, after its first sleeps.
+/// Returns the system calls of a thread per sleep, after its first sleeps.
 fn calls_per_sleep(trace: &str, thread: &str) -> Option<f64> {
     let calls: Vec<&str> = trace
         .lines()

@@ -1,4 +1,4 @@
-//! cyclictest, the field's own measure of wake-up latency (Debian package rt-tests).
+//! cyclictest, the standard measurement of wake-up latency (Debian package rt-tests).
 
 use std::path::Path;
 use std::time::Duration;
@@ -11,10 +11,11 @@ use super::Plan;
 use super::site::Site;
 use super::tool::{self, Notes};
 
-/// How much longer than asked it may take.
+/// Longest run time beyond the requested duration.
 const GRACE: Duration = Duration::from_secs(20);
 
-/// How late cyclictest's thread wakes up on the plan's core; `None`, with a note, where it cannot run.
+/// Measures the wake-up latency of cyclictest on the plan's core. Returns `None` and adds a note if
+/// it cannot run.
 pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<Percentiles>> {
     let site = Site::new()?;
     let (core, priority) = (
@@ -22,7 +23,7 @@ pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Opti
         format!("-p{}", scheduling::TICK_PRIORITY),
     );
     let duration = format!("-D{}", plan.window.as_secs());
-    // Every sample in nanoseconds, of one thread with locked memory, once a millisecond.
+    // All samples in nanoseconds, one thread, locked memory, period 1 ms.
     let arguments = [
         "-m", "-t1", "-i1000", "-d0", "-N", "-v", &core, &priority, &duration,
     ];
@@ -54,7 +55,7 @@ pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Opti
     Ok(Some(percentiles::of(late_ns)))
 }
 
-/// A line reads `thread: cycle: latency`.
+/// Parses a line `thread: cycle: latency`.
 fn sample(line: &str) -> Option<u64> {
     let mut fields = line.split(':').map(str::trim);
     let _thread = fields.next()?.parse::<u64>().ok()?;

@@ -1,4 +1,4 @@
-//! The other end of a transport: answers until it is told to end. Runs in a process of its own.
+//! Echo process of the transport benchmark: answers until it is terminated.
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -10,10 +10,10 @@ use atas_console::arguments::EchoBy;
 use shm_bus::{Bus, BusName, Realtime};
 use shm_schemas::{HandFrame, JointCommand, JointState, service};
 
-/// Bytes of the payload that goes there and back.
+/// Payload size in each direction, bytes.
 pub(super) const PAYLOAD_BYTES: usize = size_of::<HandFrame>();
 
-/// `atas bench echo`: until SIGTERM.
+/// `atas bench echo`: answers until SIGTERM.
 pub(super) fn run(
     by: EchoBy,
     bus: &BusName,
@@ -78,8 +78,8 @@ fn bytes(path: &Path, interrupt: &Interrupt) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads a whole payload from a stream that does not block, polling as the shared memory is polled. False when the
-/// other end closed, or a signal came.
+/// Reads a whole payload from a non-blocking stream by polling, as with shared memory. Returns
+/// false on end of stream or a signal.
 pub(super) fn read_polling(
     stream: &mut UnixStream,
     bytes: &mut [u8],

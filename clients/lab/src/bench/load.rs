@@ -1,4 +1,4 @@
-//! Work for the machine while the daemon is measured (Debian package stress-ng).
+//! Background load during measurements (Debian package stress-ng).
 
 use std::path::Path;
 use std::time::Duration;
@@ -8,19 +8,18 @@ use super::site::Site;
 use super::tool::{self, Notes};
 use crate::demo::child::Child;
 
-/// How long the slowest measurement takes beyond its windows.
+/// Longest duration of a measurement beyond its windows.
 const GRACE: Duration = Duration::from_secs(40);
-/// How long the work takes to begin.
 const RISE: Duration = Duration::from_millis(300);
 
-/// One worker that computes and one that moves memory about, both on the core of the ticks. Ends with this value.
+/// One computing and one memory-moving worker on the core of the ticks. Ends on drop.
 pub(super) struct Load {
     _child: Child,
     _site: Site,
 }
 
 impl Load {
-    /// `None`, with a note, where it cannot run.
+    /// Starts the load; returns `None` and adds a note if it cannot run.
     pub(super) fn start(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<Self>> {
         let site = Site::new()?;
         let core = plan.core.to_string();

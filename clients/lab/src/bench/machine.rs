@@ -1,9 +1,9 @@
-//! What this machine is, and where on it to measure.
+//! Description of this machine, and choice of cores.
 
 use anyhow::Context;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
-/// The last core that this process may use: least likely to serve interrupts.
+/// Returns the last core available to this process; it is the least likely to serve interrupts.
 pub(super) fn last_core() -> anyhow::Result<usize> {
     let allowed = sched_getaffinity(None).context("could not ask for the allowed cores")?;
     let last = (0..CpuSet::MAX_CPU)
@@ -12,14 +12,13 @@ pub(super) fn last_core() -> anyhow::Result<usize> {
     last.context("could not find a core that this process may use")
 }
 
-/// A core that this process may use beside one; the same one if there is no other.
+/// Returns another core available to this process, or the same one if there is no other.
 pub(super) fn other_core(core: usize) -> anyhow::Result<usize> {
     let allowed = sched_getaffinity(None).context("could not ask for the allowed cores")?;
     let mut others = (0..CpuSet::MAX_CPU).filter(|other| *other != core && allowed.is_set(*other));
     Ok(others.next().unwrap_or(core))
 }
 
-/// Keeps the calling thread on one core.
 pub(super) fn pin(core: usize) -> anyhow::Result<()> {
     let mut cores = CpuSet::new();
     cores.set(core);
@@ -27,7 +26,6 @@ pub(super) fn pin(core: usize) -> anyhow::Result<()> {
         .with_context(|| format!("could not pin a thread to core {core}"))
 }
 
-/// Processor and number of cores.
 pub(super) fn name() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = text
@@ -38,7 +36,6 @@ pub(super) fn name() -> String {
     format!("{model}, {cores} cores")
 }
 
-/// Release and version of the kernel.
 pub(super) fn kernel() -> String {
     let uname = rustix::system::uname();
     format!(

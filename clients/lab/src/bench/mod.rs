@@ -1,19 +1,20 @@
-//! `atas bench latency`: how punctual the daemon is on this machine, beside what it is compared with, in one run.
+//! `atas bench`: timing of the daemon on this machine, compared with references in one run.
 //!
 //! ```text
 //!  repeats × ┬ cyclictest, same core ─┐
 //!            ├ bare loop, same core ──┤
 //!            ├ daemon, phase-locked ──┼─▶ medians ─▶ report: JSON, tables
 //!            ├ daemon, free-running ──┤
-//!            └ answer and ping-pong ──┘             the first three once more under load
+//!            └ response and echo ─────┘             the first three again under load
 //!  once: counts of a tick, transports
 //! ```
 //!
-//! * **In:** a length and a number of repeats; programs of this machine where they are installed. **Out:** figures.
-//! * **Invariants:** what is compared runs in turn on the same core, never at once. Every wait has its limit. What was
-//!   not measured is `null`, and `not_measured` says why. No way out leaves a process or a bus behind; what `kill -9`
-//!   leaves in shared memory, the next bench or demo removes.
-//! * **Absent on purpose:** limits. A machine's microseconds are no gate; `tests/benches` hold ratios and counts.
+//! * **In:** duration, number of repeats; installed reference programs. **Out:** figures.
+//! * **Invariants:** compared loops run in turn on the same core. Every wait has a time limit. A
+//!   missing figure is `null`, and `not_measured` gives the reason. Every exit removes processes
+//!   and bus; after `kill -9` the next bench or demo removes the shared memory.
+//! * **Not included:** limits, as absolute times depend on the machine; `tests/benches` check
+//!   ratios and counts.
 
 mod answer;
 mod bare;
@@ -44,20 +45,17 @@ use report::Report;
 use tool::Notes;
 use transport::Transports;
 
-/// Length of a measurement, s.
 const SECONDS: u64 = 10;
 const SECONDS_SHORT: u64 = 2;
 
-/// What a run of the bench is told.
 struct Plan<'a> {
-    /// Where the ticks run, and what they are compared with.
+    /// Core of the daemon's ticks and of the references.
     core: usize,
     window: Duration,
     repeats: u32,
     interrupt: &'a Interrupt,
 }
 
-/// `atas bench`.
 pub(crate) fn bench(
     what: &Bench,
     interrupt: &Interrupt,

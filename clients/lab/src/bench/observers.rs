@@ -1,11 +1,12 @@
-//! `atas bench observers`: whether looking on costs the tick anything. One daemon, in turn unobserved and with eight observers: two
-//! of each kind, of which one hangs and the other is killed and comes back, again and again. Eight programs that start and die cost
-//! every process of a machine something, caches above all. So the third part is the same eight, looking at another daemon on a bus
-//! of its own: what observing costs is the second over the third.
+//! `atas bench observers`: effect of observers on the tick. Three conditions: one daemon without
+//! observers; with eight observers, two of each kind, of which one is frozen and one repeatedly
+//! killed and restarted; with the same observers on another daemon and bus. Starting programs
+//! disturbs the caches of all processes, so the cost of observing is the ratio of the second to the
+//! third condition.
 //!
-//! * **Invariants:** all parts of a comparison are of the same daemon, in one run, next to each other in time; the other daemon runs
-//!   in all of them.
-//! * **Absent on purpose:** a limit. `tests/benches` hold ratios; a busy machine's are noise.
+//! * **Invariants:** all conditions use the same daemon in one run, close together in time; the
+//!   other daemon runs in all of them.
+//! * **Not included:** limits. `tests/benches` check ratios; on a loaded machine they are noise.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -26,20 +27,17 @@ use super::punctual::{Ticks, gather};
 use super::site::Site;
 use crate::demo::child::Child;
 
-/// What looks on, as a program and its arguments; the bus comes after them.
+/// Observer programs with their arguments; the bus is appended.
 const KINDS: [(&str, &str); 4] = [
     ("atas", "status --watch"),
     ("atas", "topic hz tick-report"),
     ("atas-live", "dashboard --port 0"),
     ("atas-live", "foxglove --port 0"),
 ];
-/// How long an observer looks on before it hangs, or is killed.
 const LOOKS: Duration = Duration::from_millis(500);
 
-/// A figure of a part, by its name, ns.
 type Measure = (&'static str, fn(&Part) -> u64);
 
-/// `atas bench observers`.
 pub(super) fn observers(
     arguments: &BenchObservers,
     interrupt: &Interrupt,
@@ -65,7 +63,6 @@ pub(super) fn observers(
     print(&alone, &observed, &elsewhere, output)
 }
 
-/// A daemon on this core, with its simulator, ready.
 fn start_pair(core: usize, interrupt: &Interrupt) -> anyhow::Result<Pair> {
     let core = format!("realtime.cpu={core}");
     let mut pair = Pair::start(&["--set", &core], |site, control| {
@@ -75,7 +72,6 @@ fn start_pair(core: usize, interrupt: &Interrupt) -> anyhow::Result<Pair> {
     Ok(pair)
 }
 
-/// One part of a comparison.
 struct Part {
     wake: Percentiles,
     body: Percentiles,
@@ -83,7 +79,7 @@ struct Part {
 }
 
 impl Part {
-    /// Listens for the plan's window; `meanwhile` is called every half second.
+    /// Collects reports during the plan's window; calls `meanwhile` every half second.
     fn measure(
         pair: &mut Pair,
         plan: &Plan<'_>,
@@ -103,7 +99,7 @@ impl Part {
     }
 }
 
-/// The observers: one of each kind that hangs, and one that comes and goes.
+/// Observers: of each kind one frozen and one restarted repeatedly.
 struct Crowd {
     bus: BusName,
     logs: PathBuf,
@@ -127,7 +123,6 @@ impl Crowd {
         })
     }
 
-    /// Kills those that come and go, and starts their successors.
     fn change(&mut self) -> anyhow::Result<()> {
         for child in &self.coming_and_going {
             child.signal(Signal::KILL)?;
@@ -140,13 +135,12 @@ impl Crowd {
 impl Drop for Crowd {
     fn drop(&mut self) {
         for child in &self.hanging {
-            // One that is gone need not go on.
+            // Fails only if it has ended.
             let _ = child.signal(Signal::CONT);
         }
     }
 }
 
-/// One observer of each kind.
 fn start(bus: &BusName, logs: &Path) -> anyhow::Result<Vec<Child>> {
     let bus = bus.as_str();
     let one = |(program, words): &(&'static str, &str)| {

@@ -1,4 +1,4 @@
-//! A daemon and a simulator by the clock, on a bus of their own.
+//! Daemon and simulator in real time on a separate bus.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -12,16 +12,15 @@ use shm_schemas::{Mode, Status, TickReport, service};
 use super::site::Site;
 use crate::demo::child::Child;
 
-/// How long the daemon may take to be ready.
 const READY_WITHIN: Duration = Duration::from_secs(15);
-/// The simulator is at work before the daemon starts, so that the daemon's start is its own.
+/// Delay between simulator and daemon start, so that the simulator's start does not affect the
+/// measured start of the daemon.
 const HEAD_START: Duration = Duration::from_millis(200);
-/// Name of the daemon's tick thread.
 const TICK_THREAD: &str = "atasd-tick";
-/// What the built-in defaults, whatever is installed on this machine, come from.
+/// Empty configuration: built-in defaults, independent of this machine's configuration.
 pub(super) const NO_CONFIGURATION: [&str; 2] = ["--config", "/dev/null"];
 
-/// Both processes with a place on their bus. The order of the fields is the order of the end.
+/// Both processes and the ports of this process. Fields are dropped in this order.
 pub(super) struct Pair {
     statuses: Subscriber<Status>,
     pub(super) reports: Subscriber<TickReport>,
@@ -34,7 +33,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    /// Starts both. `start_daemon` is given the site and the daemon's arguments.
+    /// Starts both processes. `start_daemon` receives the site and the daemon's arguments.
     pub(super) fn start(
         flags: &[&str],
         start_daemon: impl FnOnce(&Site, &[&str]) -> anyhow::Result<Child>,
@@ -62,7 +61,7 @@ impl Pair {
         })
     }
 
-    /// Waits until the daemon is as wanted, for a while.
+    /// Waits until `wanted` holds; returns false after `limit`.
     pub(super) fn wait_until(
         &mut self,
         limit: Duration,
@@ -79,7 +78,6 @@ impl Pair {
         Ok(wanted(&self.status))
     }
 
-    /// Waits until the daemon is ready for goals.
     pub(super) fn wait_until_ready(&mut self, interrupt: &Interrupt) -> anyhow::Result<()> {
         let is_ready = |status: &Status| status.mode == Mode::READY;
         let ready = self.wait_until(READY_WITHIN, interrupt, is_ready)?;
@@ -93,18 +91,17 @@ impl Pair {
         Ok(())
     }
 
-    /// Takes in the newest status.
     pub(super) fn refresh(&mut self) -> anyhow::Result<()> {
         self.statuses.newest(&mut self.status)?;
         Ok(())
     }
 
-    /// An error if one of the processes has ended.
     pub(super) fn check(&mut self) -> anyhow::Result<()> {
         self.simulator.check().and_then(|()| self.daemon.check())
     }
 
-    /// From the start of the daemon's process to its first tick, ns; `None` if its first report was missed.
+    /// Returns the time from process start to the first tick, ns; `None` if the first report was
+    /// missed.
     pub(super) fn first_tick_ns(&mut self) -> anyhow::Result<Option<u64>> {
         let mut first = None;
         self.reports.drain(1, |report| first = Some(*report))?;
@@ -116,12 +113,10 @@ impl Pair {
         &self.site
     }
 
-    /// `/proc` of the daemon.
     pub(super) fn process(&self) -> PathBuf {
         PathBuf::from(format!("/proc/{}", self.daemon.pid()))
     }
 
-    /// `/proc` of its tick thread.
     pub(super) fn tick_thread(&self) -> anyhow::Result<PathBuf> {
         let folder = self.process().join("task");
         let tasks = std::fs::read_dir(&folder)

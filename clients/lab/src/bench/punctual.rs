@@ -1,4 +1,4 @@
-//! How punctual the daemon is, and what it is compared with, in turn on one core.
+//! Wake-up latency of the daemon and of reference loops, measured in turn on one core.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -19,34 +19,34 @@ use super::tool::Notes;
 use super::{Plan, cyclictest};
 use crate::demo::child::Child;
 
-/// How long the phase lock may take (ours: at 5 µs a tick a whole period takes 200 ticks; its lag needs longer).
+/// Longest time to phase lock (design choice: 5 µs per tick need 200 ticks for a whole period; the
+/// filter lag needs longer).
 const LOCKED_WITHIN: Duration = Duration::from_secs(5);
-/// How long the daemon then runs before it is measured.
 const SETTLE: Duration = Duration::from_secs(1);
-/// Free-running daemons per repeat, which share its window: the phase to the frames is another one each time, and stays.
+/// Free-running daemons per repeat, which share its window: each has a different constant phase to
+/// the frames.
 const FREE_RUNS: u32 = 3;
-/// Most reports taken in one look: all that can wait.
+/// Most reports read at once: the queue length.
 const AT_ONCE: usize = 256;
 
 /// One repeat on an otherwise idle machine.
 pub(super) struct Repeat {
     pub(super) beside: Beside,
     pub(super) locked: Measured,
-    /// The daemon with `realtime.keep_awake` off.
     pub(super) drowsy: Measured,
     pub(super) free: Vec<Measured>,
     pub(super) answer: Answer,
 }
 
-/// What the daemon's wake-up is compared with.
+/// References for the daemon's wake-up latency.
 #[derive(Clone, Copy)]
 pub(super) struct Beside {
     pub(super) cyclictest: Option<Percentiles>,
-    /// Neither spins nor keeps the cores awake.
+    /// Without spinning, cores not kept awake.
     pub(super) bare: Option<Percentiles>,
-    /// Keeps the cores awake, as cyclictest and the daemon do.
+    /// Cores kept awake, as by cyclictest and the daemon.
     pub(super) bare_awake: Option<Percentiles>,
-    /// Keeps the cores awake and spins before its deadlines, as the daemon does.
+    /// Cores kept awake, spinning before deadlines, as in the daemon.
     pub(super) bare_spinning: Option<Percentiles>,
 }
 
@@ -77,14 +77,14 @@ impl Repeat {
     }
 }
 
-/// One repeat while the core has other work.
+/// One repeat with other load on the core.
 pub(super) struct Loaded {
     pub(super) beside: Beside,
     pub(super) locked: Measured,
 }
 
 impl Loaded {
-    /// `None` where there is nothing to load the core with.
+    /// Returns `None` if the load program is not available.
     pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<Self>> {
         let Some(_load) = Load::start(plan, notes)? else {
             return Ok(None);
@@ -96,27 +96,25 @@ impl Loaded {
     }
 }
 
-/// What a daemon measured of itself, and what the kernel says it used.
+/// Measurements from the daemon's reports and from the kernel's accounting.
 pub(super) struct Measured {
     pub(super) wake: Percentiles,
     pub(super) body: Percentiles,
     pub(super) stages: [Percentiles; STAGES],
     pub(super) sensor_to_command: Percentiles,
-    /// Of every tick, ns.
     pub(super) frame_age_ns: Vec<u64>,
-    /// Of the tick thread: the spin and the tick, percent of one core.
+    /// CPU time of the tick thread, including the spin, percent of one core.
     pub(super) tick_cpu_percent: f64,
-    /// Of the whole process, percent of one core.
+    /// CPU time of the whole process, percent of one core.
     pub(super) cpu_percent: f64,
     pub(super) resident_mib: f64,
     pub(super) page_faults: u64,
     pub(super) missed_ticks: u64,
     pub(super) first_tick_ns: Option<u64>,
-    /// Whether the kernel granted it everything.
+    /// True if the kernel granted all real-time settings.
     pub(super) is_realtime: bool,
 }
 
-/// How a daemon is set.
 #[derive(Clone, Copy)]
 struct Variant {
     phase_lock: bool,
@@ -145,7 +143,6 @@ fn free(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Vec<Measured>> {
         .collect()
 }
 
-/// Runs the daemon on the plan's core.
 fn daemon(
     plan: &Plan<'_>,
     window: Duration,
@@ -171,7 +168,6 @@ fn daemon(
         ));
     }
     let mut ticks = Ticks::default();
-    // What came before the machine had settled does not count.
     let settle = if phase_lock { SETTLE } else { SETTLE / 4 };
     let _settled = gather(&mut pair, settle, plan, &mut Ticks::default())?;
     let used = gather(&mut pair, window, plan, &mut ticks)?;
@@ -191,7 +187,6 @@ fn daemon(
     })
 }
 
-/// Durations of every tick, ns.
 #[derive(Default)]
 pub(super) struct Ticks {
     pub(super) wake: Vec<u64>,
@@ -215,7 +210,6 @@ impl Ticks {
     }
 }
 
-/// What the kernel counted over a window.
 pub(super) struct Used {
     tick_cpu_percent: f64,
     cpu_percent: f64,
@@ -223,7 +217,6 @@ pub(super) struct Used {
     pub(super) missed_ticks: u64,
 }
 
-/// Listens for a while.
 pub(super) fn gather(
     pair: &mut Pair,
     window: Duration,
@@ -255,7 +248,7 @@ fn read(path: &Path) -> anyhow::Result<String> {
     std::fs::read_to_string(path).with_context(|| format!("could not read {}", path.display()))
 }
 
-/// Processor time of the living threads of a process, s.
+/// Returns the CPU time of all living threads of a process, s.
 fn process_cpu_s(process: &Path) -> anyhow::Result<f64> {
     let folder = process.join("task");
     let tasks = std::fs::read_dir(&folder);
@@ -263,7 +256,6 @@ fn process_cpu_s(process: &Path) -> anyhow::Result<f64> {
     tasks.flatten().map(|task| thread_cpu_s(&task.path())).sum()
 }
 
-/// Processor time of a thread, s.
 fn thread_cpu_s(thread: &Path) -> anyhow::Result<f64> {
     let text = read(&thread.join("schedstat"))?;
     let first = text.split_whitespace().next();
@@ -272,13 +264,11 @@ fn thread_cpu_s(thread: &Path) -> anyhow::Result<f64> {
     Ok(ns as f64 * 1e-9)
 }
 
-/// Page faults of a thread so far.
 fn page_faults(thread: &Path) -> anyhow::Result<u64> {
     let stat = Stat::read(thread).context("could not count the page faults of the tick thread")?;
     Ok(stat.page_faults)
 }
 
-/// Resident memory of a process, MiB.
 fn resident_mib(process: &Path) -> anyhow::Result<f64> {
     let text = read(&process.join("status"))?;
     let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));

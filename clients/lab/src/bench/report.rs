@@ -1,4 +1,4 @@
-//! From measurements to figures: medians over the repeats, ratios within each repeat.
+//! Bench report: ratios within each repeat, medians over the repeats.
 
 use atas_client::percentiles;
 use atas_console::Output;
@@ -12,7 +12,6 @@ use super::tool::Notes;
 use super::transport::Transports;
 use super::{Plan, echo, machine, tables};
 
-/// Everything that was measured.
 pub(super) struct Report {
     pub(super) idle: Vec<Repeat>,
     pub(super) loaded: Vec<Loaded>,
@@ -22,7 +21,7 @@ pub(super) struct Report {
 }
 
 impl Report {
-    /// The figures as JSON; `null` is what was not measured.
+    /// Formats the figures as JSON; `null` if not measured.
     pub(super) fn json(&self, plan: &Plan<'_>) -> Value {
         let locked = || self.idle.iter().map(|repeat| &repeat.locked);
         let age = |measured: &Measured| percentiles::of(measured.frame_age_ns.clone());
@@ -89,7 +88,6 @@ impl Report {
         })
     }
 
-    /// The tables for people.
     pub(super) fn print(&self, plan: &Plan<'_>, output: &mut Output) -> anyhow::Result<()> {
         tables::print(&self.json(plan), output)
     }
@@ -104,14 +102,13 @@ impl Report {
         self.idle.iter().flat_map(|repeat| &repeat.free)
     }
 
-    /// The ages that the ticks of all free-running daemons saw: each has another phase, none is the median one.
+    /// Returns the frame ages of all free-running daemons together, as each has a different phase.
     fn free_frame_age(&self) -> Value {
         let ages = self.free().flat_map(|measured| &measured.frame_age_ns);
         microseconds(&percentiles::of(ages.copied().collect()))
     }
 }
 
-/// Wake-ups of one repeat.
 #[derive(Clone, Copy)]
 struct Compared {
     daemon: Percentiles,
@@ -136,13 +133,13 @@ impl From<&Loaded> for Compared {
     }
 }
 
-/// One percentile of several.
 type Rank = fn(&Percentiles) -> u64;
 const P50: Rank = |p| p.p50_ns;
 const P99: Rank = |p| p.p99_ns;
 const P999: Rank = |p| p.p999_ns;
 
-/// The median over the repeats of the daemon's lateness over another's in the same repeat.
+/// Returns the median over the repeats of the daemon's latency divided by that of a reference in
+/// the same repeat.
 fn ratio(
     repeats: impl Iterator<Item = Compared>,
     which: Rank,
@@ -178,7 +175,7 @@ fn wake(repeats: &[Compared]) -> Value {
     })
 }
 
-/// Medians over the repeats, µs; `null` of none.
+/// Returns medians over the repeats, µs; `null` without repeats.
 fn over(repeats: impl Iterator<Item = Percentiles>) -> Value {
     let repeats: Vec<Percentiles> = repeats.collect();
     if repeats.is_empty() {

@@ -1,4 +1,4 @@
-//! Where one measurement takes place: a bus and a folder of its own, which go with this value.
+//! Separate bus and folder of one measurement, removed on drop.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use shm_bus::{BusName, FreshBus};
 
 use crate::demo::logs::{self, Logs};
 
-/// A fresh bus and a fresh folder. Declare it before the processes and ports that use it.
+/// New bus and folder. Declare it before the processes and ports that use it.
 pub(super) struct Site {
     bus: FreshBus,
     logs: Logs,

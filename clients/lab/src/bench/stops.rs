@@ -1,10 +1,11 @@
-//! `atas bench stop`: whether a stop gets through. A living daemon is flooded with goals whose checks are as long as they can
-//! be, every place for clients is taken, one client is frozen while it joins; meanwhile it is stopped and recovered, again and
-//! again.
+//! `atas bench stop`: latency of the software stop under overload. Clients flood a daemon with
+//! goals whose validation takes longest, occupy all client slots, and one client is frozen while
+//! joining. Meanwhile the daemon is stopped and recovered repeatedly.
 //!
-//! * **Counted:** ticks from the request to the first command in SAFE_STOP, the tick that was under way not included.
-//! * **Invariants:** the flood's clients keep their requests pending. A stop that is not in the commands within a second is
-//!   counted as one that never came.
+//! * **Measured:** ticks from the request to the first command in SAFE_STOP, without the tick in
+//!   progress.
+//! * **Invariants:** the flooding clients keep their requests pending. A stop without a command
+//!   within 1 s counts as failed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -26,22 +27,22 @@ use super::pair::Pair;
 use super::site::Site;
 use crate::demo::child::Child;
 
-/// Clients that flood, and the goals that each keeps pending.
+/// Number of flooding clients, and of pending goals of each.
 const CLIENTS: usize = 6;
 const PENDING: usize = 2;
-/// How long a stop may take to be answered, and to be seen.
+/// Longest time until a stop is acknowledged and reaches the commands.
 const WITHIN: Duration = Duration::from_secs(1);
-/// How long a control client waits for its answer, and how long the daemon may take to be ready again.
+/// Timeouts of a control request and of the return to READY.
 const ANSWER_WITHIN: Duration = Duration::from_millis(500);
 const READY_WITHIN: Duration = Duration::from_secs(30);
-/// Most reports taken in one look: all that can wait.
+/// Most reports read at once: the queue length.
 const AT_ONCE: usize = 256;
-/// The promise, ticks.
+/// Specified limit, ticks.
 const PROMISED: u64 = 3;
-/// Steps of each hand of the task whose check takes longest: as many as a task may have, less the one that lets go.
+/// Steps per hand of the task with the longest validation: the limit of a task minus the final
+/// release.
 const STEPS: usize = 31;
 
-/// `atas bench stop`.
 pub(super) fn stops(
     arguments: &BenchStop,
     interrupt: &Interrupt,
@@ -63,7 +64,7 @@ pub(super) fn stops(
     print(&seen, goals, output)
 }
 
-/// A daemon with a task whose check takes as long as a check may.
+/// Starts a daemon with a task of the longest possible validation.
 fn start_daemon(site: &Site, control: &[&str]) -> anyhow::Result<Child> {
     let path = site.folder().join("endless.toml");
     std::fs::write(&path, endless_task())?;
@@ -75,7 +76,8 @@ fn start_daemon(site: &Site, control: &[&str]) -> anyhow::Result<Child> {
     )
 }
 
-/// Both hands go to and fro without ever waiting for each other, so that each posture must be compared with each.
+/// Returns a task in which both hands move back and forth without synchronisation: validation must
+/// compare all pairs of postures.
 fn endless_task() -> String {
     let step = |index: usize| {
         let waypoint = ["before-source", "home"][index % 2];
@@ -89,11 +91,9 @@ fn endless_task() -> String {
     format!("[tasks.endless]\nacting = [{track}]\nhelping = [{track}]\n")
 }
 
-/// What one stop took.
 struct Seen {
-    /// Ticks until it was in the commands; `None` if it never was.
+    /// Ticks until the command in SAFE_STOP; `None` if it did not come.
     ticks: Option<u64>,
-    /// Until it was answered, ns.
     answered_ns: u64,
 }
 
@@ -120,7 +120,7 @@ fn stop_once(pair: &mut Pair) -> anyhow::Result<Seen> {
     })
 }
 
-/// Re-arms; in a flood the question may have to be asked more than once.
+/// Recovers the daemon; requests are repeated because the flood may reject them.
 fn recover(pair: &mut Pair, control: &Bus, interrupt: &Interrupt) -> anyhow::Result<()> {
     let request = ControlRequest {
         op: ControlOp::RECOVER,
@@ -145,7 +145,7 @@ fn recover(pair: &mut Pair, control: &Bus, interrupt: &Interrupt) -> anyhow::Res
     }
 }
 
-/// A client that is stopped while it joins, with whatever it holds then.
+/// Starts a client and freezes it while it joins, with all resources it holds then.
 fn freeze_a_client(pair: &Pair) -> anyhow::Result<Child> {
     let bus = pair.site().bus().as_str();
     let child = Child::start(
@@ -158,7 +158,6 @@ fn freeze_a_client(pair: &Pair) -> anyhow::Result<Child> {
     Ok(child)
 }
 
-/// Threads that send goals and keep them pending.
 struct Flood {
     threads: Vec<JoinHandle<()>>,
     ends: Arc<AtomicBool>,
@@ -171,7 +170,7 @@ impl Flood {
         let thread = |index| {
             let (bus, ends, sent) = (bus.clone(), Arc::clone(&ends), Arc::clone(&sent));
             std::thread::spawn(move || {
-                // Where no place is left, the others are the flood.
+                // Fails if no client slot is left; the other threads continue the flood.
                 let _served = flood(&bus, index, &ends, &sent);
             })
         };
@@ -183,11 +182,10 @@ impl Flood {
         }
     }
 
-    /// Ends them; the goals that they sent.
     fn end(self) -> u64 {
         self.ends.store(true, Ordering::Relaxed);
         for thread in self.threads {
-            // A panicked one has sent what it has sent.
+            // Goals sent before a panic still count.
             let _ended = thread.join();
         }
         self.sent.load(Ordering::Relaxed)
@@ -218,7 +216,7 @@ fn flood(bus: &BusName, index: usize, ends: &AtomicBool, sent: &AtomicU64) -> an
     Ok(())
 }
 
-/// One goal in eight is one whose check takes longest; the others are refused or run.
+/// Returns a goal. Every eighth has the longest validation; the others are rejected or run.
 fn goal(goal_id: u64) -> GoalRequest {
     let own = goal_id.is_multiple_of(8);
     GoalRequest {

@@ -1,13 +1,11 @@
-//! The figures as tables for people.
+//! Bench figures as tables for people.
 
 use atas_console::{Output, number, table};
 use serde_json::Value;
 use shm_schemas::TickReport;
 
-/// What stands for a figure that was not measured.
 const NOTHING: &str = "–";
 
-/// Prints the figures that the JSON holds.
 pub(super) fn print(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
     let text = |key: &str| figures[key].as_str().unwrap_or(NOTHING).to_owned();
     let heading = [text("machine"), text("kernel")].join(", ");

@@ -1,4 +1,4 @@
-//! Programs that a measurement uses where they are there, and what is missing where they are not.
+//! Optional reference programs, and notes about those that are missing.
 
 use std::io::{ErrorKind, Write};
 use std::path::Path;
@@ -9,15 +9,14 @@ use atas_console::Interrupt;
 
 use crate::demo::child::Child;
 
-/// How often a waiting measurement looks.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// What was not measured and why, told once each.
+/// Figures that were not measured with their reasons, without duplicates.
 #[derive(Debug, Default)]
 pub(super) struct Notes(pub(super) Vec<String>);
 
 impl Notes {
-    /// Notes something and tells it.
+    /// Adds a note and prints it once.
     pub(super) fn add(&mut self, text: String) {
         if !self.0.contains(&text) {
             self.progress(&text);
@@ -25,14 +24,12 @@ impl Notes {
         }
     }
 
-    /// Tells what happens now, on standard error.
     pub(super) fn progress(&self, text: impl std::fmt::Display) {
-        // Whoever closed standard error does not want to know.
         let _ = writeln!(std::io::stderr(), "bench: {text}");
     }
 }
 
-/// Starts an installed program; `None`, with a note, if it is not there.
+/// Starts an installed program; returns `None` and adds a note if it is missing.
 pub(super) fn start(
     program: &Path,
     name: &'static str,
@@ -56,7 +53,6 @@ pub(super) fn start(
     }
 }
 
-/// Waits for the end of a program.
 pub(super) fn wait(
     child: &mut Child,
     limit: Duration,

@@ -1,5 +1,5 @@
-//! One frame there and back between two processes that both poll: through our shared memory, a Unix socket, zenoh by TCP,
-//! zenoh's shared memory. Half of the round is reported.
+//! Round trip of one frame between two polling processes: shared memory of this project, Unix
+//! socket, zenoh over TCP, zenoh with shared memory. Half of the round trip is reported.
 
 use std::io::Write;
 use std::os::unix::net::UnixStream;
@@ -17,22 +17,20 @@ use super::site::Site;
 use super::tool::{self, Notes};
 use crate::demo::child::{Child, beside_this_program};
 
-/// Rounds of one repeat that are measured.
 const ROUNDS: u64 = 5_000;
-/// Rounds before, for caches and connections.
+/// Round trips before the measurement, for caches and connections.
 const WARM_UP: u64 = 500;
-/// How long an answer may take, and how long the other process may take to be there.
+/// Longest time for a reply, and for the other process to start.
 const ANSWER_WITHIN: Duration = Duration::from_secs(5);
-/// How long the first answer is waited for before the question is asked again: the echo may not have heard it.
+/// Interval of the first requests until the echo process replies.
 const ASK_AGAIN: Duration = Duration::from_millis(20);
-/// The program of the network middleware, which is no part of the workspace.
+/// Benchmark program for zenoh, not part of the workspace.
 const ZENOH: &str = "atas-bench-zenoh";
 const ZENOH_CURE: &str = "to compare with zenoh: cargo install --locked --path tests/zenoh; without it \
     transports_us.zenoh is null";
-/// How long its rounds may take.
 const ZENOH_WITHIN: Duration = Duration::from_secs(60);
 
-/// Medians over the repeats of half a round's p50, µs.
+/// Half round-trip time, µs: median over the repeats of p50.
 pub(super) struct Transports {
     pub(super) iceoryx2: Option<f64>,
     pub(super) unix_socket: Option<f64>,
@@ -63,7 +61,6 @@ fn half_us(round: &Percentiles) -> f64 {
     round.p50_ns as f64 * 0.5e-3
 }
 
-/// Starts the other end.
 pub(super) fn start_echo(site: &Site, by: &str) -> anyhow::Result<Child> {
     let socket = site.folder().join("socket");
     let socket = socket.display().to_string();
@@ -112,8 +109,8 @@ fn unix_socket(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
     })
 }
 
-/// zenoh, by loopback TCP or with payloads in its shared memory: both ends are processes of its program, which prints half
-/// a round's p50 in µs.
+/// Measures zenoh over loopback TCP or with shared memory. Both ends are processes of its program,
+/// which prints half of the round trip, p50, µs.
 fn middleware(by: &str, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
     let site = Site::new()?;
     let program = beside_this_program(ZENOH).unwrap_or_else(|_| ZENOH.into());
@@ -150,7 +147,7 @@ fn middleware(by: &str, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Op
     Ok(half)
 }
 
-/// Times rounds; the first is asked again until the echo is there.
+/// Measures round trips after repeating the first request until the echo process replies.
 pub(super) fn rounds(
     plan: &Plan<'_>,
     echo: &mut Child,
@@ -180,7 +177,6 @@ pub(super) fn rounds(
     Ok(percentiles::of(durations_ns))
 }
 
-/// Asks until there is an answer or the time is over.
 pub(super) fn poll(
     limit: Duration,
     mut answered: impl FnMut() -> anyhow::Result<bool>,

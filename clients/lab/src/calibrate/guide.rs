@@ -1,4 +1,5 @@
-//! `atas calibrate guide`: says what to load the fingertip with, waits until it rests, and writes down when it did.
+//! `atas calibrate guide`: asks the user to load the fingertip step by step, and records the time
+//! span of each steady load.
 
 use std::io::{BufRead, Write};
 use std::time::Duration;
@@ -8,14 +9,11 @@ use atas_console::arguments::Guide;
 use atas_console::{Ended, Exit, Interrupt, Output};
 use serde_json::json;
 
-/// Names of the axes, as people and tables know them.
 const AXES: [&str; 3] = ["normal", "tangential1", "tangential2"];
-/// Columns of a table of steps.
 pub(crate) const STEPS: &str = "from_ns,to_ns,normal_n,tangential1_n,tangential2_n";
-/// Longest rest of a load, s (ours: what a hand can hold still).
+/// Longest duration of one load, s (design choice: a person can hold a load steady for that long).
 const SECONDS_MAX: f64 = 600.0;
 
-/// `atas calibrate guide`.
 pub(super) fn guide(
     guide: &Guide,
     interrupt: &Interrupt,
@@ -69,12 +67,13 @@ pub(super) fn guide(
     output.line(format_args!("wrote {path}: {} steps", loads.len()))
 }
 
-/// A row of a table of steps: from when until when which load rested, N.
+/// Formats a row of a step table: time span and load, N.
 pub(crate) fn row(from_ns: u64, to_ns: u64, [normal_n, t1_n, t2_n]: [f64; 3]) -> String {
     format!("{from_ns},{to_ns},{normal_n},{t1_n},{t2_n}")
 }
 
-/// Silence, the normal loads, and each tangential load under the middle one of them, N.
+/// Returns the loads in order, N: no load, the normal loads, each tangential load under the middle
+/// normal load.
 pub(crate) fn loads(guide: &Guide) -> Vec<[f64; 3]> {
     let under = guide
         .normal

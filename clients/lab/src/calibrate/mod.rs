@@ -1,4 +1,5 @@
-//! `atas calibrate`: from recorded silence and presses to a calibration file, what it is worth, and what the daemon is told.
+//! `atas calibrate`: fits a calibration to recorded silence and presses; reports its errors and
+//! writes the daemon's settings.
 
 pub(crate) mod guide;
 mod rows;
@@ -22,17 +23,18 @@ use shm_schemas::{Hand, Layout};
 
 use crate::picture;
 
-/// How far above what a silent sensor shows motion must lie to count (ours; a stable touch moves more than silence).
+/// Ratio of the motion threshold to the largest motion measure of an unloaded sensor (design
+/// choice; a stable contact moves more than an unloaded sensor).
 const MOTION_CLEARANCE: f64 = 1.5;
 
-/// Periods of the sensor after which a frame is too old (ours, as the guide says: one that is missing is no reason to hold).
+/// Sensor periods until a frame is too old (design choice, as in the guide: one lost frame must not
+/// cause a hold).
 const HOLD_PERIODS: f64 = 3.5;
-/// The oldest that the daemon may take a frame for a fresh one, s.
+/// Largest frame age that the daemon accepts, s.
 const HOLD_MAX_S: f64 = 0.5;
-/// Rates that the daemon takes, Hz.
+/// Sensor rates that the daemon accepts, Hz.
 const RATES_HZ: [f64; 2] = [1.0, 10_000.0];
 
-/// What was written, and how good it is.
 #[derive(Serialize)]
 pub(crate) struct Report {
     calibration: String,
@@ -49,11 +51,9 @@ pub(crate) struct Report {
     drift: Option<Drift>,
     #[serde(skip_serializing_if = "Option::is_none")]
     block: Option<Block>,
-    /// What a user should know before trusting it.
     warnings: Vec<String>,
 }
 
-/// `atas calibrate`.
 pub(crate) fn calibrate(
     action: &Calibrate,
     interrupt: &Interrupt,
@@ -72,7 +72,6 @@ pub(crate) fn calibrate(
     }
 }
 
-/// Fits what the files say, and writes what is asked for.
 pub(crate) fn fit_files(arguments: &CalibrateFit) -> anyhow::Result<Report> {
     let layout = Layout::named(&arguments.layout).with_context(|| {
         format!(
@@ -119,7 +118,8 @@ pub(crate) fn fit_files(arguments: &CalibrateFit) -> anyhow::Result<Report> {
     })
 }
 
-/// The calibration, silence and how long it lasted, s, and the sensor's rate, Hz, where the presses say.
+/// Returns the calibration, the silence with its duration, s, and the sensor rate, Hz, if the
+/// presses have times.
 fn fitted(
     arguments: &CalibrateFit,
     layout: &Layout,
@@ -162,14 +162,12 @@ fn fitted(
     ))
 }
 
-/// By the median time from frame to frame, Hz.
 fn frames_a_second(times_ns: &[f64]) -> Option<f64> {
     let steps_ns = times_ns.windows(2).map(|pair| pair[1] - pair[0]);
     let step_ns = median(steps_ns.filter(|step_ns| *step_ns > 0.0).collect())?;
     Some(1e9 / step_ns)
 }
 
-/// Time that some of a recording's frames took, s.
 fn lasted(times_ns: Option<&[f64]>, some: usize, all: usize) -> f64 {
     let span_ns = times_ns.and_then(|times| Some(times.last()? - times.first()?));
     match span_ns {
@@ -208,8 +206,8 @@ fn block(path: &Path, from_n: f64, tips: u32) -> anyhow::Result<Block> {
     })
 }
 
-/// What the daemon is told of the sensor: how old its frames may be, and of a hand by its name what it carries and how often
-/// frames come.
+/// Returns the daemon's sensor settings: largest frame age, and for a named hand its layout and
+/// rate.
 fn carried(arguments: &CalibrateFit, rate_hz: Option<f64>) -> anyhow::Result<String> {
     let mut text =
         "# Made by atas calibrate. atasd --config THIS, after your own configuration.\n".to_owned();
@@ -237,14 +235,14 @@ fn carried(arguments: &CalibrateFit, rate_hz: Option<f64>) -> anyhow::Result<Str
     Ok(text)
 }
 
-/// What the daemon is told, held to the ranges that it has.
+/// Returns the daemon's perception settings, clamped to their ranges.
 fn daemon(
     thresholds: &Thresholds,
     motion_at: f64,
     block: Option<&Block>,
 ) -> anyhow::Result<String> {
     let mut settings = Settings::default();
-    // Whatever the thresholds were, the lower one goes out of the way first.
+    // Set the lower threshold to 0 first: every order of the two thresholds is then valid.
     let mut told = vec![
         ("touch_off_n", 0.0),
         ("touch_on_n", thresholds.touch_on_n),
@@ -306,7 +304,7 @@ fn warnings(fitted: &Fitted, thresholds: &Thresholds, quiet: &Quiet, seconds: f6
     warnings
 }
 
-/// What of the drift would be taken for a touch.
+/// Returns warnings about drift that could be mistaken for contact.
 fn drift_warnings(drift: &Drift, thresholds: &Thresholds, quiet: &Quiet) -> Vec<String> {
     let mut warnings = Vec::new();
     let floor_n = thresholds.element_floor_n;
@@ -319,7 +317,7 @@ fn drift_warnings(drift: &Drift, thresholds: &Thresholds, quiet: &Quiet) -> Vec<
             drift.element_n_min.len()
         ));
     }
-    // A touch begins above the noise and what drifts anyway.
+    // The contact threshold already includes noise and drift.
     let felt_n = thresholds.touch_on_n - thresholds.drift_n_min;
     match &drift.warmth {
         Some(warmth) if warmth.total_most_n_k() > felt_n => warnings.push(format!(

@@ -1,31 +1,30 @@
-//! Tables as numbers: a device's values, the time, and what is known of the force.
+//! Tables as numbers: sensor values, times, temperatures and reference forces.
 
 use anyhow::{Context, bail, ensure};
 use atas_evaluation::recorded::Sheet;
 use atas_sensors::calibration::{AXES, Point, Press, Quiet};
 
-/// Columns of a known force.
 const FORCE: [&str; AXES] = ["normal_n", "tangential1_n", "tangential2_n"];
-/// Columns of the sensor's temperature, each with what must be added for °C.
+/// Temperature columns, each with the offset to °C.
 const TEMPERATURE: [(&str, f64); 2] = [("temperature_c", 0.0), ("temperature_k", -273.15)];
-/// Frames per second of a table without times.
+/// Assumed frame rate of a table without times, Hz.
 pub(super) const USUAL_HZ: f64 = 100.0;
-/// Rows of a stream without steps that count as one press (ours).
+/// Rows per press in a stream without press numbers (design choice).
 const ROWS_OF_PRESS: usize = 100;
 
-/// A recording of a device in its own units.
 pub(super) struct Recording {
-    /// Per frame its values, three per element.
+    /// Values per frame, three per element.
     pub(super) frames: Vec<Vec<f64>>,
-    /// Per frame its time, ns; `None` if the table has none.
+    /// Time per frame, ns; `None` if the table has none.
     pub(super) times_ns: Option<Vec<f64>>,
-    /// Per frame the sensor's temperature, °C; `None` if the table has none.
+    /// Temperature per frame, °C; `None` if the table has none.
     pub(super) temperatures_c: Option<Vec<f64>>,
-    /// Whether the values are magnetic flux.
+    /// True if the values are magnetic flux.
     pub(super) is_flux: bool,
 }
 
-/// The device's columns of `atas-sensor --dry-run`: those between `status` and `arrival`.
+/// Reads the table of `atas-sensor --dry-run`; the sensor's columns are between `status` and
+/// `arrival`.
 pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
     let path = sheet.path.display();
     let (Some(status), Some(arrival)) = (sheet.column("status"), sheet.column("arrival")) else {
@@ -98,7 +97,7 @@ fn times_ns(sheet: &Sheet) -> Option<Vec<f64>> {
         .collect()
 }
 
-/// A temperature that is missing in some rows tells nothing.
+/// Returns `None` if the temperature is missing in any row.
 fn temperatures_c(sheet: &Sheet) -> Option<Vec<f64>> {
     let known = |(name, offset): (&str, f64)| Some((sheet.column(name)?, offset));
     let (column, offset) = TEMPERATURE.into_iter().find_map(known)?;
@@ -107,7 +106,6 @@ fn temperatures_c(sheet: &Sheet) -> Option<Vec<f64>> {
 }
 
 impl Recording {
-    /// Some of its frames, in which nothing touched.
     pub(super) fn quiet(&self, frames: impl Iterator<Item = usize> + Clone) -> Quiet {
         let time_s = |frame: usize| match &self.times_ns {
             Some(times_ns) => (times_ns[frame] - times_ns[0]) * 1e-9,
@@ -127,7 +125,7 @@ impl Recording {
     }
 }
 
-/// Presses with known forces, and the frames of which it is known that nothing touched.
+/// Returns presses with reference forces, and the frames without contact.
 pub(super) fn presses(
     sheet: &Sheet,
     recording: &Recording,
@@ -178,10 +176,11 @@ fn force(sheet: &Sheet, row: usize, columns: [usize; AXES]) -> Option<[f64; AXES
     Some(force_n)
 }
 
-/// The press that a row belongs to, if to any, and its force, N.
+/// Press number and force of a row, N; `None` if the row belongs to no press.
 type Reference = Option<(usize, [f64; AXES])>;
 
-/// The recording has the forces itself; its column `press` numbers presses, else a hundred rows make one.
+/// Reads forces from the recording itself; presses are numbered by its column `press`, else every
+/// [`ROWS_OF_PRESS`] rows.
 fn own(sheet: &Sheet) -> anyhow::Result<Vec<Reference>> {
     let columns = columns(sheet)?;
     let press = sheet.column("press");
@@ -193,7 +192,7 @@ fn own(sheet: &Sheet) -> anyhow::Result<Vec<Reference>> {
     Ok((0..sheet.len()).map(of).collect())
 }
 
-/// A person was guided: each step is a press.
+/// Takes forces from a table of guided steps; each step is a press.
 fn by_steps(sheet: &Sheet, recording: &Recording, steps: &Sheet) -> anyhow::Result<Vec<Reference>> {
     let (from, to) = (steps.column("from_ns"), steps.column("to_ns"));
     let columns = columns(steps)?;
@@ -212,7 +211,7 @@ fn by_steps(sheet: &Sheet, recording: &Recording, steps: &Sheet) -> anyhow::Resu
     Ok(times.iter().map(of).collect())
 }
 
-/// Another sensor felt the same force: between two of its frames it is interpolated.
+/// Takes forces from another sensor's recording by linear interpolation in time.
 fn by_stream(
     sheet: &Sheet,
     recording: &Recording,

@@ -1,4 +1,5 @@
-//! Assembly: one hand holds the bottle, the other puts the cap on and screws it tight; the bottle stands.
+//! Assembly demo: one hand holds the bottle, the other screws the cap tight; the bottle remains
+//! upright.
 
 use atas_console::arguments::Running;
 use atas_evaluation::Task;
@@ -10,14 +11,12 @@ use super::scenario::{Figure, Judged, Scenario};
 use super::screw::{turned, turning};
 use super::seen::Seen;
 
-/// A cap on a stand, and a free bottle.
 pub(super) struct Assembly {
     argument: String,
     set: Setting,
 }
 
 impl Assembly {
-    /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),

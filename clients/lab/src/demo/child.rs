@@ -1,4 +1,4 @@
-//! One process of a demo or a measurement: started, watched, ended.
+//! Child process of a demo or measurement: start, supervision, termination.
 
 use std::fs::File;
 use std::os::unix::process::CommandExt;
@@ -11,12 +11,12 @@ use rustix::process::{
     Pid, Signal, getpid, getppid, kill_process, set_parent_process_death_signal,
 };
 
-/// How long a process may take to end by itself (ours: the daemon promises 200 ms).
+/// Time until a terminated process is killed (design choice: the daemon ends within 200 ms).
 const END_WITHIN: Duration = Duration::from_secs(3);
-/// Lines of a log that an error message repeats.
 const TAIL_LINES: usize = 12;
 
-/// A running program with its log. Ends with this value, and with this process, however that ends.
+/// Running program with its log. It ends when this value is dropped or when this process dies for
+/// any reason.
 pub(crate) struct Child {
     name: &'static str,
     process: Process,
@@ -25,9 +25,10 @@ pub(crate) struct Child {
 }
 
 impl Child {
-    /// Starts the program of this name that lies next to this one.
+    /// Starts the program of this name from the folder of this program.
     ///
-    /// It gets a process group of its own, so that Ctrl-C reaches this process only, which then ends it in good order.
+    /// It gets a separate process group: Ctrl-C reaches only this process, which then terminates
+    /// the child in order.
     pub(crate) fn start(
         name: &'static str,
         arguments: &[&str],
@@ -36,7 +37,7 @@ impl Child {
         Self::start_program(&beside_this_program(name)?, name, arguments, folder)
     }
 
-    /// Starts a program by its path, or one that is found by its name as a shell finds it.
+    /// Starts a program by path or by name, searched in `PATH`.
     pub(crate) fn start_program(
         program: &Path,
         name: &'static str,
@@ -71,22 +72,19 @@ impl Child {
         })
     }
 
-    /// Its process id.
     pub(crate) fn pid(&self) -> u32 {
         self.process.id()
     }
 
-    /// Sends it a signal.
     pub(crate) fn signal(&self, signal: Signal) -> std::io::Result<()> {
         Ok(kill_process(Pid::from_child(&self.process), signal)?)
     }
 
-    /// Whether and how it has ended.
     pub(crate) fn ended(&mut self) -> std::io::Result<Option<ExitStatus>> {
         self.process.try_wait()
     }
 
-    /// An error with the end of its log if it has ended, which it must not by itself.
+    /// Returns an error with the end of the log if the process has ended.
     pub(crate) fn check(&mut self) -> anyhow::Result<()> {
         let Some(status) = self.process.try_wait()? else {
             return Ok(());
@@ -99,14 +97,13 @@ impl Child {
         )
     }
 
-    /// The whole lines that it has written to standard output so far.
+    /// Returns the complete lines of its standard output so far.
     pub(crate) fn results(&self) -> Vec<String> {
         let text = std::fs::read_to_string(&self.results).unwrap_or_default();
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         whole.lines().map(str::to_owned).collect()
     }
 
-    /// The last lines of its log.
     pub(crate) fn tail(&self) -> String {
         let text = std::fs::read_to_string(&self.log).unwrap_or_default();
         let lines: Vec<&str> = text.lines().collect();
@@ -122,7 +119,7 @@ impl Drop for Child {
     fn drop(&mut self) {
         let begin = Instant::now();
         let pid = Pid::from_child(&self.process);
-        // Fails only if it has ended already; as long as nobody waited for it, its id cannot be another's.
+        // Fails only if it has ended already. Its id is not reused before it has been waited for.
         let mut running = !matches!(self.process.try_wait(), Ok(Some(_)));
         if running {
             let _ = kill_process(pid, Signal::TERM);
@@ -142,15 +139,15 @@ impl Drop for Child {
     }
 }
 
-/// Asks the kernel to send SIGTERM to the program when this process dies, even of `kill -9`: a simulator without its
-/// observer ends like one that was asked to, and leaves nothing in `/dev/shm`.
+/// Makes the kernel send SIGTERM to the program when this process dies, even by `kill -9`. A
+/// simulator then ends in order and leaves nothing in `/dev/shm`.
 ///
-/// Linux watches the thread that starts the program; here it is the main thread, which lives as long as the process.
+/// Linux ties this to the thread that starts the program, here the main thread.
 fn end_with_this_process(command: &mut Command) {
     let parent = getpid();
     let before_exec = move || {
         set_parent_process_death_signal(Some(Signal::TERM))?;
-        // This process may have died before the kernel was asked.
+        // This process may have died before the call.
         if getppid() == Some(parent) {
             Ok(())
         } else {
@@ -159,14 +156,14 @@ fn end_with_this_process(command: &mut Command) {
             ))
         }
     };
-    // SAFETY: between fork and exec only async-signal-safe calls are allowed: the closure makes two system calls,
-    // allocates nothing and takes no lock.
+    // SAFETY: only async-signal-safe calls are allowed between fork and exec. The closure makes two
+    // system calls, allocates nothing and takes no lock.
     unsafe {
         command.pre_exec(before_exec);
     }
 }
 
-/// The path of a program that is built together with this one.
+/// Returns the path of a program in the folder of this one.
 pub(crate) fn beside_this_program(name: &str) -> anyhow::Result<PathBuf> {
     let this = std::env::current_exe().context("could not find out where this program lies")?;
     let folder = this.parent().unwrap_or(Path::new("."));

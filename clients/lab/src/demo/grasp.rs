@@ -1,4 +1,4 @@
-//! The grasp: held if physics allows it, else put back unharmed.
+//! Grasp demo: the object is held if physically possible, otherwise put back undamaged.
 
 use atas_client::goal::LIFT_M;
 use atas_console::arguments::Running;
@@ -13,14 +13,12 @@ use super::Setting;
 use super::scenario::{Figure, Judged, Scenario, finite};
 use super::seen::Seen;
 
-/// One object before one hand.
 pub(super) struct Grasp {
     argument: String,
     set: Setting,
 }
 
 impl Grasp {
-    /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),
@@ -73,7 +71,7 @@ impl Scenario for Grasp {
             object.lifted_m * 1e3,
             1,
         ));
-        // Every grasp takes much the same, and its table has no room.
+        // Not in the table: all grasps take a similar time, and the table is full.
         figures.push(Figure::hidden("took_s", seen.progress.took_s()));
         Judged {
             figures,
@@ -89,7 +87,6 @@ impl Scenario for Grasp {
     }
 }
 
-/// Why an object was refused, if it was.
 pub(super) fn refused_for(outcome: Outcome) -> Option<Cause> {
     match outcome {
         Outcome::Refused(cause) => Some(cause),
@@ -97,10 +94,10 @@ pub(super) fn refused_for(outcome: Outcome) -> Option<Cause> {
     }
 }
 
-/// What the hand knew, and pressed with so many fingertips.
+/// Returns the controller's estimates and the normal forces of the first `fingers` fingertips.
 pub(super) fn gripped(figures: &GraspFigures, fingers: usize) -> Vec<Figure> {
     let pressed_n = &figures.normal_n[..fingers];
-    // Of both sides, from each of which one fingertip or several press.
+    // Mean over the two grasp sides; a side may have several fingertips.
     let mean_n = pressed_n.iter().sum::<f32>() / VIRTUAL_FINGERS as f32;
     let shown = |head, key, value: f32, digits| Figure::new(head, key, value.into(), digits);
     vec![

@@ -1,4 +1,4 @@
-//! The folder of a demo's logs, which is also how the next demo finds what a killed one left behind.
+//! Log folder of a demo. A later demo uses it to find and remove the remains of a killed one.
 
 use std::fs::{self, DirBuilder};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
@@ -8,19 +8,18 @@ use anyhow::Context;
 use rustix::process::{Pid, geteuid, test_kill_process};
 use shm_bus::{Bus, BusName};
 
-/// What the folders are called in the folder for temporary files: this and the name of the bus.
+/// Prefix of folder names in the temporary folder; the bus name follows.
 const PREFIX: &str = "atas-demo-";
-/// A file that is there until the demo has ended in good order. It contains the demo's process id.
+/// File with the process id of the demo, present until the demo ends in order.
 const MARK: &str = "demo.pid";
 
-/// A folder for logs: removed at the end unless they are worth reading.
+/// Log folder, removed at the end unless `keep` is set.
 pub(crate) struct Logs {
     pub(crate) folder: PathBuf,
     pub(crate) keep: bool,
 }
 
 impl Logs {
-    /// A fresh folder, named after a fresh bus.
     pub(crate) fn new(bus: &BusName) -> anyhow::Result<Self> {
         let folder = std::env::temp_dir().join(format!("{PREFIX}{bus}"));
         let made = DirBuilder::new().mode(0o700).create(&folder);
@@ -35,7 +34,7 @@ impl Logs {
 
 impl Drop for Logs {
     fn drop(&mut self) {
-        // What cannot be removed now, the next demo removes.
+        // If removal fails, the next demo tries again.
         let _ = if self.keep {
             fs::remove_file(self.folder.join(MARK))
         } else {
@@ -44,7 +43,8 @@ impl Drop for Logs {
     }
 }
 
-/// Removes bus and logs of this user's demos that were killed. What cannot be removed stays for the next time.
+/// Removes buses and logs of this user's killed demos. Failures are ignored; the next demo tries
+/// again.
 pub(crate) fn sweep() {
     let entries = fs::read_dir(std::env::temp_dir())
         .into_iter()
@@ -67,7 +67,7 @@ fn is_ours(folder: &Path) -> bool {
     fs::symlink_metadata(folder).is_ok_and(|meta| meta.is_dir() && meta.uid() == geteuid().as_raw())
 }
 
-/// Whether the mark names a process that is gone. A folder without a mark was kept on purpose.
+/// Returns true if the process of the mark has ended. A folder without a mark was kept on purpose.
 fn was_killed(folder: &Path) -> bool {
     let mark = fs::read_to_string(folder.join(MARK)).unwrap_or_default();
     let pid = mark.parse().ok().and_then(Pid::from_raw);

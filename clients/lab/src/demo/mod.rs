@@ -1,19 +1,20 @@
-//! Demos: the real processes on a bus of their own, a goal, and the judgement by physical truth.
+//! Demos: the production processes on a separate bus, a goal, and an evaluation by the simulator's
+//! ground truth.
 //!
 //! ```text
-//!  grasp, pick_place, screw, assembly: a scenario each ─ scene, goal, judgement
+//!  grasp, pick_place, screw, assembly: one scenario each ─ scene, goal, evaluation
 //!   │
-//!   └─▶ run ─┬─ processes ── child: atas-sim, atasd     (ends and wipes on drop)
-//!            ├─ page ── child: atas-live              with --dashboard
-//!            ├─ Pursuit: the goal, as any client would send it
-//!            ├─ the simulator's truth, and the daemon's status ─▶ punctuality
-//!            └─▶ judgement ─▶ table
-//!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal, against what evolution saw
+//!   └─▶ run ─┬─ processes ── child: atas-sim, atasd     (terminated on drop, bus removed)
+//!            ├─ page ── child: atas-live                with --dashboard
+//!            ├─ Pursuit: sends the goal like any client
+//!            ├─ ground truth and daemon status ─▶ punctuality
+//!            └─▶ evaluation ─▶ table
+//!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal
 //!            └─ page, as above
-//!  hybrid ─ child: atas-sim course; for every robot a bus ─ child: atasd, ebts agents ─▶ coordinators, in this process
+//!  hybrid ─ child: atas-sim course; per robot a bus ─ child: atasd, ebts agents ─▶ coordinators
 //! ```
 //!
-//! A demo is a client like any other: it uses nothing of the daemon but the bus.
+//! A demo communicates with the daemon only over the bus, as any client.
 
 mod assembly;
 pub(crate) mod child;
@@ -44,7 +45,6 @@ use sim_backend::{Object, Scene};
 use scenario::Scenario;
 use table::Row;
 
-/// `atas demo`.
 pub(crate) fn demo(task: &Demo, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
     match task {
         Demo::Grasp(arguments) => {
@@ -80,7 +80,8 @@ pub(crate) fn demo(task: &Demo, interrupt: &Interrupt, output: &mut Output) -> a
     }
 }
 
-/// Performs scenarios one after another, prints what became of them, and holds them to what should have.
+/// Runs scenarios one after another, prints the results and compares them with the expected
+/// outcomes.
 fn show(
     task: &str,
     scenarios: &[impl Scenario],
@@ -99,18 +100,16 @@ fn show(
             }
         }
     }
-    // What was performed before an error is worth seeing.
+    // Results before an error are printed as well.
     table::print(task, &rows, output)?;
     ended?;
     table::verdict(&rows)
 }
 
-/// An object by name or file.
 fn object(argument: &str) -> anyhow::Result<Object> {
     Object::named_or_file(argument).map_err(|error| Ended::with(Exit::Usage, error.to_string()))
 }
 
-/// An object that can be screwed.
 fn cap(argument: &str) -> anyhow::Result<Object> {
     let cap = object(argument)?;
     if cap.thread.is_some() {
@@ -122,18 +121,17 @@ fn cap(argument: &str) -> anyhow::Result<Object> {
     Err(Ended::with(Exit::Usage, sentence))
 }
 
-/// A task's scene as the simulator will set it before the robot, and what a client asks for there.
+/// Simulated scene of a task, and the goal for it.
 struct Setting {
     scene: Scene,
     goal: GoalRequest,
-    /// Fingertips of the hand that acts.
     fingers: usize,
-    /// Those of the side that has fewer.
+    /// Number of fingertips on the grasp side with fewer fingertips.
     opposed_tips: usize,
 }
 
 impl Setting {
-    /// The task's usual scene around an object, if the robot can do the task.
+    /// Makes the default scene around an object; fails if the robot does not support the task.
     fn of(task: Task, running: &Running, object: Object) -> anyhow::Result<Self> {
         let usage = |error: String| Ended::with(Exit::Usage, error);
         let robot = RobotModel::find(&running.robot).map_err(|error| usage(error.to_string()))?;
@@ -153,7 +151,7 @@ impl Setting {
         })
     }
 
-    /// The hand that acts: 0 is left.
+    /// Returns the index of the acting hand; 0 is left.
     fn hand(&self) -> usize {
         self.goal.hand.0 as usize
     }
@@ -162,13 +160,12 @@ impl Setting {
         &self.scene.objects[0].object
     }
 
-    /// What its object needs and bears in that hand.
+    /// Returns the force required by the object and the force it tolerates in this hand.
     fn load(&self) -> Load {
         Load::of(self.object(), &Settings::default().grasp, self.opposed_tips)
     }
 }
 
-/// How high the first object is, for people who watch.
 fn lifted(truth: &WorldTruth) -> String {
     format!("lifted {} mm", number(truth.objects[0].lifted_m * 1e3, 1))
 }

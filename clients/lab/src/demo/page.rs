@@ -1,4 +1,4 @@
-//! A dashboard beside a demo: the demo waits until somebody looks, and stays until nobody wants to.
+//! Dashboard of a demo: the demo waits until the page is open, and keeps running until Ctrl-C.
 
 use std::path::Path;
 use std::time::Duration;
@@ -9,16 +9,14 @@ use shm_bus::BusName;
 
 use super::child::Child;
 
-/// Pause between two looks at what the server says (ours: imperceptible to a person).
+/// Poll interval (design choice: imperceptible to a person).
 const LOOK: Duration = Duration::from_millis(50);
 
-/// A server of the page.
 pub(super) struct Page {
     server: Child,
 }
 
 impl Page {
-    /// Starts `atas-live` on this bus.
     pub(super) fn serve(bus: &BusName, logs: &Path) -> anyhow::Result<Self> {
         let name = bus.as_str();
         let arguments = [
@@ -35,7 +33,6 @@ impl Page {
         })
     }
 
-    /// Says where the page is, and waits until it is open.
     pub(super) fn wait_until_open(
         &mut self,
         live: &mut Progress,
@@ -50,7 +47,7 @@ impl Page {
         Ok(())
     }
 
-    /// Keeps everything as it is until a signal comes.
+    /// Waits for a signal; processes keep running.
     pub(super) fn stay(
         &mut self,
         live: &mut Progress,
@@ -64,7 +61,7 @@ impl Page {
         Ok(())
     }
 
-    /// The first of the server's lines that says it.
+    /// Waits for a line of the server in which `find` succeeds.
     fn wait_for<T>(
         &mut self,
         interrupt: &Interrupt,

@@ -1,4 +1,5 @@
-//! Pick and place: within 5 mm of its place, let go when it stands and not above it; what is too heavy is put back.
+//! Pick-and-place demo: within 5 mm of the target, released while standing; an object that is too
+//! heavy is put back.
 
 use atas_client::goal::LIFT_M;
 use atas_console::arguments::Running;
@@ -12,14 +13,12 @@ use super::grasp::{gripped, refused_for};
 use super::scenario::{Figure, Judged, Scenario};
 use super::seen::Seen;
 
-/// One object on a plate, and another plate.
 pub(super) struct PickPlace {
     argument: String,
     set: Setting,
 }
 
 impl PickPlace {
-    /// An object by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),

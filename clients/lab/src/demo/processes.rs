@@ -1,7 +1,7 @@
-//! The processes of a demo: a bus of its own, the simulator and the daemon on it, and their logs.
+//! Processes of a demo: a separate bus, simulator, daemon, and logs.
 //!
-//! Dropping them ends the processes and wipes the bus, on every way out. Whoever joined the bus must have left it by then:
-//! declare them first.
+//! Dropping the value terminates the processes and removes the bus. Clients must have left the bus
+//! by then: declare them after this value.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,15 +15,16 @@ use shm_schemas::{Mode, Status, service};
 use super::child::Child;
 use super::logs::{self, Logs};
 
-/// How long both processes may take until the daemon is ready (ours: it promises 150 ms; a loaded machine takes longer).
+/// Longest time until the daemon is ready (design choice: usually 150 ms; a loaded machine takes
+/// longer).
 const READY_WITHIN: Duration = Duration::from_secs(15);
-/// How long it must have been ready without a break (ours: ten statuses). While two processes start, the clock hands out
-/// milliseconds unevenly, and the daemon holds in between.
+/// Time that the daemon must be ready without interruption (design choice: ten status messages).
+/// While two processes start, the clock advances unevenly and the daemon may hold in between.
 const STEADY_FOR: Duration = Duration::from_millis(200);
-/// A configuration file without content: the built-in defaults, whatever is installed on this machine.
+/// Empty configuration file: built-in defaults, independent of this machine's configuration.
 const NO_CONFIGURATION: &str = "/dev/null";
 
-/// Simulator and daemon, running. The order of the fields is the order of the end.
+/// Running simulator and daemon. Fields are dropped in this order.
 pub(super) struct Processes {
     daemon: Child,
     simulator: Child,
@@ -32,7 +33,6 @@ pub(super) struct Processes {
 }
 
 impl Processes {
-    /// Starts simulator and daemon.
     pub(super) fn set(scene: &[String], running: &Running) -> anyhow::Result<Self> {
         logs::sweep();
         let bus = FreshBus::new("demo");
@@ -61,24 +61,21 @@ impl Processes {
         })
     }
 
-    /// The bus.
     pub(super) fn bus(&self) -> &BusName {
         &self.bus
     }
 
-    /// The folder of their logs.
     pub(super) fn logs(&self) -> &Path {
         &self.logs.folder
     }
 
-    /// An error if one of the processes has ended; the logs are kept then.
+    /// Returns an error if a process has ended; keeps the logs in that case.
     pub(super) fn check(&mut self) -> anyhow::Result<()> {
         let checked = self.simulator.check().and_then(|()| self.daemon.check());
         self.logs.keep |= checked.is_err();
         checked
     }
 
-    /// Waits until the daemon is ready for a goal.
     pub(super) fn wait_until_ready(
         &mut self,
         session: &Session,

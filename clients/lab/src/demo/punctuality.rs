@@ -1,29 +1,26 @@
-//! Whether daemon and simulator kept the beat while a goal was pursued, by their own count.
+//! Missed deadlines of daemon and simulator during a goal, from their own counters.
 
 use serde_json::{Value, json};
 use shm_schemas::{Status, StatusFlags, WorldTruth};
 
-/// Share of missed ticks above which the outcome may be the machine's fault (ours: a bare loop at the highest priority
-/// misses up to 0.05 % on a shared virtual machine, an idle machine misses none).
+/// Share of missed ticks above which machine load may have affected the outcome (design choice: a
+/// bare loop at the highest priority misses up to 0.05 % on a shared virtual machine, 0 on an idle
+/// machine).
 const STARVED_SHARE: f64 = 0.002;
 
-/// Ticks that were due, and those that were missed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Punctuality {
-    /// Ticks of the daemon that were due: so many commands should have come.
     pub(super) ticks: u64,
-    /// Of these, ticks that the daemon skipped because their time had passed.
+    /// Daemon ticks skipped because their time had passed.
     pub(super) daemon_missed: u64,
-    /// Milliseconds that the simulator skipped.
     pub(super) simulator_missed: u64,
-    /// Commands that expired without a successor, or were refused.
+    /// Commands that expired without a successor, or were rejected.
     pub(super) expired: u32,
-    /// [`StatusFlags`] at the end.
     flags: u32,
 }
 
 impl Punctuality {
-    /// Between two looks at truth and status, of so many ticks that were due.
+    /// Counts between two snapshots of truth and status in which `ticks` daemon ticks were due.
     pub(super) fn between([from, to]: [(&WorldTruth, &Status); 2], ticks: u64) -> Self {
         Self {
             ticks,
@@ -37,17 +34,14 @@ impl Punctuality {
         }
     }
 
-    /// Commands that were missed by anyone.
     pub(super) fn missed(&self) -> u64 {
         self.daemon_missed + self.simulator_missed
     }
 
-    /// Share of the ticks that were missed.
     fn starved(&self) -> f64 {
         self.missed() as f64 / self.ticks.max(1) as f64
     }
 
-    /// Both counts together.
     pub(super) fn sum(counts: impl Iterator<Item = Self>) -> Self {
         counts.fold(Self::default(), |sum, next| Self {
             ticks: sum.ticks + next.ticks,
@@ -58,7 +52,7 @@ impl Punctuality {
         })
     }
 
-    /// In words; `None` in lock-step, where nothing can be missed.
+    /// Describes the counts; `None` in lock-step, where no tick can be missed.
     pub(super) fn sentence(&self) -> Option<String> {
         let has = |flag| self.flags & flag != 0;
         if has(StatusFlags::LOCKSTEP) {

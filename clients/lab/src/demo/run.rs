@@ -1,4 +1,5 @@
-//! One run of a scenario: processes started, goal sent, truth observed to the end.
+//! One run of a scenario: starts processes, sends the goal, observes the ground truth until the
+//! end.
 
 use std::time::{Duration, Instant};
 
@@ -16,12 +17,12 @@ use super::scenario::Scenario;
 use super::seen::Seen;
 use super::turns::Turns;
 
-/// Longest time of one goal (ours: several times what the longest clean task takes).
+/// Longest duration of a goal (design choice: several times that of the longest normal task).
 const GOAL_WITHIN: Duration = Duration::from_secs(600);
-/// How long to wait for truth and status of the goal's last tick, which come 50 times a second (ours).
+/// Time to wait for truth and status of the goal's last tick; both are published at 50 Hz (design
+/// choice).
 const SETTLED_WITHIN: Duration = Duration::from_secs(1);
 
-/// Runs a scenario from start to clean-up.
 pub(super) fn run(
     scenario: &dyn Scenario,
     running: &Running,
@@ -40,7 +41,7 @@ pub(super) fn run(
         page.wait_until_open(&mut live, interrupt)?;
     }
     let watched = watch(&mut processes, &session, scenario, interrupt, &mut live);
-    // If a process died, its own words explain more than what its death led to.
+    // If a process died, its log explains more than the subsequent error.
     processes.check()?;
     if let (Some(page), Ok(_)) = (&mut page, &watched) {
         page.stay(&mut live, interrupt)?;
@@ -48,7 +49,6 @@ pub(super) fn run(
     watched
 }
 
-/// Sends the goal and watches it to its end.
 fn watch(
     processes: &mut Processes,
     session: &Session,
@@ -86,21 +86,19 @@ fn watch(
         }
         None => {}
     }
-    // A goal that was refused had no tick.
+    // A rejected goal has no tick.
     if progress.last().state != GoalState::REJECTED {
         observer.settle(&progress)?;
     }
     Ok(observer.recount(progress))
 }
 
-/// Observes truth and status.
 struct Observer {
     truths: Subscriber<WorldTruth>,
     statuses: Subscriber<Status>,
     first: Option<(WorldTruth, Status)>,
     now: WorldTruth,
     status: Status,
-    /// The hand that acts.
     hand: Hand,
     turns: Turns,
 }
@@ -129,7 +127,6 @@ impl Observer {
         Ok(())
     }
 
-    /// Waits for truth and status of the goal's last tick.
     fn settle(&mut self, progress: &GoalProgress) -> anyhow::Result<()> {
         let begin = Instant::now();
         let end_ns = progress.last().stamp.captured_ns;

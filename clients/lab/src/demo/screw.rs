@@ -1,4 +1,4 @@
-//! Cap screwing: closed, and as tight as Module 4 should make it.
+//! Screw demo: the cap is closed and tightened as far as Module 4 requires.
 
 use atas_console::arguments::Running;
 use atas_evaluation::Task;
@@ -9,14 +9,12 @@ use super::Setting;
 use super::scenario::{Figure, Judged, Scenario};
 use super::seen::Seen;
 
-/// A cap on the neck of a clamped bottle.
 pub(super) struct Screw {
     argument: String,
     set: Setting,
 }
 
 impl Screw {
-    /// A cap by name or file.
     pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),
@@ -58,13 +56,11 @@ impl Scenario for Screw {
     }
 }
 
-/// How far the cap was turned, for people who watch.
 pub(super) fn turned(truth: &WorldTruth) -> String {
     let angle_deg = truth.objects[0].cap_angle_rad.to_degrees();
     format!("turned {}°", atas_console::number(angle_deg, 0))
 }
 
-/// How far a cap was turned in how many turns, and how tight it is.
 pub(super) fn turning(seen: &Seen, tightness: f64) -> Vec<Figure> {
     let cap = &seen.truth.objects[0];
     let friction_mn_m = cap.cap_friction_n_m * 1e3;

@@ -1,4 +1,4 @@
-//! The results of a demo.
+//! Results of a demo as table or JSON.
 
 use atas_console::{Ended, Exit, Output, table, whole};
 use comfy_table::{Cell, Table};
@@ -8,11 +8,10 @@ use super::punctuality::Punctuality;
 use super::scenario::{Figure, Judged};
 use super::seen::Seen;
 
-/// What became of one scenario.
 pub(super) struct Row {
     name: String,
     judged: Judged,
-    /// Why it did not succeed; empty if it did.
+    /// Reason of the failure; empty on success.
     reason: String,
     punctuality: Punctuality,
 }
@@ -47,7 +46,7 @@ impl Row {
         value.into()
     }
 
-    /// Of what the hand refused also why, in a few words.
+    /// Returns the outcome, with a short cause if the object was refused.
     fn outcome(&self) -> String {
         let outcome = &self.judged.outcome;
         match self.judged.cause {
@@ -57,7 +56,6 @@ impl Row {
     }
 }
 
-/// Prints the results in the format asked for.
 pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Result<()> {
     let Some(first) = rows.first() else {
         return Ok(());
@@ -79,7 +77,7 @@ pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Re
     }
 }
 
-/// The table. Why something did not succeed is a sentence, and stands below.
+/// Makes the table; reasons are printed below it because they are long.
 fn lines(first: &Row, rows: &[Row], output: &Output) -> Table {
     let heads = first.judged.figures.iter().filter_map(|figure| figure.head);
     let header: Vec<&str> = ["object"]
@@ -99,7 +97,6 @@ fn lines(first: &Row, rows: &[Row], output: &Output) -> Table {
     lines
 }
 
-/// An error that names what did not end as physics says it should.
 pub(super) fn verdict(rows: &[Row]) -> anyhow::Result<()> {
     let unexpected = rows.iter().filter(|row| !row.judged.as_expected);
     let sentences: Vec<String> = unexpected

@@ -1,14 +1,14 @@
-//! Counts the turns of a cap, as anyone would who watches: grips in which it was turned.
+//! Counter of cap turns: a turn is one grip during which the cap rotates.
 
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::WorldTruth;
 
-/// Normal force of a finger that presses, N (ours: half of the controller's own touch threshold).
+/// Normal force of a fingertip in contact, N (design choice: half of the controller's touch
+/// threshold).
 const PRESSED_N: f64 = 0.03;
-/// Angle from which a grip counts as a turn, rad (ours: 5°, a tenth of what a hand turns in one).
+/// Smallest rotation of a turn, rad (design choice: 5°, a tenth of a typical turn).
 const TURN_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
 
-/// The turns so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Turns {
     pub(super) count: u32,
@@ -22,7 +22,8 @@ struct Grip {
 }
 
 impl Turns {
-    /// Looks at the first object, a cap, and the hand with this index. A turn takes a second, so a few looks in it do.
+    /// Updates with the first object, a cap, and the hand of this index. A turn takes about 1 s, so
+    /// slow polling suffices.
     pub(super) fn look(&mut self, truth: &WorldTruth, hand: usize) {
         let cap = &truth.objects[0];
         let pressed = truth.normal_n[hand][..VIRTUAL_FINGERS]

@@ -1,4 +1,4 @@
-//! `atas eval hybrid`: courses for robots on wheels with hands.
+//! `atas eval hybrid`: evaluates courses of mobile robots with hands.
 
 use atas_console::arguments::HybridEvaluation;
 use atas_console::{Ended, Exit, Interrupt, Output, number, table};
@@ -8,7 +8,6 @@ use comfy_table::Cell;
 use ebts::course::table_file::CourseFile;
 use sim_backend::{Object, ObjectError};
 
-/// Runs the plan behind a bar and prints what became of it.
 pub(super) fn hybrid(
     arguments: &HybridEvaluation,
     interrupt: &Interrupt,

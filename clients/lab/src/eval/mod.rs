@@ -1,4 +1,4 @@
-//! `atas eval`: from arguments to plans, with a bar while they run.
+//! `atas eval`: makes evaluation plans from arguments and runs them with a progress bar.
 
 mod calibration;
 mod hybrid;
@@ -21,10 +21,9 @@ use robot_model::RobotFiles;
 use shm_schemas::layout::UnknownLayout;
 use sim_backend::{Object, ObjectError};
 
-/// What `--errors` calls a row per error.
+/// Value of `--errors` for one row per error.
 const EACH: &str = "each";
 
-/// `atas eval`.
 pub(crate) fn evaluate(
     eval: &Eval,
     interrupt: &Interrupt,
@@ -48,7 +47,6 @@ pub(crate) fn evaluate(
     }
 }
 
-/// One task.
 fn one(
     task: Task,
     arguments: &Evaluation,
@@ -68,12 +66,12 @@ fn one(
     table::print(&evaluated.report, output)
 }
 
-/// Runs a plan behind a bar.
 fn run(plan: &Plan, interrupt: &Interrupt) -> anyhow::Result<Evaluated> {
     behind_a_bar(plan.jobs(), |done| plan.run(interrupt.flag(), done))
 }
 
-/// Runs so many trials behind a bar; `run` is given what to call after each, and has nothing if it was interrupted.
+/// Runs trials with a progress bar. `run` receives a callback for each finished trial and returns
+/// `None` if it was interrupted.
 fn behind_a_bar<T>(
     trials: u64,
     run: impl FnOnce(&(dyn Fn() + Sync)) -> anyhow::Result<Option<T>>,
@@ -122,7 +120,7 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
     })
 }
 
-/// The conditions that were asked for, or the task's usual ones; all with the errors asked for.
+/// Returns the requested conditions, or the task's default ones, with the requested errors.
 fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Condition>> {
     let mut conditions = match arguments.errors.as_deref() {
         None => task.conditions(),
@@ -152,7 +150,6 @@ fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Conditio
     Ok(conditions)
 }
 
-/// The task of this name.
 fn task(name: TaskName) -> Task {
     match name {
         TaskName::Grasp => Task::Grasp,
@@ -162,7 +159,7 @@ fn task(name: TaskName) -> Task {
     }
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// Makes a progress bar; hidden if standard error is not a terminal.
 fn bar(trials: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

@@ -1,4 +1,4 @@
-//! `atas eval recording`: which constants judge which file, and the verdict for people.
+//! `atas eval recording`: evaluates slip or force models on recordings and prints the result.
 
 use std::path::Path;
 
@@ -7,7 +7,6 @@ use atas_console::{Ended, Exit, Output, table};
 use atas_evaluation::recorded::{Fit, Labels, Model, Rates, Verdict, judge, open, train};
 use comfy_table::Cell;
 
-/// `atas eval recording`.
 pub(super) fn judge_recording(
     arguments: &RecordedEvaluation,
     output: &mut Output,
@@ -36,7 +35,7 @@ fn run(arguments: &RecordedEvaluation) -> anyhow::Result<Verdict> {
         model = model.at_rate(rate_hz);
     }
     if let Some(path) = &arguments.train {
-        // The table beside one recording says nothing about another.
+        // Row numbers of the label file are valid for one recording only.
         let own = Labels {
             file: None,
             ..labels.clone()

@@ -1,11 +1,10 @@
-//! `atas eval reflex`: a clumsy policy with the reflex beneath it and without.
+//! `atas eval reflex`: evaluates an imprecise policy with and without the reflex layer.
 
 use atas_console::arguments::ReflexEvaluation;
 use atas_console::{Interrupt, Output, number, table};
 use atas_evaluation::{ReflexPlan, ReflexReport, seeds};
 use comfy_table::Cell;
 
-/// Runs the plan behind a bar and prints what became of it.
 pub(super) fn reflex(
     arguments: &ReflexEvaluation,
     interrupt: &Interrupt,

@@ -1,4 +1,4 @@
-//! One row per trial, into a file.
+//! Trial results as a file with one row per trial.
 
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -9,24 +9,22 @@ use atas_console::{Ended, Exit};
 use atas_evaluation::TrialRow;
 use atas_process::file_name::suffix;
 
-/// A file of rows, made before the trials begin: a long evaluation shall not end with a wrong path.
+/// File of rows, created before the trials begin so that a wrong path fails early.
 pub(super) struct File {
     path: PathBuf,
     kind: Kind,
     file: fs::File,
 }
 
-/// How rows are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// A line of names, then a line per trial, fields separated by commas; absent values are empty.
+    /// Comma-separated values with a header line; missing values are empty.
     Csv,
-    /// A JSON object per line; absent values are null.
+    /// One JSON object per line; missing values are null.
     Jsonl,
 }
 
 impl File {
-    /// Makes the file; its suffix says how rows are written.
     pub(super) fn create(path: &Path) -> anyhow::Result<Self> {
         let kind = match suffix(path).as_str() {
             "csv" => Kind::Csv,
@@ -47,7 +45,6 @@ impl File {
         })
     }
 
-    /// Writes all rows.
     pub(super) fn write<'a>(self, rows: impl Iterator<Item = &'a TrialRow>) -> anyhow::Result<()> {
         let written = match self.kind {
             Kind::Csv => csv(self.file, rows),

@@ -1,4 +1,4 @@
-//! `atas eval TASK --shard I/N` and `atas eval merge`: an evaluation in parts.
+//! `atas eval TASK --shard I/N` and `atas eval merge`: evaluation in several parts.
 
 use std::path::Path;
 
@@ -12,14 +12,13 @@ use serde_json::json;
 
 use super::{behind_a_bar, plan, rows, table};
 
-/// What an evaluation was told, as a part file keeps it.
+/// Arguments of an evaluation, as stored in a part file.
 #[derive(Debug, Serialize, Deserialize)]
 struct Told {
     task: String,
     evaluation: Evaluation,
 }
 
-/// Runs one part, or what is left of it.
 pub(super) fn part(
     task: Task,
     arguments: &Evaluation,
@@ -68,7 +67,6 @@ pub(super) fn part(
     ))
 }
 
-/// The report of all parts.
 pub(super) fn merge(arguments: &Merging, output: &mut Output) -> anyhow::Result<()> {
     let first = arguments.parts.first().context("no part was named")?;
     let told: Told = serde_json::from_str(&header(first)?.arguments)

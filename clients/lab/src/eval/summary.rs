@@ -1,4 +1,4 @@
-//! `atas eval all` and `atas eval errors`: all tasks, one table.
+//! `atas eval all` and `atas eval errors`: all tasks in one table.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,35 +12,28 @@ use sim_backend::Errors;
 
 use super::rows::File;
 
-/// What a table is about.
 struct Kind {
-    /// What its files are called.
     name: &'static str,
-    /// Trials under each condition, unless another number is asked for.
     trials: u64,
     conditions: fn(Task) -> Vec<Condition>,
-    /// Whether the baselines are tried under all of them.
     compare_everywhere: bool,
 }
 
-/// Every task under its usual conditions.
 const ALL: Kind = Kind {
     name: "all",
     trials: 200,
     conditions: Task::conditions,
     compare_everywhere: false,
 };
-/// Every task with each error.
 const ERRORS: Kind = Kind {
     name: "errors",
     trials: 48,
     conditions: Task::error_conditions,
     compare_everywhere: true,
 };
-/// Trials of each series that are kept beside a table: the first, and the one in the middle.
+/// Stored sample trials per series: the first and the middle one.
 const SAMPLES: usize = 2;
 
-/// The table of the README.
 pub(super) fn all(
     summary: &Summary,
     interrupt: &Interrupt,
@@ -49,7 +42,6 @@ pub(super) fn all(
     report(&ALL, summary, table, interrupt, output)
 }
 
-/// What each error costs.
 pub(super) fn errors(
     summary: &Summary,
     interrupt: &Interrupt,
@@ -113,14 +105,13 @@ fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<
     tasks.iter().map(of).collect()
 }
 
-/// Makes the folder for what is kept: what takes an hour must not fail at its end.
+/// Creates the output folder early, so that a long run does not fail at its end.
 pub(super) fn make_folder(golden: Option<&Path>) -> anyhow::Result<()> {
     let Some(folder) = golden else { return Ok(()) };
     std::fs::create_dir_all(folder)
         .with_context(|| format!("could not make the folder {}", folder.display()))
 }
 
-/// Prints a table, and what it was measured with.
 pub(super) fn print(
     markdown: bool,
     evaluated: &[Evaluated],
@@ -144,7 +135,7 @@ pub(super) fn print(
     })
 }
 
-/// Writes the table, and some of its trials, so that a test can run them again.
+/// Writes the table and some of its trials; a test repeats these trials.
 pub(super) fn keep(
     folder: &Path,
     name: &str,
@@ -158,7 +149,6 @@ pub(super) fn keep(
     File::create(&folder.join(format!("{name}.csv")))?.write(samples.into_iter())
 }
 
-/// The first of a series, and the one in the middle.
 fn sampled(rows: &[TrialRow]) -> impl Iterator<Item = &TrialRow> {
     rows.iter().step_by(rows.len().div_ceil(SAMPLES).max(1))
 }

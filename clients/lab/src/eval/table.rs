@@ -1,4 +1,4 @@
-//! The report for people: a table of families, conditions and baselines, and the summary.
+//! Evaluation report for people: table of families, conditions and baselines, and a summary.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,6 @@ use atas_console::{Mood, Output, table, whole};
 use atas_evaluation::{Noise, Physics, Report, Tally};
 use comfy_table::Cell;
 
-/// Prints the report in the format asked for.
 pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
         return output.json(report);
@@ -55,7 +54,6 @@ fn errors(name: &str) -> String {
     }
 }
 
-/// A measure's name as a column's heading.
 fn heading(name: &str) -> &str {
     match name {
         "over_grip" => "over-grip",
@@ -87,7 +85,6 @@ fn counts(physics: &Physics) -> [Cell; 5] {
     ]
 }
 
-/// Median and largest of a measure.
 fn figure(tally: &Tally, name: &str) -> Cell {
     match (tally.medians.get(name), tally.largest.get(name)) {
         (Some(median), Some(largest)) => whole(&format!("{median:.2} to {largest:.2}")).into(),
@@ -129,7 +126,6 @@ fn summary(report: &Report) -> String {
     )
 }
 
-/// Which seeds these are, and what they are good for.
 pub(super) fn seeds(report: &Report) -> String {
     let last = report
         .first_seed

@@ -1,11 +1,10 @@
-//! `atas eval tune`: which forces serve a baseline best, on the seeds that are for tuning.
+//! `atas eval tune`: finds the best force of each baseline on the tuning seeds.
 
 use atas_console::arguments::Tuning;
 use atas_console::{Interrupt, Mood, Output, table};
 use atas_evaluation::{Baseline, GripPolicy, Plan, Report};
 use comfy_table::Cell;
 
-/// Tries every candidate.
 pub(super) fn tune(
     tuning: &Tuning,
     interrupt: &Interrupt,
@@ -50,7 +49,8 @@ fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
     output.line(super::table::seeds(report))
 }
 
-/// The most successes by physics; of equal ones the first, which is the gentlest.
+/// Returns the row with the highest success by physics; among equals the first one, with the lowest
+/// force.
 fn best(rows: &[Baseline], name: &str) -> Option<usize> {
     let mut best: Option<(usize, f64)> = None;
     for (index, of) in rows.iter().enumerate() {
@@ -62,7 +62,7 @@ fn best(rows: &[Baseline], name: &str) -> Option<usize> {
     best.map(|(index, _)| index)
 }
 
-/// Success by physics; where nothing is to be held, success.
+/// Returns the success by physics; the plain success rate for tasks without holding.
 fn by_physics(of: &Baseline) -> f64 {
     let physics = of.row.physics.as_ref();
     physics.map_or(of.row.tally.success, |physics| physics.by_physics.success)

@@ -1,4 +1,5 @@
-//! `atas eval robots` and `atas eval skins`: the same trials with every other robot that ships, and with other fingertips.
+//! `atas eval robots` and `atas eval skins`: same trials with other built-in robots and other
+//! fingertips.
 
 use atas_console::arguments::Variants;
 use atas_console::{Interrupt, Output};
@@ -9,9 +10,9 @@ use shm_schemas::layout::NamedLayout;
 
 use super::summary::{keep, make_folder, print};
 
-/// What the robots are tried in.
 const TASKS: [Task; 3] = [Task::Grasp, Task::PickPlace, Task::Screw];
-/// What the two-hand arm is tried with, and what there is to say of it: the paper's fingertip, then what has no incipient slip.
+/// Fingertips of the two-hand arm with a remark: the paper's first, then those that cannot sense
+/// incipient slip.
 const SKINS: [(&str, &str); 4] = [
     ("dome-41", ", the paper's"),
     ("dome-1", ", one element"),
@@ -19,7 +20,7 @@ const SKINS: [(&str, &str); 4] = [
     ("cylinder-4x4-4.5-12", ""),
 ];
 
-/// Every robot that ships but the two-hand arm, in what its hand can do.
+/// Evaluates every built-in robot except the two-hand arm, in the tasks that its hand supports.
 pub(super) fn robots(
     arguments: &Variants,
     interrupt: &Interrupt,
@@ -63,7 +64,6 @@ pub(super) fn robots(
     )
 }
 
-/// The two-hand arm's grasps with other fingertips.
 pub(super) fn skins(
     arguments: &Variants,
     interrupt: &Interrupt,
@@ -89,7 +89,8 @@ pub(super) fn skins(
     finish("skins", &skins_table(&tried), arguments, &evaluated, output)
 }
 
-/// One task at the sensors' full rate and usual noise; what was evaluated is kept beside its report.
+/// Evaluates one task at full sensor rate and default noise. Appends the trials to `evaluated`;
+/// returns the report.
 fn run(
     robot: &RobotFiles,
     skin: Option<NamedLayout>,

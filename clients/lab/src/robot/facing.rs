@@ -1,23 +1,22 @@
-//! How well the domes of a hand face each other where it rests, over its openings.
+//! Alignment of opposing fingertips with the closing axis at the rest pose, as a function of the
+//! opening.
 
 use robot_model::HandModel;
 use serde_json::{Value, json};
 
-/// Distance between the openings that are tried, m (ours).
+/// Step between tested openings, m (design choice).
 const STEP_M: f64 = 0.001;
-/// One opening in so many is told.
 const TOLD: usize = 10;
 
-/// How far the worst dome faces beside the closing axis, by opening.
+/// Largest angle between a fingertip axis and the closing axis, per opening.
 pub(super) struct Facing {
-    /// Openings that the hand closes to, m, and the angle there, rad.
+    /// Reachable openings, m, each with the angle of the worst fingertip, rad.
     at: Vec<(f64, f64)>,
     bears_rad: f64,
     tilts: bool,
 }
 
 impl Facing {
-    /// Tries every millimetre as far as the hand opens.
     pub(super) fn of(hand: &HandModel) -> Self {
         let steps = (hand.widest_m() / STEP_M) as usize;
         let openings_m = (1..=steps).map(|step| step as f64 * STEP_M);
@@ -31,14 +30,13 @@ impl Facing {
         }
     }
 
-    /// The narrowest and the widest opening at which it can touch, m.
+    /// Returns the smallest and largest opening with an acceptable angle, m.
     fn grasps_m(&self) -> Option<[f64; 2]> {
         let mut bears = self.at.iter().filter(|(_, rad)| *rad <= self.bears_rad);
         let (least_m, _) = bears.next()?;
         Some([*least_m, bears.next_back().map_or(*least_m, |(m, _)| *m)])
     }
 
-    /// What it says in lines.
     pub(super) fn lines(&self) -> Vec<String> {
         let worst_rad = self.at.iter().fold(0.0_f64, |worst, at| worst.max(at.1));
         if !self.tilts {
@@ -71,7 +69,6 @@ impl Facing {
         ]
     }
 
-    /// The same for programs.
     pub(super) fn json(&self) -> Value {
         let at = self.at.iter().map(
             |(opening_m, error_rad)| json!({ "opening_m": opening_m, "error_rad": error_rad }),

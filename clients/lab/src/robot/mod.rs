@@ -1,12 +1,12 @@
-//! `atas robot`: what a robot is, what it reaches, what it can do.
+//! `atas robot`: model, workspace and capabilities of a robot.
 //!
 //! ```text
-//!  name or robot file ─▶ RobotFiles ─▶ RobotModel ─┬─ list ──▶ a line per robot that ships
-//!                                                 └─ check ─▶ joints and fingertips, reach, abilities, tasks; picture
+//!  name or robot file ─▶ RobotFiles ─▶ RobotModel ─┬─ list ──▶ one line per built-in robot
+//!                                                  └─ check ─▶ joints, workspace, tasks; picture
 //! ```
 //!
-//! * **Invariants:** everything that does not fit is told at once, by the loader. What a hand can do is tried by the inverse
-//!   kinematics, and told for the tasks as `demo` and `eval` will judge it.
+//! * **Invariants:** the loader reports all errors of a file at once. Inverse kinematics determines
+//!   the capabilities of a hand; tasks are supported by the criteria of `demo` and `eval`.
 
 mod facing;
 mod reach;
@@ -26,10 +26,10 @@ use crate::picture;
 use facing::Facing;
 use reach::Reach;
 
-/// How far a dome may be turned from the other side, as the cosine between them (ours: 60°).
+/// Smallest cosine between a fingertip axis and the direction to the opposite grasp side (design
+/// choice: 60°).
 const FACES_COS: f64 = 0.5;
 
-/// `atas robot`.
 pub(crate) fn robot(action: &RobotAction, output: &mut Output) -> anyhow::Result<()> {
     match action {
         RobotAction::List => list(output),
@@ -205,7 +205,7 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The workspace of its robot file, or what it is found to reach.
+/// Prints the workspace of the robot file, or the one found by inverse kinematics.
 fn print_reach(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
     if let Some(space) = hand.workspace() {
         let space = reach::entry(space);
@@ -224,7 +224,8 @@ fn print_reach(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
     }
 }
 
-/// The sides of several fingertips, and how far apart the outermost of them stand in the reference posture, m.
+/// Returns grasp sides with several fingertips, each with the largest distance between two of them
+/// in the reference posture, m.
 fn apart_m(hand: &HandModel) -> Vec<(usize, f64)> {
     let pose = hand.forward(hand.reference_rad());
     let apart_m = |side: usize| {
@@ -238,13 +239,14 @@ fn apart_m(hand: &HandModel) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// Fingertips whose domes do not face the other side in the reference posture, so that nothing can be held.
+/// Returns fingertips that do not face the opposite grasp side in the reference posture; such a
+/// hand cannot hold an object.
 fn turned_away(hand: &HandModel) -> Vec<&str> {
     let pose = hand.forward(hand.reference_rad());
     let faces = |finger: usize| {
         let across =
             pose.side_m(1 - hand.virtual_finger(finger)) - pose.side_m(hand.virtual_finger(finger));
-        // Written so that NaN does not face it.
+        // A NaN counts as not facing.
         across
             .try_normalize(1e-9)
             .is_some_and(|across| pose.dome_axis(finger).dot(&across) > FACES_COS)
@@ -308,7 +310,7 @@ fn side_name(hand: &HandModel) -> &'static str {
     }
 }
 
-/// What a joint moves: the whole hand, several fingertips, or one.
+/// Returns the fingertips that a joint moves, or "hand" for an arm joint.
 fn moves(hand: &HandModel, joint: usize) -> String {
     if hand.arm_joints().contains(&joint) {
         return "hand".into();
@@ -319,7 +321,7 @@ fn moves(hand: &HandModel, joint: usize) -> String {
     format!("tip {}", moved.collect::<Vec<_>>().join(", "))
 }
 
-/// A coordinate of a joint in the unit that people use for it.
+/// Formats a joint position in mm or degrees.
 fn shown(joint: &Joint, value: f64) -> String {
     match joint.kind {
         JointKind::Prismatic => format!("{} mm", number(value * 1e3, 1)),

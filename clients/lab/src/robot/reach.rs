@@ -1,4 +1,5 @@
-//! A box about where a hand rests in which every grasp from above has a posture, grown on a grid.
+//! Reachable box around the rest pose of a hand: every vertical grasp in it has a posture. The box
+//! grows on a grid.
 
 use std::collections::HashMap;
 
@@ -6,24 +7,21 @@ use atas_console::Progress;
 use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel, Workspace};
 
-/// Distance of the grid's points, m (ours).
 pub(super) const STEP_M: f64 = 0.02;
-/// Farthest that the box may grow from where the hand rests, steps.
+/// Largest growth of the box from the rest pose, steps.
 const STEPS_MAX: i32 = 20;
-/// Narrowest opening that is tried, m.
 const NARROW_M: f64 = 0.02;
-/// Openings between that of rest and the widest that are tried (ours).
+/// Number of tested openings between the rest opening and the largest one (design choice).
 const OPENINGS: u32 = 8;
-/// Distance that the lowest dome keeps from the table, m (ours: half what the two-hand arm keeps).
+/// Clearance between the lowest fingertip and the table, m (design choice: half that of the
+/// two-hand arm).
 const TABLE_M: f64 = 0.005;
 
-/// What a hand reaches.
 pub(super) struct Reach {
-    /// The box.
+    /// Box in which every grasp from above is reachable.
     pub(super) space: Workspace,
 }
 
-/// Which grasps were tried already, by their place on the grid.
 struct Grid<'a> {
     hand: &'a HandModel,
     lowest_m: f64,
@@ -32,7 +30,7 @@ struct Grid<'a> {
 }
 
 impl Reach {
-    /// Grows the box; `None` if the hand cannot even rest.
+    /// Grows the box; returns `None` if the rest pose itself is unreachable.
     pub(super) fn of(hand: &HandModel) -> Option<Self> {
         let lowest_m = hand.tip_radius_m().iter().copied().fold(0.0, f64::max) + TABLE_M;
         let mut grid = Grid {
@@ -45,7 +43,7 @@ impl Reach {
         if !grid.reaches([0, 0, 0]) {
             return None;
         }
-        // What stands on the table comes first.
+        // Grow downwards first: objects stand on the table.
         while grid.grow(&mut bounds, 2, 0) {}
         let mut grows = true;
         while grows {
@@ -69,7 +67,7 @@ impl Reach {
     }
 }
 
-/// Why a hand reaches nothing about where it rests.
+/// Returns the reason why no grasp near the rest pose is reachable.
 pub(super) fn why_nothing(hand: &HandModel) -> String {
     let home_m = hand.home_m();
     let frame = GraspFrame::from_above(home_m, hand.home_yaw_rad(), hand.home_opening_m());
@@ -83,7 +81,8 @@ pub(super) fn why_nothing(hand: &HandModel) -> String {
     }
 }
 
-/// How far the hand opens in every corner of a box: as far as where it rests, or not so far.
+/// Returns the largest opening that is reachable in all corners of a box, at least the rest
+/// opening.
 fn widest_m(hand: &HandModel, space: &Workspace) -> f64 {
     let mut corners = Vec::new();
     for x in space.x_m {
@@ -101,7 +100,8 @@ fn widest_m(hand: &HandModel, space: &Workspace) -> f64 {
         .unwrap_or(rests_m)
 }
 
-/// Whether a grasp from above has a posture there, with the closing axis of where the hand rests.
+/// Returns true if a vertical grasp at this position, with the closing axis of the rest pose, has a
+/// posture.
 fn has_posture(hand: &HandModel, centre_m: Vector3<f64>, opening_m: f64) -> bool {
     let yaw_rad = hand.closing_yaw_rad(&centre_m, hand.home_yaw_rad());
     let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
@@ -109,7 +109,7 @@ fn has_posture(hand: &HandModel, centre_m: Vector3<f64>, opening_m: f64) -> bool
 }
 
 impl Grid<'_> {
-    /// Moves one face of the box out by a step if every point of it is reached.
+    /// Moves one face of the box outwards by one step if every point of the new face is reachable.
     fn grow(&mut self, bounds: &mut [[i32; 2]; 3], axis: usize, end: usize) -> bool {
         let step = if end == 0 { -1 } else { 1 };
         let face = bounds[axis][end] + step;
@@ -148,7 +148,6 @@ impl Grid<'_> {
     }
 }
 
-/// A workspace as its entry of a robot file.
 pub(super) fn entry(space: &Workspace) -> String {
     let range = |[least, most]: [f64; 2]| format!("[{:.3}, {:.3}]", least + 0.0, most + 0.0);
     format!(

@@ -1,7 +1,8 @@
-//! A robot where it rests, as SVG: from the front, from the side and from above.
+//! SVG drawing of a robot in its rest pose: front, side and top view.
 //!
-//! Every visual shape of the URDF is drawn as what it covers: a cylinder as a thick line with round ends, a sphere as a
-//! circle, a box as its outline. What has no such shape is drawn as the line from the link before it.
+//! Visual shapes of the URDF are simplified: a cylinder becomes a thick line with round ends, a
+//! sphere a circle, a box its outline. A link without such a shape becomes a line from its parent
+//! link.
 
 use std::fmt::Write;
 
@@ -10,27 +11,24 @@ use robot_model::{
     Form, ModelError, Placement, RobotFiles, RobotModel, RobotVector, Shape, Skeleton,
 };
 
-/// Scale of the drawing, pixels per metre, and the space around each view, px.
+/// Scale of the drawing, pixels per metre, and the margin around each view, px.
 const PX_PER_M: f64 = 420.0;
 const MARGIN_PX: f64 = 24.0;
-/// Half thickness of a link that has no shape, m.
 const BONE_M: f64 = 0.004;
 
-/// What a view shows to the right and what upwards, base frame.
+/// Directions to the right and upwards in each view, base frame.
 const VIEWS: [(&str, [f64; 3], [f64; 3]); 3] = [
     ("front", [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
     ("side", [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
     ("above", [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]),
 ];
 
-/// A thick line in space, m.
 struct Stroke {
     ends: Vec<Point3<f64>>,
     half_m: f64,
     rgba: [f64; 4],
 }
 
-/// Draws a robot.
 pub(super) fn draw(files: &RobotFiles, robot: &RobotModel) -> Result<String, ModelError> {
     let strokes = strokes(&files.skeleton()?, &rest(robot));
     let mut x_px = 0.0;
@@ -49,7 +47,8 @@ pub(super) fn draw(files: &RobotFiles, robot: &RobotModel) -> Result<String, Mod
     ))
 }
 
-/// Joint values where the robot rests: home where the hands reach it, else the reference posture.
+/// Returns the joint positions of the rest pose: home if the hands reach it, else the reference
+/// posture.
 fn rest(robot: &RobotModel) -> RobotVector {
     sim_backend::home_rad(robot).unwrap_or_else(|_| {
         let mut rest_rad = RobotVector::zeros(robot.joint_count());
@@ -87,7 +86,7 @@ fn stroke(base_from_link: &Isometry3<f64>, shape: &Shape) -> Stroke {
     let (ends, half_m) = match shape.form {
         Form::Sphere { radius_m } => (vec![Point3::origin()], radius_m),
         Form::Cylinder { radius_m, length_m } => {
-            // Round ends would add to its length.
+            // Shortened by the radius: round line ends extend the cylinder.
             let half_m = (length_m / 2.0 - radius_m).max(0.0);
             let end = |sign: f64| Point3::new(0.0, 0.0, sign * half_m);
             (vec![end(-1.0), end(1.0)], radius_m)
@@ -111,7 +110,6 @@ fn stroke(base_from_link: &Isometry3<f64>, shape: &Shape) -> Stroke {
     }
 }
 
-/// One view: its elements, its width and its height, px.
 fn view(
     name: &str,
     strokes: &[Stroke],
@@ -197,7 +195,7 @@ fn element(svg: &mut String, stroke: &Stroke, points: &[[f64; 2]]) {
     };
 }
 
-/// The convex outline of some points (A. M. Andrew, 1979).
+/// Returns the convex hull of the points (A. M. Andrew, 1979).
 fn hull(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));

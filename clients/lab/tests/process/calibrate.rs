@@ -1,10 +1,11 @@
-//! `atas calibrate` from recorded presses to the files that it writes.
+//! `atas calibrate` from recorded presses to its output files.
 
 use std::process::Stdio;
 
 use crate::{atas, run};
 
-/// A dome that speaks in counts, turned and mixed, as `atas-sensor --dry-run` prints it; `force_n` by frame of 10 ms.
+/// Makes a table of `atas-sensor --dry-run`: one element in counts with rotated and coupled axes;
+/// `force_n` per frame of 10 ms.
 fn dry_run(frames: usize, force_n: impl Fn(usize) -> [f64; 3]) -> String {
     let mut text =
         "byte_offset,count,status,fx_counts,fy_counts,fz_counts,arrival,captured_ns\n".to_owned();
@@ -27,7 +28,7 @@ fn dry_run(frames: usize, force_n: impl Fn(usize) -> [f64; 3]) -> String {
 fn a_fingertip_is_calibrated_from_guided_presses() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
-    // Guided: as many steps as loads, each as long as asked for, in order.
+    // Guided session: one step per load, in order, each of the requested duration.
     let mut guided = atas(&[
         "calibrate",
         "guide",
@@ -61,7 +62,7 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
         rows.iter().all(|row| row[1] >= row[0] + 1e7) && rows.is_sorted_by_key(|row| row[0] as u64)
     );
     assert_eq!(rows[4][2..], [2.0, 1.0, 0.0], "{steps}");
-    // The same with loads on a clock of our own: eleven steps of a second each.
+    // Session with a synthetic clock: eleven steps of 1 s.
     let load = |step: usize| match step {
         0 => [0.0; 3],
         1..=4 => [step as f64, 0.0, 0.0],
@@ -169,7 +170,7 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
     );
     let daemon = std::fs::read_to_string(path("daemon.toml")).expect("a configuration");
     let told: toml::Table = daemon.parse().expect("TOML");
-    // Ten milliseconds from frame to frame: what the daemon must know of a sensor that is no faster.
+    // A frame interval of 10 ms needs a longer frame age limit.
     let rate_hz = told["hands"]["left"]["rate_hz"].as_float();
     let hold_age_s = told["intake"]["hold_age_s"].as_float();
     assert_eq!(
@@ -188,7 +189,7 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
     );
     let figure = std::fs::read_to_string(path("tip.svg")).expect("a figure");
     assert!(figure.starts_with("<svg") && figure.matches("<circle").count() > 1000);
-    // Nothing is overwritten, and what is missing is named.
+    // Existing files are not overwritten; errors name the missing input.
     let (code, _, stderr) = run(&line);
     assert!(code == 1 && stderr.contains("tip.toml"), "{stderr}");
     let fit = ["calibrate", "fit", "--out", "other.toml", "--presses"];

@@ -1,4 +1,4 @@
-//! What `atas eval` prints, puts together and refuses.
+//! Output and errors of `atas eval`.
 
 use crate::run;
 
@@ -48,7 +48,7 @@ fn parts_put_together_give_the_report_of_one_run() {
     refused(&[&one], "part 2/2 is missing");
     refused(&[&one, &one], "part 1/2 is there twice");
     assert_eq!(eval(&["--shard", "2/2", "--out", &two]).0, 0);
-    // A part whose last trial was cut off in writing goes on with that trial.
+    // A part with a truncated last trial continues with that trial.
     let bytes = std::fs::read(&two).expect("readable");
     std::fs::write(&two, &bytes[..bytes.len() - 9]).expect("writable");
     refused(
@@ -68,7 +68,7 @@ fn parts_put_together_give_the_report_of_one_run() {
         assert!(kept == damaged, "as it was");
     };
     goes_on(1);
-    // A bit that fell over is found, and its trial runs again.
+    // A flipped bit is detected, and its trial runs again.
     let mut flipped = std::fs::read(&two).expect("readable");
     *flipped.last_mut().expect("a trial") ^= 1;
     std::fs::write(&two, flipped).expect("writable");
@@ -125,7 +125,7 @@ fn a_fitted_calibration_is_judged_by_grasps_beside_the_exact_one() {
     }
 }
 
-/// A fingertip of four electrodes, touched by one object and slipping on it.
+/// Makes a table of a fingertip with four electrodes: stable contacts and slips of one object.
 fn slips() -> String {
     let mut text = "label,sequence,object,ff_e1,ff_e2,ff_e3,ff_e4\n".to_owned();
     for sequence in 0..8 {

@@ -1,4 +1,4 @@
-//! The laboratory's part as a process: exit codes, messages, and what it leaves behind.
+//! Laboratory commands as processes: exit codes, messages, and clean-up.
 
 mod calibrate;
 mod eval;
@@ -93,7 +93,8 @@ fn a_file_that_is_no_recording_is_told_as_such() {
 
 #[test]
 fn a_program_without_its_neighbours_says_how_to_build_them() {
-    // Linked, not copied: what another thread's child still holds open for writing cannot be started.
+    // Linked, not copied: a file that another thread's child holds open for writing cannot be
+    // executed.
     let program = Path::new(env!("CARGO_BIN_EXE_atas-lab"));
     let folder = tempfile::tempdir_in(program.parent().expect("a folder")).expect("a folder");
     let alone = folder.path().join("atas-lab");
@@ -107,7 +108,7 @@ fn a_program_without_its_neighbours_says_how_to_build_them() {
     assert!(stderr.contains("cargo build --workspace"), "{stderr}");
 }
 
-/// Whether daemon and simulator lie next to the program; if not, they were not built in this run.
+/// Returns true if daemon and simulator are next to this program, that is, have been built.
 fn neighbours_are_built() -> bool {
     let folder = Path::new(env!("CARGO_BIN_EXE_atas-lab")).parent();
     let built = ["atasd", "atas-sim"]
@@ -115,7 +116,7 @@ fn neighbours_are_built() -> bool {
         .all(|name| folder.is_some_and(|folder| folder.join(name).is_file()));
     if !built {
         let why = "atasd and atas-sim are not built; use `cargo test --workspace`";
-        // Past the harness, which keeps what a passing test prints to itself.
+        // Written directly, as the test harness captures the output of passing tests.
         let _ = writeln!(std::io::stderr(), "SKIPPED: the demos' tests: {why}");
     }
     built
@@ -127,7 +128,7 @@ fn an_interrupted_demo_leaves_nothing_behind() {
         return;
     }
     let scratch = tempfile::tempdir().expect("a folder");
-    // Logs and bus of this demo, and of no other, in here.
+    // Separate folder for logs and bus of this demo.
     let demo = atas(&["demo", "grasp", "--object", "wood"])
         .env("TMPDIR", scratch.path())
         .stdout(Stdio::piped())
@@ -168,13 +169,13 @@ fn children_of(id: u32) -> Vec<u32> {
         .collect()
 }
 
-/// As wide as a table is where nobody says how wide the terminal is.
+/// Uses the default width, as the output is not a terminal.
 #[test]
 fn tables_fit_eighty_columns_and_break_no_range() {
     if !neighbours_are_built() {
         return;
     }
-    // What is below a table begins with `below`; a sentence may be as long as it is.
+    // Lines from `below` on are text of any length.
     let check = |line: &str, below: &str, parts: &[&str]| {
         let words: Vec<&str> = line.split(' ').collect();
         let (code, stdout, stderr) = run(&words);

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class Hand(IntEnum):
-    """Which hand."""
+    """Left or right hand."""
 
     LEFT = 0
     RIGHT = 1
@@ -22,7 +22,7 @@ class Mode(IntEnum):
 
 
 class GoalKind(IntEnum):
-    """Which task."""
+    """Task of a goal."""
 
     GRASP = 1
     PICK_PLACE = 2
@@ -35,14 +35,14 @@ class GoalKind(IntEnum):
 
 
 class GoalPolicy(IntEnum):
-    """What happens to a goal when its client goes away."""
+    """Reaction to the disconnection of the client."""
 
     DETACHED = 0
     ATTACHED = 1
 
 
 class GoalState(IntEnum):
-    """Where a goal stands."""
+    """State of a goal."""
 
     ACCEPTED = 1
     REJECTED = 2
@@ -54,21 +54,21 @@ class GoalState(IntEnum):
 
 
 class Turn(IntEnum):
-    """Which way a cap is turned, seen from above."""
+    """Direction in which a cap is turned, seen from above."""
 
     CLOCKWISE = 0
     ANTICLOCKWISE = 1
 
 
 class GripOrder(IntEnum):
-    """What the fingers shall do."""
+    """Grip command of a target."""
 
     WIDTH = 0
     HOLD = 1
 
 
 class ControlOp(IntEnum):
-    """What is asked."""
+    """Operation of a control request."""
 
     ESTOP = 1
     RECOVER = 2
@@ -82,7 +82,7 @@ class ControlOp(IntEnum):
 
 
 class ControlOutcome(IntEnum):
-    """How it went."""
+    """Result of a control request."""
 
     DONE = 1
     REFUSED = 2
@@ -90,14 +90,14 @@ class ControlOutcome(IntEnum):
 
 
 class StopOutcome(IntEnum):
-    """What became of a stop."""
+    """Result of a stop request."""
 
     STOPPED = 1
     WAITING = 2
 
 
 class EventKind(IntEnum):
-    """What an event is about."""
+    """Kind of an event."""
 
     MODULE_ON = 1
     MODULE_OFF = 2
@@ -111,7 +111,7 @@ class EventKind(IntEnum):
 
 
 class ModuleId(IntEnum):
-    """The modules of the paper, and the motions that carry them."""
+    """Modules of the paper and additional modules."""
 
     NONE = 0
     TRAJECTORY = 1
@@ -132,7 +132,7 @@ class ModuleId(IntEnum):
 
 
 class Cause(IntEnum):
-    """What went wrong."""
+    """Cause of a rejection, a hold or a stop."""
 
     NONE = 0
     NOT_FINITE = 1
@@ -203,7 +203,7 @@ class Cause(IntEnum):
 
 
 class OrderKind(IntEnum):
-    """What a tick was told by the daemon's supervisor."""
+    """Request from the supervisor to a tick."""
 
     NONE = 0
     START = 1
@@ -218,7 +218,7 @@ class OrderKind(IntEnum):
 
 
 class SensorBit(IntEnum):
-    """One sensor bit of a behaviour table that feels: true or false in every tick (paper Table 1, S1 to S5)."""
+    """Sensor bit of a behaviour table, evaluated in every tick (paper Table 1, S1 to S5)."""
 
     NONE = 0
     TOUCHING = 1
@@ -230,14 +230,14 @@ class SensorBit(IntEnum):
 
 
 class Light(IntEnum):
-    """Which light a base's photo sensors look for."""
+    """Light that the photo sensors of a base detect."""
 
     OBJECT = 0
     GOAL = 1
 
 
 class Say(IntEnum):
-    """Who has the say over a robot."""
+    """Subsystem that controls the robot."""
 
     NOBODY = 0
     TABLE = 1
@@ -246,7 +246,7 @@ class Say(IntEnum):
 
 
 class Mishap(IntEnum):
-    """What ended a base's course at once."""
+    """Incident that ended the course of a base."""
 
     NONE = 0
     LEFT_FIELD = 1

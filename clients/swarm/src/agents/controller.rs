@@ -1,4 +1,4 @@
-//! Answers the field's frames on the bus.
+//! Controller that answers the frames of a field on the bus.
 
 use field::Preset;
 use serde::Serialize;
@@ -9,27 +9,27 @@ use shm_schemas::{AgentSensors, WheelCommands, service};
 use super::{Exchange, Lookup};
 use crate::error::{Error, Result};
 
-/// Which fields the tables may drive.
+/// Fields that the tables may drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fields {
-    /// The one that they were evolved for.
+    /// The field that they were evolved for.
     TheirOwn,
-    /// Whatever is hosted, to see what they are worth elsewhere.
+    /// Any hosted field, to test tables elsewhere.
     Any,
 }
 
-/// What a controller has seen.
+/// Frame counters of a controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Frames answered.
     pub answered: u64,
-    /// Frames that were published and never seen here: a newer one had taken their place.
+    /// Frames missed because a newer one replaced them.
     pub lost: u64,
-    /// Frames with more agents than a payload holds; not answered.
+    /// Frames with more agents than a payload can hold; not answered.
     pub malformed: u64,
 }
 
-/// Answers for all agents of the fields on a bus.
+/// Controller of all agents of the fields on a bus.
 pub struct TeamController {
     subscriber: Subscriber<AgentSensors>,
     publisher: Publisher<WheelCommands>,
@@ -41,10 +41,10 @@ pub struct TeamController {
 }
 
 impl TeamController {
-    /// Joins the bus with tables to begin with.
+    /// Joins the bus with initial tables.
     ///
     /// # Errors
-    /// The bus cannot be used, or another process answers on it already.
+    /// The bus cannot be used, or another process already answers on it.
     pub fn open(bus: &Bus, lookup: Lookup, fields: Fields) -> Result<Self> {
         let mut commands = WheelCommands::default();
         commands.stamp.writer_epoch = writer_epoch();
@@ -59,11 +59,12 @@ impl TeamController {
         })
     }
 
-    /// Answers the newest frame, if one has come, by the tables on offer from this frame on. True if one had come.
+    /// Answers the newest frame, if one arrived, after taking offered tables. Returns whether a
+    /// frame arrived.
     ///
     /// # Errors
-    /// The field is not the one of the tables; the frame is not answered, so its robots stand still. Or the shared memory is
-    /// damaged.
+    /// The field does not match the tables: the frame is not answered and the robots stand still.
+    /// Or shared memory is damaged.
     pub fn answer(&mut self, exchange: &Exchange) -> Result<bool> {
         let before = self.sensors.stamp;
         if !self.subscriber.newest(&mut self.sensors)? {
@@ -96,7 +97,7 @@ impl TeamController {
         Ok(true)
     }
 
-    /// What it has seen so far.
+    /// Returns the frame counters.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.counts
@@ -112,7 +113,6 @@ fn other_field(field: u64, tables: u64) -> Error {
     )
 }
 
-/// A field by the name of the preset that ships, or by its number.
 fn called(field_hash: u64) -> String {
     let named = Preset::ALL
         .into_iter()

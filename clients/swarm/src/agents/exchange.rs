@@ -1,11 +1,12 @@
-//! Hands new tables to a loop that must never wait.
+//! Exchange of tables with a real-time loop that must not block.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use super::Lookup;
 
-/// One place in which the next tables lie until the loop takes them, and the former ones until somebody clears them away.
+/// One slot: holds the next tables until the loop takes them, then the previous ones until they are
+/// freed by the next offer.
 #[derive(Debug)]
 pub struct Exchange {
     offered: AtomicBool,
@@ -22,15 +23,15 @@ impl Default for Exchange {
 }
 
 impl Exchange {
-    /// Offers tables. What lay there, taken or not, is freed here and not in the loop.
+    /// Offers tables. The content of the slot, taken or not, is freed here and not in the loop.
     pub fn offer(&self, lookup: Lookup) {
         let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
         *place = Some(lookup);
         self.offered.store(true, Ordering::Release);
     }
 
-    /// Takes the tables on offer and leaves `current` in their place. Neither waits nor allocates nor frees: while an offer
-    /// is just being made there is none.
+    /// Swaps offered tables into `current`; returns whether there was an offer. Does not block,
+    /// allocate or free: an offer in progress counts as none.
     pub fn take(&self, current: &mut Lookup) -> bool {
         if !self.offered.load(Ordering::Acquire) {
             return false;

@@ -1,4 +1,4 @@
-//! Tables ready to be looked up: rows in, output bits out, table by table.
+//! Lookup of behaviour tables: row in, output bits out.
 
 use field::ROWS;
 use sim_backend::course::{Host, Responses};
@@ -7,18 +7,18 @@ use crate::files::sha256;
 use crate::table::Table;
 use crate::table_file::TableFile;
 
-/// The tables of a team, ready to be looked up.
+/// Tables of a team, prepared for lookup.
 #[derive(Clone, Debug)]
 pub struct Lookup {
     /// Per table, the output bits of every row of the field.
     outputs: Vec<[u32; ROWS]>,
     hash: u64,
-    /// Names the field of the tables; of files of several fields, that of the first.
+    /// Hash of the field of the tables; for several fields that of the first file.
     field_hash: u64,
 }
 
 impl Lookup {
-    /// Prepares the tables of checked files, file after file.
+    /// Prepares the tables of validated files in order.
     #[must_use]
     pub fn new(files: &[TableFile]) -> Self {
         let hash = match files {
@@ -38,7 +38,7 @@ impl Lookup {
         }
     }
 
-    /// Prepares the table of a course's file, by its hash.
+    /// Prepares the table of a course file with this hash.
     #[must_use]
     pub fn of_course(hash: &str, table: Responses) -> Self {
         Self {
@@ -48,27 +48,30 @@ impl Lookup {
         }
     }
 
-    /// Number of tables.
+    /// Returns the number of tables.
     #[must_use]
     pub fn tables(&self) -> usize {
         self.outputs.len()
     }
 
-    /// The first eight bytes of the file's hash, as a number; of several files, of the SHA-256 over their hashes in turn.
+    /// Returns the first eight bytes of the file's hash; for several files, of the SHA-256 over
+    /// their hashes.
     #[must_use]
     pub fn hash(&self) -> u64 {
         self.hash
     }
 
-    /// Names the field that the tables were evolved for, see [`field::Preset::fingerprint`] and [`Host::field_hash`].
+    /// Returns the hash of the field of the tables, see [`field::Preset::fingerprint`] and
+    /// [`Host::field_hash`].
     #[must_use]
     pub fn field_hash(&self) -> u64 {
         self.field_hash
     }
 
-    /// Per agent, the output bits (L1 lowest, then L2, R1, R2) for the row its sensors select: IR left is bit 0, then IR
-    /// front, IR right, photo left, photo right. Agents take the tables in turn; of a row only the lowest five bits
-    /// matter. As many agents as the shorter slice has.
+    /// Writes per agent the output bits (L1 lowest, then L2, R1, R2) of the row that its sensors
+    /// select. Row bits: IR left is bit 0, then IR front, IR right, photo left, photo right; higher
+    /// bits are ignored. Agents are assigned to tables cyclically. The shorter slice limits the
+    /// number of agents.
     pub fn answer(&self, rows: &[u32], outputs: &mut [u32]) {
         let tables = self.outputs.iter().cycle();
         for ((row, output), table) in rows.iter().zip(outputs).zip(tables) {
@@ -77,13 +80,12 @@ impl Lookup {
     }
 }
 
-/// Names the field that a file's tables were evolved for.
+/// Returns the hash of the field that a file's tables were evolved for.
 #[must_use]
 pub fn field_hash(file: &TableFile) -> u64 {
     file.condition.model.preset().fingerprint()
 }
 
-/// Per table of a file, the output bits of every row of the field.
 fn outputs(file: &TableFile) -> Vec<[u32; ROWS]> {
     let sensors = file.condition.sensors;
     let outputs = |table: &Table| {

@@ -1,20 +1,25 @@
-//! The agents' side of a field that somebody else hosts on the bus.
+//! Controller of the agents of a field that another process hosts on the bus.
 //!
 //! ```text
 //!  table files ─▶ Lookup ── Exchange ────┐ (between two frames)
 //!                                        ▼
-//!            AgentSensors ─────▶ TeamController ─────▶ WheelCommands {output bits, hash of the tables}
+//!            AgentSensors ─────▶ TeamController ─────▶ WheelCommands {output bits, table hash}
 //! ```
 //!
-//! **In**: what every robot senses in a frame. **Out**: what every robot does in it, once per frame, as soon as it is asked.
+//! Input: the sensor rows of all robots in a frame. Output: the wheel commands of all robots, once
+//! per frame, immediately.
 //!
-//! Invariants: a field is answered only by tables that were evolved for its numbers, unless any field is asked for; a frame
-//! is answered by one set of tables, whole; tables that cannot be used never replace those in use
-//! (the new [`Lookup`] is complete before it is offered); answering neither waits nor locks nor allocates, but for the one
-//! allocation inside the transport. A process that is gone answers nothing, and the host then stops the robots.
+//! Invariants:
 //!
-//! Deliberately absent: the field, its clock, and any memory from one frame to the next (paper III.a: a behaviour table
-//! maps sensors to motors).
+//! * Tables drive only the field that they were evolved for, unless any field is allowed.
+//! * All robots of a frame use the same set of tables.
+//! * Invalid tables never replace those in use: the new [`Lookup`] is complete before it is
+//!   offered.
+//! * Answering does not block or lock. It allocates once, inside the transport.
+//! * If this process ends, the field process stops the robots.
+//!
+//! Not part of this module: the field, its clock, and memory between frames (paper III.a: a
+//! behaviour table maps sensors to motors).
 
 mod controller;
 mod exchange;

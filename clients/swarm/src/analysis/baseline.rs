@@ -1,4 +1,4 @@
-//! Tables that nobody evolved: what evolution has to beat.
+//! Baselines: tables without evolution, as a lower bound for evolved ones.
 
 use serde::Serialize;
 
@@ -12,24 +12,23 @@ use crate::sensors::SensorOrder;
 use crate::stats::{mean, quantile, sorted};
 use crate::table::{Shape, Table};
 
-/// Names the stream of random tables.
 const RANDOM_STREAM: u64 = 0x7261_6e64;
 
-/// Fitness out of 800 of tables that were not evolved, for one condition.
+/// Fitness (of 800) of tables without evolution, for one condition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Baselines {
-    /// [`hand_written`].
+    /// Fitness of [`hand_written`].
     pub hand_written: f32,
-    /// How many random tables were tried.
+    /// Number of random tables.
     pub random_tables: usize,
-    /// Their mean.
+    /// Mean fitness of the random tables.
     pub random_mean: f32,
-    /// The best of them: a random search with this many evaluations.
+    /// Best fitness of the random tables: a random search with this many evaluations.
     pub random_best: f32,
 }
 
-/// What a person would write: drive into the light, turn towards the side that sees it, turn away from walls in the dark.
-/// Columns as in the default sensor order.
+/// Returns a hand-written table: drives into the light, turns towards the side with light, avoids
+/// walls in the dark. Columns in the default sensor order.
 #[must_use]
 pub fn hand_written() -> Table {
     Table::from_levels(Shape::MOBILE_ROBOT, |row, motor| {

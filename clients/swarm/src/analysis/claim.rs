@@ -1,4 +1,4 @@
-//! What the paper claims (III.c), each with the border that an estimate has to be above.
+//! Claims of the paper (III.c), each with the border that its estimate must exceed.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,17 +8,18 @@ use serde::Serialize;
 use super::findings::{Findings, Verdict};
 use crate::stats::Estimate;
 
-/// The part of solved four-agent trials in which redundant agents have to keep out for the finding to hold (ours: the paper
-/// shows two examples and gives no rate).
+/// Border of [`Claim::KeepOut`]: share of solved four-agent trials in which redundant agents keep
+/// out. Design choice: the paper shows two examples and gives no rate.
 const KEEP_OUT_BORDER: f64 = 0.5;
 
-/// A claim of the paper, in its order.
+/// A claim, in the order of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Claim {
-    /// Several agents have more than five times the fitness of one: the smallest median over that of one.
+    /// Several agents reach more than five times the fitness of one: smallest median of several
+    /// over the median of one.
     FiveTimes,
-    /// The same between two random runs.
+    /// The claim of [`Claim::FiveTimes`] between two random runs.
     FiveTimesRunByRun,
     /// Three beat four.
     ThreeBeatFour,
@@ -26,16 +27,16 @@ pub enum Claim {
     TwoBeatFour,
     /// Three beat two: "three agents are optimum".
     ThreeBeatTwo,
-    /// One agent does not get away from where it is.
+    /// One agent stays trapped.
     Trapped,
-    /// It circles (Fig. 15).
+    /// One agent circles (Fig. 15).
     Circles,
     /// Redundant agents keep out of solved trials (Fig. 17).
     KeepOut,
 }
 
 impl Claim {
-    /// Every claim, in the paper's order.
+    /// All claims in the order of the paper.
     pub const ALL: [Self; 8] = [
         Self::FiveTimes,
         Self::FiveTimesRunByRun,
@@ -47,7 +48,7 @@ impl Claim {
         Self::KeepOut,
     ];
 
-    /// In words.
+    /// Returns a description.
     #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {
@@ -62,7 +63,7 @@ impl Claim {
         }
     }
 
-    /// What runs say of it; `None` if the team sizes that it needs were not run.
+    /// Returns the estimate of the runs; `None` without runs of the required team sizes.
     #[must_use]
     pub fn estimate(self, findings: &Findings) -> Option<Estimate> {
         let Findings {
@@ -84,7 +85,7 @@ impl Claim {
         }
     }
 
-    /// What an estimate has to be above.
+    /// Returns the border that the estimate must exceed.
     #[must_use]
     pub fn border(self) -> f64 {
         match self {
@@ -94,7 +95,7 @@ impl Claim {
         }
     }
 
-    /// Whether it holds at the 95 % level.
+    /// Returns the verdict at the 95 % level.
     #[must_use]
     pub fn verdict(self, findings: &Findings) -> Option<Verdict> {
         self.estimate(findings)

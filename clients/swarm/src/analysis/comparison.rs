@@ -1,4 +1,4 @@
-//! What evolution reached, beside tables that nobody evolved and trials that it never saw.
+//! Comparison of evolved tables with baselines and held-out trials.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,23 +14,20 @@ use crate::genome::Genome;
 use crate::run::Record;
 use crate::stats::median;
 
-/// What evolution reached for one team size, and what it has to beat.
+/// Results of one team size and its baselines.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Comparison {
     /// Team size.
     pub agents: usize,
-    /// Median over the runs.
+    /// Median fitness over the runs.
     pub evolved_median: f32,
-    /// Tables that nobody evolved.
+    /// Tables without evolution.
     pub baselines: Baselines,
-    /// Medians over the runs.
+    /// Median held-out fitness over the runs.
     pub held_out: HeldOut,
 }
 
 /// Compares every team size of an experiment.
-///
-/// # Errors
-/// The plan is out of range.
 pub fn comparisons(
     plan: &Plan,
     records: &[Record],

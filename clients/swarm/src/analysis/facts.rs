@@ -1,4 +1,4 @@
-//! What every trial of a run shows: who pushed, circled, kept out.
+//! Facts of every trial of a run: pushing, circling and passive agents.
 
 use serde::Serialize;
 
@@ -10,41 +10,41 @@ use crate::condition::Condition;
 use crate::genome::Genome;
 use crate::run::Record;
 
-/// What one trial shows.
+/// Facts of one trial.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TrialFacts {
     /// Team size.
     pub agents: usize,
     /// Seed of the run.
     pub seed: u64,
-    /// From 1.
+    /// Goal, from 1.
     pub goal: usize,
-    /// By the run's fitness rule.
+    /// Points by the fitness rule of the run.
     pub points: f32,
-    /// The object is at the goal, and an agent stayed with it (whatever the rule).
+    /// The object is at the goal and an agent stayed with it, independent of the rule.
     pub delivered: bool,
-    /// First frame at the goal; 0 if never.
+    /// First frame at the goal; 0 if never reached.
     pub reached_frame: u32,
-    /// From object to goal after frame 270.
+    /// Distance from object to goal after frame 270.
     pub distance_px: f32,
-    /// What each agent did.
+    /// Facts of each agent.
     #[serde(skip)]
     pub each: [AgentFacts; MAX_AGENTS],
 }
 
-/// What one agent does in a trial.
+/// Facts of one agent in a trial.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AgentFacts {
-    /// Frames in which it presses against the object.
+    /// Frames in which the agent presses against the object.
     pub pushing_frames: usize,
-    /// See [`super::Wandering`].
+    /// The agent circles, see [`super::Wandering`].
     pub circling: bool,
-    /// It does not get away (paper III.c.1).
+    /// The agent stays trapped (paper III.c.1).
     pub trapped: bool,
 }
 
 impl AgentFacts {
-    /// It took part in carrying.
+    /// Returns whether the agent took part in carrying.
     #[must_use]
     pub fn pushes(&self) -> bool {
         self.pushing_frames >= PUSHING_FRAMES
@@ -52,7 +52,7 @@ impl AgentFacts {
 }
 
 impl TrialFacts {
-    /// Of one trial of a run.
+    /// Extracts the facts of one trial of a run.
     #[must_use]
     pub fn new(condition: &Condition, record: &Record, goal: usize, trace: &Trace) -> Self {
         let mut each = [AgentFacts::default(); MAX_AGENTS];
@@ -76,19 +76,19 @@ impl TrialFacts {
         }
     }
 
-    /// The agents that take part.
+    /// Returns the agents of the team.
     #[must_use]
     pub fn each(&self) -> &[AgentFacts] {
         &self.each[..self.agents]
     }
 
-    /// How many agents took part in pushing.
+    /// Returns the number of agents that took part in pushing.
     #[must_use]
     pub fn pushers(&self) -> usize {
         self.each().iter().filter(|agent| agent.pushes()).count()
     }
 
-    /// Frames in which those who do not carry touch the object all the same.
+    /// Returns the frames in which agents that do not carry touch the object.
     #[must_use]
     pub fn interference(&self) -> usize {
         let others = self.each().iter().filter(|agent| !agent.pushes());
@@ -96,7 +96,7 @@ impl TrialFacts {
     }
 }
 
-/// The trials of a run, goal 1 first; none if its genome does not fit the condition.
+/// Returns the trials of a run, goal 1 first; empty if its genome does not fit the condition.
 #[must_use]
 pub fn facts(condition: &Condition, record: &Record) -> Vec<TrialFacts> {
     let Some(genome) = Genome::from_hex(condition.genome_bits(), &record.genome) else {

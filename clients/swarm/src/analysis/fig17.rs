@@ -1,10 +1,10 @@
-//! The two cases of paper Fig. 17 among the trials of an experiment.
+//! Selection of trials that show the two cases of paper Fig. 17.
 
 use std::fmt;
 
 use super::facts::TrialFacts;
 
-/// A way in which four agents carry (paper III.c.2).
+/// A case: division of four agents into carriers and others (paper III.c.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Case {
     /// Two agents carry, the other two avoid.
@@ -14,10 +14,10 @@ pub enum Case {
 }
 
 impl Case {
-    /// Both, in the paper's order.
+    /// Both cases in the order of the paper.
     pub const ALL: [Self; 2] = [Self::TwoCarry, Self::ThreeCarry];
 
-    /// As the paper counts.
+    /// Returns the number in the paper.
     #[must_use]
     pub fn number(self) -> usize {
         self.carriers() - 1
@@ -40,8 +40,8 @@ impl fmt::Display for Case {
     }
 }
 
-/// The trials of four agents that show a case, the clearest first: the others touch the object least, then the object is
-/// there first.
+/// Returns the four-agent trials that show a case, the clearest first: least contact of the other
+/// agents with the object, then earliest arrival.
 #[must_use]
 pub fn examples(case: Case, trials: &[TrialFacts]) -> Vec<TrialFacts> {
     let shows = |trial: &&TrialFacts| {

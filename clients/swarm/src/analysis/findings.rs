@@ -1,4 +1,4 @@
-//! The paper's findings (III.c), each with an estimate, an interval and a verdict.
+//! Findings of the paper (III.c), each with an estimate, an interval and a verdict.
 
 use std::fmt;
 
@@ -14,20 +14,20 @@ use crate::experiment::Plan;
 use crate::run::Record;
 use crate::stats::{Estimate, bootstrap, median, p_greater};
 
-/// All findings of one experiment; what needs team sizes that it does not have is left out.
+/// Findings of one experiment; `None` without runs of the required team sizes.
 #[derive(Clone, Debug, Serialize)]
 pub struct Findings {
     /// Name of the preset.
     pub preset: String,
-    /// How the runs were scored.
+    /// Scoring of the runs.
     pub fitness_rule: FitnessRule,
     /// The smallest median of several agents over the median of one (paper: more than five times).
     pub ratio: Option<Estimate>,
     /// Probabilities of the paper's orderings between two runs.
     pub order: Order,
-    /// What single agents do.
+    /// Behaviour of single agents.
     pub single: Option<Single>,
-    /// What four agents do.
+    /// Behaviour of four agents.
     pub redundancy: Option<Redundancy>,
 }
 
@@ -58,28 +58,28 @@ pub struct Single {
 /// Solved trials of four agents (paper Fig. 17).
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Redundancy {
-    /// Solved trials of all runs: the object delivered, whatever the fitness rule.
+    /// Solved trials of all runs: the object delivered, independent of the fitness rule.
     pub solved: usize,
-    /// How many of them were solved by 0, 1, 2, 3 and 4 pushing agents.
+    /// Number of trials solved by 0, 1, 2, 3 and 4 pushing agents.
     pub by_pushers: [usize; 5],
-    /// The part in which two or three agents pushed and the others kept out.
+    /// Share of solved trials in which two or three agents pushed and the others kept out.
     pub keep_out: Estimate,
 }
 
-/// Whether a finding holds at the 95 % level.
+/// Verdict on a finding at the 95 % level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// The whole interval is on the paper's side.
+    /// The whole interval is above the border.
     Reproduces,
-    /// The whole interval is on the other side.
+    /// The whole interval is below the border.
     DoesNotReproduce,
     /// The interval contains the border.
     Undecided,
 }
 
 impl Verdict {
-    /// Whether a quantity is above a border.
+    /// Compares an interval with a border.
     #[must_use]
     pub fn above(border: f64, Estimate { low, high, .. }: Estimate) -> Self {
         match (low > border, high < border) {
@@ -100,7 +100,6 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// What the trials of one run showed.
 #[derive(Clone, Copy, Default)]
 struct Trials {
     trials: usize,
@@ -124,9 +123,6 @@ impl Trials {
 }
 
 /// Analyses the finished runs of a Fig. 14 experiment.
-///
-/// # Errors
-/// The plan is out of range.
 pub fn findings(plan: &Plan, records: &[Record]) -> Result<Findings> {
     let conditions = plan.conditions()?;
     let fitness = |agents: usize| -> Vec<f32> {
@@ -162,7 +158,6 @@ pub fn findings(plan: &Plan, records: &[Record]) -> Result<Findings> {
     })
 }
 
-/// The smallest of the multi-agent medians over the single-agent median.
 fn ratio(groups: &[Vec<f32>]) -> f64 {
     let smallest = groups[1..]
         .iter()
@@ -171,7 +166,8 @@ fn ratio(groups: &[Vec<f32>]) -> f64 {
     f64::from(smallest / median(&groups[0]).max(1.0))
 }
 
-/// The probability that a random run with several agents reaches five times a random run with one.
+/// Returns the probability that a random multi-agent run reaches five times a random single-agent
+/// run.
 fn multi_ge_5x_single(groups: &[Vec<f32>]) -> f64 {
     let five_times: Vec<f32> = groups[0].iter().map(|fitness| 5.0 * fitness).collect();
     groups[1..]
@@ -203,7 +199,6 @@ fn trials(condition: &Condition, record: &Record) -> Trials {
     sum
 }
 
-/// The part of trials, over resampled runs.
 fn share(
     runs: &[Trials],
     part: impl Fn(&Trials) -> usize,

@@ -1,4 +1,4 @@
-//! Generalisation: what a team is worth with goals and starts that it was not evolved on.
+//! Generalisation: fitness of a team with goals and starts that were not used in evolution.
 
 use serde::Serialize;
 
@@ -9,25 +9,24 @@ use crate::condition::Condition;
 use crate::genome::Genome;
 use crate::rng::SplitMix64;
 
-/// Sets of held-out starts.
 const START_SETS: usize = 8;
-/// Names the stream of held-out starts, so that they are the same for every team.
+/// Name of the random stream of held-out starts, equal for every team.
 const STARTS_STREAM: u64 = 0x5741_5254;
 
-/// Fitness out of 800, as in training and with what was held out.
+/// Fitness (of 800) in training and held-out trials.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeldOut {
-    /// The eight training goals from the preset's starts.
+    /// Eight training goals, starts of the preset.
     pub training: f32,
-    /// The eight goals halfway between them.
+    /// Eight goals halfway between them, starts of the preset.
     pub goals: f32,
-    /// The training goals from random starts; the mean over eight sets of starts.
+    /// Training goals, random starts; mean over eight sets of starts.
     pub starts: f32,
-    /// Both.
+    /// Goals in between, random starts.
     pub goals_and_starts: f32,
 }
 
-/// Evaluates a team on what was held out.
+/// Evaluates a team on held-out trials.
 #[must_use]
 pub fn held_out(condition: &Condition, engine: Engine, genome: &Genome) -> HeldOut {
     let model = &condition.model;
@@ -44,7 +43,7 @@ pub fn held_out(condition: &Condition, engine: Engine, genome: &Genome) -> HeldO
         let layouts = elsewhere
             .iter()
             .flat_map(|&starts| goals.iter().map(move |&goal| (starts, goal)));
-        // Starts and goals that were checked one by one are valid together.
+        // Valid starts and valid goals always form a valid layout.
         layouts
             .filter_map(|(starts, goal)| model.layout(starts, goal).ok())
             .collect()
@@ -59,9 +58,8 @@ pub fn held_out(condition: &Condition, engine: Engine, genome: &Genome) -> HeldO
     }
 }
 
-/// Random valid starts: any place that touches nothing, any heading.
 fn random_starts(model: &Model) -> Vec<[Pose; MAX_AGENTS]> {
-    /// A crowded field may have no free place; then fewer sets come back.
+    /// Limit of draws. On a crowded field fewer sets may be returned.
     const ATTEMPTS: usize = 100_000;
     let mut rng = SplitMix64::stream(&[STARTS_STREAM]);
     let limit = f64::from(model.preset().half_side_px - model.preset().agent_radius_px);

@@ -1,4 +1,4 @@
-//! What evolved teams do, and which of the paper's findings hold (paper III.c), with intervals.
+//! Analysis of evolved teams: behaviour, and findings of the paper (III.c) with intervals.
 
 mod baseline;
 mod claim;
@@ -26,7 +26,6 @@ use field::{Engine, Layout, MAX_AGENTS, Responses, Trial};
 
 use crate::condition::Condition;
 
-/// The points of the same responses in many layouts, summed.
 fn points_in(
     condition: &Condition,
     engine: Engine,

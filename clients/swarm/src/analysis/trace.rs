@@ -1,42 +1,42 @@
-//! One trial, frame by frame, with the scalar reference.
+//! Frame-by-frame trace of one trial, from the scalar reference simulator.
 
 use field::{Layout, MAX_AGENTS, Outcome, Point, Pose, Responses, TRIAL_FRAMES, TrialRun, Wheels};
 
 use crate::condition::Condition;
 
-/// The field at one instant.
+/// State of the field in one frame.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// The agents that take part.
+    /// Poses of the agents.
     pub agents: Vec<Pose>,
-    /// The object's centre.
+    /// Centre of the object.
     pub object: Point,
-    /// Per agent the table row that its sensors select now.
+    /// Table row of each agent.
     pub rows: Vec<usize>,
-    /// Per agent its wheel levels now.
+    /// Wheel levels of each agent.
     pub wheels: Vec<Wheels>,
-    /// Per agent whether it pressed against the object to get here.
+    /// Per agent: contact with the object during the last step.
     pub touching: Vec<bool>,
 }
 
-/// A whole trial: frame 0 is the start, frame 270 the end.
+/// A complete trial: frame 0 is the start, frame 270 the end.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// Where the object should go.
+    /// Goal of the object.
     pub goal: Point,
-    /// 271 instants.
+    /// 271 frames.
     pub frames: Vec<Frame>,
-    /// What the trial came to.
+    /// Result of the trial.
     pub outcome: Outcome,
 }
 
-/// Follows a team through one trial.
+/// Simulates one trial of a team.
 #[must_use]
 pub fn trace(condition: &Condition, responses: [Responses; MAX_AGENTS], layout: &Layout) -> Trace {
     let mut run = TrialRun::new(&condition.model, condition.team, layout);
     let mut frames = Vec::with_capacity(TRIAL_FRAMES as usize + 1);
     for _ in 0..=TRIAL_FRAMES {
-        // The last instant is looked at, but nothing is read in it any more.
+        // The last frame is recorded, but the agents no longer act on it.
         let field_rows = if run.is_over() {
             run.world().sense()
         } else {

@@ -1,7 +1,7 @@
-//! Transfer: what is left of a table's fitness where neither starts nor goals are those that it was evolved on.
+//! Transfer: share of a table's fitness that remains with new starts and goals.
 //!
-//! Unseen trials are drawn like those of [`field::Training`], whether or not the tables were evolved on drawn ones, from a
-//! stream of their own ([`crate::training::unseen`]).
+//! Unseen trials are drawn like those of [`field::Training`] from a separate random stream
+//! ([`crate::training::unseen`]), whether or not the tables were evolved on drawn trials.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -18,31 +18,31 @@ use crate::stats::{Estimate, bootstrap, mean};
 use crate::table_file::TableFile;
 use crate::training::{Set, unseen};
 
-/// Sets of eight unseen trials: the standard error of one table's fitness is then about 13 of 800 points (measured on R3).
+/// Sets of eight unseen trials. The standard error of one table's fitness is then about 13 of 800
+/// points (measured on R3).
 pub const UNSEEN_SETS: usize = 64;
 
-/// Fitness out of 800 of tables for one team size, the mean over them, and what is left of it.
+/// Mean fitness (of 800) of the tables of one team size, and the share that remains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Transfer {
     /// Team size.
     pub agents: usize,
-    /// Tables.
+    /// Number of tables.
     pub tables: usize,
-    /// As evolution had it.
+    /// Fitness in evolution.
     pub training: f32,
-    /// The preset's starts and its eight goals.
+    /// Starts and eight goals of the preset.
     pub preset: f32,
-    /// The preset's starts, unseen goals.
+    /// Starts of the preset, unseen goals.
     pub goals: f32,
-    /// Unseen starts, the preset's goals.
+    /// Unseen starts, goals of the preset.
     pub starts: f32,
-    /// Both unseen.
+    /// Unseen starts and goals.
     pub both: f32,
-    /// `both` over `training`; resampled over the tables, or, of one table, over the unseen sets.
+    /// `both` over `training`; resampled over the tables, or for one table over the unseen sets.
     pub kept: Estimate,
 }
 
-/// One table: what it is worth in training, and in every set of unseen trials.
 struct Table {
     training: f32,
     preset: f32,
@@ -51,7 +51,6 @@ struct Table {
     both: Vec<f32>,
 }
 
-/// The unseen trials of a condition.
 struct Unseen {
     goals: Vec<Set>,
     starts: Vec<Set>,
@@ -89,10 +88,7 @@ impl Unseen {
     }
 }
 
-/// What the tables of an experiment keep, team size by team size.
-///
-/// # Errors
-/// The plan is out of range.
+/// Returns the transfer of the tables of an experiment per team size.
 pub fn transfers(plan: &Plan, engine: Engine, records: &[Record]) -> Result<Vec<Transfer>> {
     let conditions = plan.conditions()?;
     let of_condition = |condition: &Condition| {
@@ -113,7 +109,7 @@ pub fn transfers(plan: &Plan, engine: Engine, records: &[Record]) -> Result<Vec<
     Ok(conditions.iter().filter_map(of_condition).collect())
 }
 
-/// What one table keeps.
+/// Returns the transfer of one table.
 #[must_use]
 pub fn transfer(file: &TableFile, engine: Engine) -> Transfer {
     let condition = &file.condition;
@@ -124,7 +120,6 @@ pub fn transfer(file: &TableFile, engine: Engine) -> Transfer {
     summary(condition.team.get(), &[table], kept)
 }
 
-/// The sum of the first over that of the second.
 fn ratio(groups: &[Vec<(f32, f32)>]) -> f64 {
     let sum = |part: fn(&(f32, f32)) -> f32| -> f64 {
         groups[0].iter().map(|pair| f64::from(part(pair))).sum()

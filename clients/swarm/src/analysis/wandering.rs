@@ -1,42 +1,44 @@
-//! Where an agent ends up: circling, standing still, caught beside the object; and who pushes.
+//! Classification of an agent's motion: circling, standing still, staying beside the object; and
+//! detection of pushing.
 
 use field::TRIAL_FRAMES;
 
 use super::trace::Trace;
 use crate::condition::Condition;
 
-/// The last two thirds of a trial, in which a deadlock shows (ours).
+/// Evaluated frames: the last two thirds of a trial, in which deadlocks are visible (design
+/// choice).
 const SETTLED: std::ops::RangeInclusive<usize> = TRIAL_FRAMES as usize / 3..=TRIAL_FRAMES as usize;
-/// One full turn, in steps.
+/// One full turn, in heading steps.
 const TURN: i32 = 64;
-/// An agent whose path stays inside a square of this side stands still (ours).
+/// Side of the square that limits the path of an agent that stands still (design choice).
 const STILL_PX: f32 = 3.0;
-/// An agent no further than this from the object is beside it: a quarter of the field's side (ours; in some presets the light
-/// reaches everywhere and says nothing).
+/// Largest distance of an agent beside the object: a quarter of the field's side. Design choice: in
+/// some presets the light reaches everywhere and cannot serve as limit.
 const BESIDE_PX: f32 = 200.0;
-/// An agent that presses against the object in at least this many frames took part in carrying it (ours).
+/// Frames of contact from which an agent counts as carrying the object (design choice).
 pub(super) const PUSHING_FRAMES: usize = 9;
 
-/// What an agent does in the last two thirds of a trial.
+/// Motion of an agent in the last two thirds of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wandering {
-    /// It turned by at least one full turn, all in all (paper Fig. 15).
+    /// Net rotation of at least one full turn (paper Fig. 15).
     pub circling: bool,
-    /// It did not move.
+    /// No motion.
     pub still: bool,
-    /// It ends beside the object, within its light.
+    /// The agent ends beside the object, within its light.
     pub at_object: bool,
 }
 
 impl Wandering {
-    /// Whether the agent did not get away: the paper's deadlock (III.c.1).
+    /// Returns whether the agent is trapped: the deadlock of the paper (III.c.1).
     #[must_use]
     pub fn trapped(self) -> bool {
         self.circling || self.still || self.at_object
     }
 }
 
-/// What one agent does in a trial.
+/// Classifies the motion of one agent in a trial.
 #[must_use]
 pub fn wandering(condition: &Condition, trace: &Trace, agent: usize) -> Wandering {
     let path = &trace.frames[SETTLED];
@@ -65,7 +67,7 @@ pub fn wandering(condition: &Condition, trace: &Trace, agent: usize) -> Wanderin
     }
 }
 
-/// Frames in which an agent presses against the object.
+/// Counts the frames in which an agent presses against the object.
 #[must_use]
 pub fn pushing_frames(trace: &Trace, agent: usize) -> usize {
     let frames = trace.frames.iter();

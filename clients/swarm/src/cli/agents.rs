@@ -1,4 +1,5 @@
-//! `ebts agents`: the robots of a field on the bus, and their tables exchanged while they drive.
+//! `ebts agents`: controls the robots of a field on the bus; tables can be exchanged during
+//! operation.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -19,9 +20,10 @@ use std::path::Path;
 
 use super::{Format, stop_flag};
 
-/// A frame is awaited for so long without giving up the core, ns. Ours: in lock-step a frame of 1,000 robots takes less.
+/// Busy-wait time for a frame before sleeping, ns. Design choice: in lock-step a frame of 1,000
+/// robots takes less.
 const SPIN_NS: u64 = 100_000;
-/// Time between two looks afterwards. Ours: a tenth of a frame at 1 kHz.
+/// Poll interval after the busy-wait. Design choice: a tenth of a frame at 1 kHz.
 const NAP: Duration = Duration::from_micros(100);
 
 #[derive(Debug, Args)]
@@ -29,12 +31,15 @@ const NAP: Duration = Duration::from_micros(100);
     after_help = "Examples:\n  ebts agents --table r3-two-agents\n  ebts agents --table course\n  ebts agents --table left.toml --table right.toml --bus mine"
 )]
 pub(crate) struct AgentsArgs {
-    /// Table file, or r3-two-agents, which ships. Given several times, robots take the tables in turn: one each. Or one table of
-    /// `ebts evolve course`, or course, which ships, for a base of `atas-sim course`.
-    /// SIGHUP reads the files again: intact ones are used from the next frame on, else the former ones stay in use.
+    /// Table file, or the built-in r3-two-agents. Several tables are assigned to the robots in
+    /// turn.
+    ///
+    /// For a base of `atas-sim course`: one table of `ebts evolve course`, or the built-in course.
+    /// SIGHUP reads the files again: valid ones are used from the next frame on, otherwise the
+    /// current ones stay in use.
     #[arg(long, required = true, value_name = "FILE")]
     table: Vec<String>,
-    /// Drive whatever field is hosted, also one that the tables were not evolved for.
+    /// Control any hosted field, even one that the tables were not evolved for.
     #[arg(long)]
     any_field: bool,
     /// Bus of the field.
@@ -42,17 +47,21 @@ pub(crate) struct AgentsArgs {
     bus: BusName,
 }
 
-/// What an agents process has to say, one line each.
 #[derive(Debug, Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 enum Event {
-    /// Ready to answer.
-    Ready { hash: String, tables: usize },
-    /// Other tables from the next frame on.
-    Exchanged { hash: String, tables: usize },
-    /// The former tables stay in use.
-    Refused { why: String },
-    /// The process ends.
+    Ready {
+        hash: String,
+        tables: usize,
+    },
+    Exchanged {
+        hash: String,
+        tables: usize,
+    },
+    /// New tables were rejected; the current ones stay in use.
+    Refused {
+        why: String,
+    },
     Ended(Counts),
 }
 
@@ -76,11 +85,10 @@ impl Event {
         }
     }
 
-    /// Prints it. A reader who has gone away is no reason to stop the robots.
+    /// Prints the event. A closed reader does not stop the robots.
     fn tell(&self, format: Format) {
         let line = match format {
             Format::Human => self.human(),
-            // Strings and numbers always have a JSON form.
             Format::Json => serde_json::to_string(self).unwrap_or_default(),
         };
         let _ = writeln!(std::io::stdout().lock(), "{line}");
@@ -113,7 +121,6 @@ pub(super) fn agents(args: AgentsArgs, format: Format) -> Result<()> {
     served
 }
 
-/// Answers frame after frame until a signal comes.
 fn serve(controller: &mut TeamController, exchange: &Exchange, stop: &AtomicBool) -> Result<()> {
     let mut idle_since_ns = now_ns();
     while !stop.load(Ordering::Relaxed) {
@@ -128,7 +135,7 @@ fn serve(controller: &mut TeamController, exchange: &Exchange, stop: &AtomicBool
     Ok(())
 }
 
-/// Reads the tables again whenever SIGHUP comes, in a thread of its own, so that no frame waits for a disk.
+/// Separate thread for SIGHUP, so that no frame waits for the disk.
 fn watch(
     mut signals: Signals,
     reading: Reading,
@@ -154,15 +161,14 @@ fn watch(
     handle
 }
 
-/// What SIGHUP reads again.
 struct Reading {
     tables: Vec<String>,
     fields: Fields,
-    /// Names the field of the tables in use.
+    /// Hash of the field of the tables in use.
     field_hash: u64,
 }
 
-/// Reads and checks every table: all of one field, and of that of the tables in use.
+/// Reads and validates all tables. They must belong to one field, and to that of the tables in use.
 fn read(names: &[String], fields: Fields, in_use: Option<u64>) -> Result<Lookup> {
     if let [name] = names
         && CourseFile::is_named(name)
@@ -191,7 +197,6 @@ fn read(names: &[String], fields: Fields, in_use: Option<u64>) -> Result<Lookup>
     }
 }
 
-/// How the commands name the tables, and how many they are.
 fn name(lookup: &Lookup) -> (String, usize) {
     (format!("{:016x}", lookup.hash()), lookup.tables())
 }

@@ -1,4 +1,4 @@
-//! `ebts analyse`, `ebts compare`, `ebts export`, `ebts find`: what the runs of experiments say.
+//! `ebts analyse`, `ebts compare`, `ebts export` and `ebts find`: evaluation of experiments.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ pub(crate) struct AnalyseArgs {
     folder: PathBuf,
     #[command(flatten)]
     engine: EngineArgs,
-    /// Random tables per team size to compare with.
+    /// Random tables per team size for comparison.
     #[arg(long, default_value_t = 1000)]
     random_tables: usize,
 }
@@ -98,8 +98,10 @@ pub(super) fn compare(args: CompareArgs, format: Format) -> Result<()> {
 pub(crate) struct ExportArgs {
     /// Folder of an experiment.
     folder: PathBuf,
-    /// CSV file to write, one row per trial: points, delivery, and per agent its frames of pushing, whether it circles, is
-    /// trapped, keeps out [default: trials.csv in the folder].
+    /// CSV file to write, one row per trial [default: trials.csv in the folder].
+    ///
+    /// Columns: points, delivery, and per agent the frames of pushing and whether it circles, is
+    /// trapped or keeps out.
     #[arg(long, value_name = "FILE.csv", value_parser = csv_file)]
     out: Option<PathBuf>,
 }
@@ -125,10 +127,10 @@ pub(super) fn export(args: ExportArgs, format: Format) -> Result<()> {
 pub(crate) struct FindArgs {
     /// Folder of an experiment with four agents.
     folder: PathBuf,
-    /// Examples of each case to list.
+    /// Number of listed examples of each case.
     #[arg(long, default_value_t = 5)]
     most: usize,
-    /// Figure to write, the clearest example of each case [default: fig17.svg in the folder].
+    /// Figure with the clearest example of each case [default: fig17.svg in the folder].
     #[arg(long, value_name = "FILE.svg", value_parser = svg_file)]
     out: Option<PathBuf>,
 }
@@ -177,7 +179,6 @@ pub(super) fn find(args: FindArgs, format: Format) -> Result<()> {
     })
 }
 
-/// One example, drawn.
 fn panel(
     condition: &Condition,
     records: &[Record],

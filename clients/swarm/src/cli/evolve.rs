@@ -1,4 +1,4 @@
-//! `ebts evolve`: one run, with live progress, checkpoints and resumption.
+//! `ebts evolve`: one run with progress display, checkpoints and resumption.
 
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
@@ -23,7 +23,6 @@ use super::options::{EngineArgs, EvolutionArgs, csv_file, toml_file};
 use super::progress::style;
 use super::{Format, answer, course, grasp, stop_flag};
 
-/// How often a run under way is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(2);
 
 const EXAMPLES: &str = "Examples:
@@ -43,29 +42,31 @@ pub(crate) struct EvolveArgs {
     /// Agents on the field, 1 to 4.
     #[arg(long, default_value_t = 3)]
     agents: usize,
-    /// Names the run: the same seed gives the same table, bit for bit.
+    /// Seed of the run: the same seed gives the same table, bit for bit.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
-    /// The table file to write; while the run goes on, its checkpoint lies beside it.
+    /// Table file to write; during the run its checkpoint is in the same folder.
     #[arg(long, value_name = "FILE.toml", default_value = "table.toml", value_parser = toml_file)]
     out: PathBuf,
     /// Continue the interrupted run of this --out; all other settings come from its checkpoint.
     #[arg(long)]
     resume: bool,
-    /// CSV file with best, mean and worst fitness and the diversity of every generation; with --resume, from there on.
+    /// CSV file with statistics of every generation.
+    ///
+    /// Columns: best, mean and worst fitness, and diversity. With --resume it begins at the resumed
+    /// generation.
     #[arg(long, value_name = "FILE.csv", value_parser = csv_file)]
     history: Option<PathBuf>,
-    /// Replace a table file or a checkpoint that is there already.
+    /// Replace an existing table file or checkpoint.
     #[arg(long, conflicts_with = "resume")]
     overwrite: bool,
 }
 
-/// What is evolved otherwise than robots on a field.
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Evolve a table that feels: a hand grasps eight objects.
+    /// Evolve a grasp table: a hand grasps eight families of objects.
     Grasp(grasp::EvolveGraspArgs),
-    /// Evolve a table that drives a robot with hands: fetch an object, carry it to a goal.
+    /// Evolve a course table: a robot with hands fetches an object and carries it to a goal.
     Course(course::EvolveCourseArgs),
 }
 
@@ -163,7 +164,6 @@ fn begin(args: &EvolveArgs, checkpoint: &Path) -> Result<Checkpoint> {
     })
 }
 
-/// Evolves to the end or to the first signal, and keeps the checkpoint up to date.
 fn advance(
     state: &mut Checkpoint,
     workers: &Workers,
@@ -203,7 +203,6 @@ fn advance(
     Ok(flow)
 }
 
-/// The same checkpoint with the run as it is now.
 fn with(state: &Checkpoint, run: &Run) -> Checkpoint {
     Checkpoint {
         run: run.clone(),
@@ -211,7 +210,6 @@ fn with(state: &Checkpoint, run: &Run) -> Checkpoint {
     }
 }
 
-/// The file of `--history`.
 struct History {
     path: PathBuf,
     rows: csv::Writer<std::fs::File>,

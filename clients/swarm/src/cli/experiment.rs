@@ -1,4 +1,4 @@
-//! `ebts experiment`, `ebts merge`: many runs and what they say.
+//! `ebts experiment` and `ebts merge`: many runs and their results.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,28 +33,28 @@ const EXAMPLES: &str = "Examples:
 pub(crate) struct ExperimentArgs {
     #[command(subcommand)]
     task: Option<Task>,
-    /// Which experiment.
+    /// Experiment.
     #[arg(value_enum, required = true)]
     name: Option<Name>,
     #[command(flatten)]
     pub(super) runs: RunsArgs,
-    /// Do only part i of n of the runs, for ebts merge.
+    /// Run only part i of n, for ebts merge.
     #[arg(long, value_name = "i/n")]
     shard: Option<Shard>,
-    /// Folder of the experiment [default: made from its name, preset, fitness rule, seeds and generations]. A folder with
-    /// the same experiment is continued, one with another is refused.
+    /// Folder of the experiment [default: derived from its settings].
+    ///
+    /// A folder with the same experiment is continued; one with another experiment is rejected.
     #[arg(long)]
     out: Option<PathBuf>,
 }
 
 impl ExperimentArgs {
-    /// Whether it is of grasps: its runs are joined in another way.
+    /// Returns whether this is a grasp experiment, whose runs are merged differently.
     pub(super) fn is_of_grasps(&self) -> bool {
         matches!(self.task, Some(Task::Grasp(_)))
     }
 }
 
-/// Which runs.
 #[derive(Debug, Args)]
 pub(super) struct RunsArgs {
     #[command(flatten)]
@@ -69,10 +69,10 @@ pub(super) struct RunsArgs {
         value_name = "N,..."
     )]
     agents: Vec<usize>,
-    /// Runs per team size; the paper made 10.
+    /// Runs per team size; the paper has 10.
     #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     seeds: u64,
-    /// The first seed; the others follow it.
+    /// First seed; the others follow it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64 / 2))]
     first_seed: u64,
 }
@@ -83,10 +83,11 @@ enum Name {
     Fig14,
 }
 
-/// What is not of robots on a field.
 #[derive(Debug, Subcommand)]
 enum Task {
-    /// Evolve tables that feel, and judge them in the full simulation beside hand-written modules and baselines.
+    /// Evolve grasp tables and evaluate them in the full simulation.
+    ///
+    /// The results are compared with hand-written modules and baselines.
     Grasp(grasp::ExperimentGraspArgs),
 }
 
@@ -98,12 +99,12 @@ pub(crate) struct MergeArgs {
     /// Folders of the shards.
     #[arg(required = true)]
     shards: Vec<PathBuf>,
-    /// Conclude from the runs that are there, though others are missing.
+    /// Conclude from the existing runs even if others are missing.
     #[arg(long)]
     partial: bool,
 }
 
-/// Wall and processor time since the process began to work.
+/// Wall and CPU time since the start of the work.
 pub(super) struct Stopwatch(Instant);
 
 impl Stopwatch {
@@ -153,7 +154,7 @@ impl RunsArgs {
     }
 }
 
-/// Runs what a folder lacks, with progress; returns all records and how many were there before.
+/// Runs the missing jobs; returns all records and the number of earlier ones.
 pub(super) fn run(
     plan: &Plan,
     shard: Shard,
@@ -211,7 +212,6 @@ fn default_folder(plan: &Plan, shard: Shard) -> PathBuf {
     )))
 }
 
-/// Writes everything that is derived from the runs.
 pub(super) fn conclude(
     folder: &Path,
     plan: &Plan,

@@ -1,16 +1,13 @@
-//! What every `--help` ends with: what `--format json` prints. A test holds what is printed to it.
+//! Help text on the JSON output of every command. A test compares it with the actual output.
 
 use clap::{Command, CommandFactory};
 
 use super::Arguments;
 
-/// What an experiment comes to.
 const SUMMARY: &str = "{preset, fitness_rule, seeds, generations, wall_s, cpu_s, conditions: [{agents, q1, median, q3, mean}], \
                        p_order: {three_gt_four, two_gt_four, three_gt_two, multi_ge_5x_single}}";
-/// What an experiment says of the paper.
 const FINDINGS: &str = "{preset, fitness_rule, ratio, order, single, redundancy}";
 
-/// What a command prints, by its words.
 fn fields(words: &str) -> Option<String> {
     let fields = match words {
         "evolve" => {
@@ -76,7 +73,7 @@ fn fields(words: &str) -> Option<String> {
     Some(fields.to_owned())
 }
 
-/// The command line, whose every help says what JSON there is.
+/// Returns the command line; every help ends with the JSON fields.
 pub(crate) fn command() -> Command {
     with_fields(Arguments::command(), "")
 }

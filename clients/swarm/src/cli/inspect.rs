@@ -1,4 +1,4 @@
-//! `ebts show`, `ebts plot`, `ebts replay`: looking at tables and experiments.
+//! `ebts show`, `ebts plot` and `ebts replay`: inspection of tables and experiments.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -26,10 +26,12 @@ use super::{Format, answer, course, grasp};
 pub(crate) struct ShowArgs {
     /// Table file.
     table: PathBuf,
-    /// Accept rows edited by hand: evaluate the table, mark the file as edited and write its new hash.
+    /// Accept rows edited by hand.
+    ///
+    /// Evaluates the table, marks the file as edited and writes its new hash.
     #[arg(long)]
     rehash: bool,
-    /// Print a grasp table as a task for the daemon's configuration, by this name.
+    /// Print a grasp table as a task with this name for the configuration of the daemon.
     #[arg(long, value_name = "NAME", conflicts_with = "rehash")]
     task: Option<String>,
 }
@@ -45,9 +47,9 @@ struct Shown {
     hash: String,
     fitness: f32,
     points: GoalPoints,
-    /// Whether this version of the program evaluates the table to the same bits; null if it does not have the rule.
+    /// True if this version reproduces the stored points; null if it lacks the rule.
     fitness_repeats: Option<bool>,
-    /// Null likewise.
+    /// Held-out fitness; null if this version lacks the rule.
     held_out: Option<HeldOut>,
     tables: Vec<Vec<ShownRow>>,
 }
@@ -57,7 +59,7 @@ struct ShownRow {
     sensors: [u8; SENSORS],
     motors: [u8; 4],
     behaviour: &'static str,
-    /// Whether any agent was ever in this row, in the eight training trials.
+    /// True if any agent read this row in the eight training trials.
     read: bool,
 }
 
@@ -127,7 +129,6 @@ fn shown(file: &TableFile) -> Shown {
     }
 }
 
-/// The table rows that any agent reads in the training trials.
 fn rows_read(file: &TableFile) -> u32 {
     let condition = &file.condition;
     let tables = condition.responses(&file.individual.genome);
@@ -212,9 +213,9 @@ fn describe(path: &Path, shown: &Shown) -> String {
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  ebts plot fig14\n  ebts plot table.toml --goal 3")]
 pub(crate) struct PlotArgs {
-    /// An experiment's folder, or a table file.
+    /// Folder of an experiment, or a table file.
     what: PathBuf,
-    /// Folder for the figures [default: that of the experiment or of the table].
+    /// Folder for the figures [default: folder of the experiment or table].
     #[arg(long)]
     out: Option<PathBuf>,
     /// Goal of the behaviour figure, 1 to 8.
@@ -308,7 +309,7 @@ fn plot_table(args: &PlotArgs) -> Result<Plotted> {
 pub(crate) struct ReplayArgs {
     /// Table file.
     table: PathBuf,
-    /// Web page to write [default: beside the table].
+    /// Web page to write [default: next to the table].
     #[arg(long, value_name = "FILE.html", value_parser = html_file)]
     out: Option<PathBuf>,
 }

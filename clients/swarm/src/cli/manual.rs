@@ -1,4 +1,4 @@
-//! `ebts completions`, `ebts man`: from the same table as the command line.
+//! `ebts completions` and `ebts man`, generated from the command line definition.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ use super::{Format, answer, print};
     after_help = "Example:\n  ebts completions bash > ~/.local/share/bash-completion/completions/ebts"
 )]
 pub(crate) struct CompletionsArgs {
-    /// Which shell.
+    /// Shell.
     #[arg(value_enum)]
     shell: clap_complete::Shell,
 }
@@ -28,7 +28,7 @@ pub(super) fn completions(args: CompletionsArgs, command: &mut Command) -> Resul
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  ebts man man1 && man man1/ebts-evolve.1")]
 pub(crate) struct ManArgs {
-    /// The folder.
+    /// Output folder.
     folder: PathBuf,
 }
 

@@ -1,4 +1,4 @@
-//! Commands: what can be asked for, and how answers are printed.
+//! Command line: commands and output of results.
 
 mod agents;
 mod analyse;
@@ -33,12 +33,12 @@ use ebts::error::{Error, Result};
 
 pub(crate) use fields::command;
 
-/// How results are printed.
+/// Output format of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// For people.
+    /// Text and tables.
     Human,
-    /// For programs.
+    /// JSON.
     Json,
 }
 
@@ -46,8 +46,10 @@ pub(crate) enum Format {
 #[derive(Debug, Parser)]
 #[command(name = "ebts", version, max_term_width = 100, after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// How results are printed to standard output: words and tables, or one JSON value (with `agents` one object per line).
-    /// Progress and errors go to standard error.
+    /// Output format of results.
+    ///
+    /// Results go to standard output as text and tables or as one JSON value (`agents`: one object
+    /// per line). Progress and errors go to standard error.
     #[arg(long, global = true, value_enum, default_value_t = Format::Human)]
     format: Format,
     #[command(subcommand)]
@@ -70,42 +72,46 @@ pub(crate) enum Command {
     Experiment(experiment::ExperimentArgs),
     /// Repeat an experiment for every combination of some values of a preset.
     Sweep(sweep::SweepArgs),
-    /// Look for a preset on which chosen findings of the paper hold, with seeds that choose and others that judge.
+    /// Search for a preset on which chosen findings of the paper hold.
+    ///
+    /// Presets are chosen with some seeds and evaluated with others.
     Search(search::SearchArgs),
-    /// Write scripts that run an experiment in shards on a cluster: Slurm, Kubernetes, GNU parallel.
+    /// Write scripts for shards of an experiment on a cluster: Slurm, Kubernetes, GNU parallel.
     Slurm(slurm::SlurmArgs),
-    /// Measure how often the reduced and the full grasp agree about hand-written rules.
+    /// Measure the agreement of reduced and full grasp simulation.
     Agreement(grasp::AgreementArgs),
-    /// Put the shards of an experiment together.
+    /// Merge the shards of an experiment.
     Merge(experiment::MergeArgs),
-    /// Say with statistics which findings of the paper an experiment shows; compare with baselines and held-out trials.
+    /// Analyse the findings of an experiment, with baselines and held-out trials.
     Analyse(analyse::AnalyseArgs),
-    /// Say what tables keep of their fitness on starts and goals that they never saw.
+    /// Measure the fitness of tables on unseen starts and goals.
     Transfer(transfer::TransferArgs),
-    /// Put the findings of several experiments side by side: presets, or fitness rules.
+    /// Compare the findings of several experiments side by side.
     Compare(analyse::CompareArgs),
-    /// Write what every trial of an experiment shows, one row per trial.
+    /// Export the trials of an experiment as CSV, one row per trial.
     Export(analyse::ExportArgs),
     /// Find and draw the two cases of Fig. 17 among the trials of an experiment.
     Find(analyse::FindArgs),
-    /// List the fields that ship, or print one as a file to change.
+    /// List the built-in fields, or print one as a file to edit.
     Preset(preset::PresetArgs),
     /// Draw Fig. 14 of an experiment's folder, or trajectories and behaviour of a table file.
     Plot(inspect::PlotArgs),
-    /// Show a table in the paper's words, and which of its rows were ever read.
+    /// Show a table in the paper's words, and the rows that were read.
     Show(inspect::ShowArgs),
-    /// Drive the robots of a field on the bus by tables, which may be exchanged while they drive.
+    /// Control the robots of a field on the bus by tables.
+    ///
+    /// SIGHUP exchanges the tables while the robots move.
     Agents(agents::AgentsArgs),
-    /// Write an animation of a table at work: one web page that needs nothing else.
+    /// Write an animation of a table as a self-contained web page.
     Replay(inspect::ReplayArgs),
-    /// Print the completions of a shell.
+    /// Print shell completions.
     Completions(manual::CompletionsArgs),
-    /// Write the manual pages into a folder.
+    /// Write manual pages to a folder.
     Man(manual::ManArgs),
 }
 
 impl Arguments {
-    /// Whether results and errors are for programs.
+    /// Returns whether results and errors are printed as JSON.
     pub(crate) fn is_json(&self) -> bool {
         self.format == Format::Json
     }
@@ -136,7 +142,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<()> {
     }
 }
 
-/// Prints a result: `human()` or the value as JSON. A reader who has gone away is no error.
+/// Prints a result: `human()` or the value as JSON. A closed reader is not an error.
 fn answer(format: Format, value: &impl Serialize, human: impl FnOnce() -> String) -> Result<()> {
     let mut text = match format {
         Format::Human => human(),
@@ -148,7 +154,6 @@ fn answer(format: Format, value: &impl Serialize, human: impl FnOnce() -> String
     print(text.as_bytes())
 }
 
-/// Writes to standard output. A reader who has gone away is no error.
 fn print(text: &[u8]) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text).and_then(|()| out.flush()) {
@@ -159,13 +164,12 @@ fn print(text: &[u8]) -> Result<()> {
     }
 }
 
-/// Says on standard error what a person should know although the command goes on.
 fn warn(what: impl Display) {
-    // Standard error may be gone: then there is nobody to tell.
+    // A closed standard error is ignored.
     let _told = writeln!(std::io::stderr(), "ebts: {what}");
 }
 
-/// Refuses to write over a file that nobody said may go.
+/// Rejects an existing output file without --overwrite.
 fn spare(out: &Path, overwrite: bool) -> Result<()> {
     if out.exists() && !overwrite {
         return Err(Error::refused(
@@ -178,7 +182,6 @@ fn spare(out: &Path, overwrite: bool) -> Result<()> {
     Ok(())
 }
 
-/// Goes on until the flag is set.
 fn unless_set(stop: &AtomicBool) -> ControlFlow<()> {
     match stop.load(Ordering::Relaxed) {
         true => ControlFlow::Break(()),
@@ -186,7 +189,7 @@ fn unless_set(stop: &AtomicBool) -> ControlFlow<()> {
     }
 }
 
-/// A flag that Ctrl-C and SIGTERM set; a second signal ends the process at once.
+/// Returns a flag that Ctrl-C and SIGTERM set; a second signal ends the process immediately.
 fn stop_flag() -> Result<Arc<AtomicBool>> {
     end::on_signals(&end::SIGNALS, end::AT_ONCE)
         .map_err(Error::io("watch signals for", Path::new("this process")))

@@ -1,4 +1,4 @@
-//! Options that several commands share.
+//! Options shared by several commands.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,74 +17,72 @@ use ebts::sensors::SensorOrder;
 use ebts::workers::Workers;
 use field::{Engine, FitnessRule, Model, Preset};
 
-/// A table file to write.
 pub(super) fn toml_file(text: &str) -> std::result::Result<PathBuf, String> {
     ending_in(text, &["toml"])
 }
 
-/// A file of rows to write.
 pub(super) fn csv_file(text: &str) -> std::result::Result<PathBuf, String> {
     ending_in(text, &["csv"])
 }
 
-/// A figure to write.
 pub(super) fn svg_file(text: &str) -> std::result::Result<PathBuf, String> {
     ending_in(text, &["svg"])
 }
 
-/// A web page to write.
 pub(super) fn html_file(text: &str) -> std::result::Result<PathBuf, String> {
     ending_in(text, &["html"])
 }
 
-/// The field, the scoring and the genetic algorithm.
 #[derive(Debug, Args)]
 pub(super) struct EvolutionArgs {
-    /// Field: one of those that `ebts preset` lists, or a TOML file as `ebts preset NAME` prints it, whole or with a base.
+    /// Field: a name from `ebts preset`, or a TOML file.
+    ///
+    /// The file has the form that `ebts preset NAME` prints, complete or with a base.
     #[arg(long, default_value = "R3", value_name = "NAME|FILE")]
     preset: String,
     /// Generations after the random population.
     #[arg(long, default_value_t = 2000)]
     pub(super) generations: u32,
-    /// How trials are scored [default: as the preset's key fitness says, else anti-accident; literal for the preset "paper"].
+    /// Scoring of trials [default: the preset's key fitness, else anti-accident; literal for preset
+    /// "paper"].
     #[arg(long, value_enum)]
     fitness: Option<Fitness>,
-    /// Individuals per population, an even number.
+    /// Individuals per population, even.
     #[arg(long, default_value_t = Settings::default().population)]
     population: usize,
-    /// Individuals that survive whatever their children do, at least 1.
+    /// Individuals that survive regardless of their children, at least 1.
     #[arg(long, default_value_t = Settings::default().elite)]
     elite: usize,
-    /// Probability of a flip per bit of a child.
+    /// Flip probability per bit of a child.
     #[arg(long, default_value_t = Settings::default().mutation_rate)]
     mutation_rate: f64,
-    /// Populations that evolve apart and exchange their best.
+    /// Populations that evolve separately and exchange their best.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     islands: u16,
     /// Generations between two exchanges.
     #[arg(long, default_value_t = IslandSettings::default().migrate_every, value_parser = clap::value_parser!(u32).range(1..))]
     migrate_every: u32,
-    /// Give every agent a table of its own instead of one for the team.
+    /// Give every agent its own table instead of one for the team.
     #[arg(long)]
     table_per_agent: bool,
-    /// What S1 to S5 are: five of ir-left, ir-front, ir-right, photo-left, photo-right.
+    /// Sensors of S1 to S5: ir-left, ir-front, ir-right, photo-left, photo-right in any order.
     #[arg(long, default_value_t, value_name = "ORDER")]
     sensors: SensorOrder,
 }
 
-/// How trials are scored, at most 100 points a goal.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Fitness {
-    /// Ours: 100 for a carried object at the goal, else E1, at most as on the goal's edge
+    /// 100 for a carried object at the goal, else E1, limited to its value at the goal's edge (not
+    /// in the paper)
     AntiAccident,
-    /// E1 + E2 as the paper prints them
+    /// E1 + E2 as printed in the paper
     Literal,
-    /// The paper's reading: E1 + E2, but nothing for accidents, by comparing execution and evaluation
+    /// E1 + E2, but nothing for accidents, found by comparing execution and evaluation (reading of
+    /// the paper)
     Compared,
 }
 
 impl EvolutionArgs {
-    /// The preset, by name or from a file, checked.
     pub(super) fn preset(&self) -> Result<Preset> {
         preset(&self.preset)
     }
@@ -132,7 +130,7 @@ impl EvolutionArgs {
         self.sensors
     }
 
-    /// Fig. 14 with all of this on a preset.
+    /// Returns the plan of Fig. 14 with these options on a preset.
     pub(super) fn plan(&self, preset: Preset, seeds: u64) -> Result<Plan> {
         let fitness_rule = self.fitness_rule(&preset);
         Ok(Plan {
@@ -145,7 +143,6 @@ impl EvolutionArgs {
     }
 }
 
-/// A preset, by name or from a file, checked.
 pub(super) fn preset(name: &str) -> Result<Preset> {
     let preset = match Preset::named(name) {
         Some(preset) => preset,
@@ -165,7 +162,6 @@ pub(super) fn preset(name: &str) -> Result<Preset> {
     checked(preset)
 }
 
-/// The preset, if it can be simulated.
 pub(super) fn checked(preset: Preset) -> Result<Preset> {
     Model::new(preset)
         .map(|model| model.preset().clone())
@@ -183,13 +179,12 @@ fn preset_file(path: &Path) -> Result<Preset> {
     })
 }
 
-/// What simulates.
 #[derive(Debug, Args)]
 pub(super) struct EngineArgs {
-    /// Simulator: scalar, portable, avx2 or avx512 [default: the fastest here]. All give the same bits.
+    /// Simulator: scalar, portable, avx2 or avx512 [default: the fastest]. Results are identical.
     #[arg(long)]
     engine: Option<String>,
-    /// Threads [default: one per core]. The number changes no bit.
+    /// Threads [default: one per core]. Results are identical.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 }
@@ -202,7 +197,6 @@ impl EngineArgs {
         )
     }
 
-    /// Workers that stop with the flag.
     pub(super) fn workers(&self, stop: Arc<AtomicBool>) -> Result<Workers> {
         Workers::new(self.engine()?, self.threads(), stop)
     }

@@ -1,4 +1,4 @@
-//! `ebts preset`: the fields that ship, and any of them as a file to change.
+//! `ebts preset`: lists the built-in fields and prints a field as a file to edit.
 
 use clap::Args;
 use serde::Serialize;
@@ -18,11 +18,10 @@ const EXAMPLES: &str = "Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct PresetArgs {
-    /// Preset to print as TOML, by name or from a file, whole [default: list those that ship].
+    /// Preset to print as complete TOML, by name or from a file [default: list the built-in ones].
     name: Option<String>,
 }
 
-/// What every key means, in the order in which a file has them.
 const KEYS: [(&str, &str); 23] = [
     ("name", "how people call it"),
     ("agent_radius_px", "1 to 100"),
@@ -158,7 +157,6 @@ fn list(format: Format) -> Result<()> {
     })
 }
 
-/// A preset as a file, with what every key means.
 pub(super) fn file(preset: &Preset) -> Result<String> {
     let table = toml::Table::try_from(preset).map_err(Error::from_part)?;
     let mut text = String::new();

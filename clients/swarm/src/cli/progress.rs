@@ -1,8 +1,7 @@
-//! The look of progress bars.
+//! Style of progress bars.
 
 use indicatif::ProgressStyle;
 
-/// The look of progress bars, on standard error.
 pub(super) fn style(unit: &str) -> ProgressStyle {
     let template =
         format!("{{bar:30}} {unit} {{human_pos}} of {{human_len}}  {{msg}}  {{eta}} left");

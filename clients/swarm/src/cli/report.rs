@@ -1,4 +1,4 @@
-//! Results in words and columns, at most 80 wide.
+//! Text output of results in columns, at most 80 wide.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,6 @@ use ebts::analysis::{Claim, Comparison, Findings, Transfer, Verdict};
 use ebts::results::Summary;
 use ebts::stats::Estimate;
 
-/// The table of Fig. 14.
 pub(super) fn summary(summary: &Summary) -> String {
     let mut text = format!(
         "preset {}, fitness rule {}: {} runs per team size, {} generations\n\
@@ -29,14 +28,12 @@ pub(super) fn summary(summary: &Summary) -> String {
     text + "\n"
 }
 
-/// An estimate with its interval.
 pub(super) fn interval(estimate: Option<Estimate>) -> String {
     estimate.map_or("not run".to_owned(), |Estimate { value, low, high }| {
         format!("{value:.2} [{low:.2}, {high:.2}]")
     })
 }
 
-/// Every finding of the paper with its interval and verdict.
 pub(super) fn findings(findings: &Findings) -> String {
     let mut text =
         String::from("what the paper found, and what these runs say [95 % bootstrap interval]:\n");
@@ -68,7 +65,6 @@ pub(super) fn findings(findings: &Findings) -> String {
     text
 }
 
-/// Several experiments side by side, as tables that Markdown understands.
 pub(super) fn side_by_side(experiments: &[(Summary, Findings)]) -> String {
     let mut text = String::from("| preset, fitness rule, runs |");
     let teams: Vec<usize> = experiments.first().map_or(Vec::new(), |(summary, _)| {
@@ -109,7 +105,6 @@ pub(super) fn side_by_side(experiments: &[(Summary, Findings)]) -> String {
     text
 }
 
-/// Evolved tables against baselines and on held-out trials.
 pub(super) fn comparisons(comparisons: &[Comparison]) -> String {
     let mut text = String::from(
         "\nfitness of 800   |  baselines                    |  held out, median over runs\n\
@@ -142,7 +137,6 @@ pub(super) fn comparisons(comparisons: &[Comparison]) -> String {
     text
 }
 
-/// What tables keep of their fitness on trials that they never saw.
 pub(super) fn transfers(transfers: &[Transfer]) -> String {
     let mut text = String::from(
         "fitness of 800   evolved |  on the     unseen  unseen  both    kept of what was\n\

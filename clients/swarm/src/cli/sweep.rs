@@ -1,4 +1,4 @@
-//! `ebts sweep`: the same experiment for every combination of some values of a preset.
+//! `ebts sweep`: one experiment for every combination of some values of a preset.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -26,23 +26,22 @@ const EXAMPLES: &str = "Examples:
 Screens of few seeds mislead: confirm what looks best on seeds of its own,
 for example with --seeds 320 --first-seed 100001.";
 
-/// Combinations that one sweep has at most.
 const MOST: usize = 1000;
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct SweepArgs {
-    /// A key of the preset and its values; several times for all combinations.
+    /// A key of the preset and its values; repeat for all combinations.
     #[arg(long, required = true, value_name = "KEY=V,...")]
     vary: Vec<Vary>,
     #[command(flatten)]
     runs: RunsArgs,
-    /// Folder of the sweep, with one experiment per combination; continued if it is there already.
+    /// Folder of the sweep, with one experiment per combination; an existing one is continued.
     #[arg(long, default_value = "sweep")]
     out: PathBuf,
 }
 
-/// `key=value,value`, as in `starts.distance_px=300,325`.
+/// Key and values: `key=value,value`, as in `starts.distance_px=300,325`.
 #[derive(Clone, Debug)]
 pub(super) struct Vary {
     pub(super) key: String,
@@ -62,7 +61,7 @@ impl FromStr for Vary {
         let value = |text: &str| {
             let text = text.trim();
             let plain = format!("value = {text}").parse::<toml::Table>();
-            // A word needs no quotes.
+            // Bare words are strings.
             let value = plain.or_else(|_| format!("value = {text:?}").parse::<toml::Table>());
             value.ok().and_then(|mut table| table.remove("value"))
         };
@@ -77,7 +76,6 @@ impl FromStr for Vary {
     }
 }
 
-/// What one combination came to.
 #[derive(Serialize)]
 struct Combination {
     folder: PathBuf,
@@ -116,7 +114,7 @@ pub(super) fn sweep(args: SweepArgs, format: Format) -> Result<()> {
     answer(format, &found, || report::side_by_side(&shown))
 }
 
-/// Every combination, checked before anything runs; each is called by its values.
+/// Returns every combination, named by its values. All are validated before any run.
 fn combinations(base: &Preset, vary: &[Vary]) -> Result<Vec<Preset>> {
     let count = vary.iter().map(|vary| vary.values.len()).product::<usize>();
     if !(1..=MOST).contains(&count) {

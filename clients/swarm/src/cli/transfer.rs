@@ -1,4 +1,4 @@
-//! `ebts transfer`: what tables are worth where they were not evolved.
+//! `ebts transfer`: fitness of tables on unseen starts and goals.
 
 use std::path::PathBuf;
 
@@ -39,7 +39,7 @@ pub(crate) struct TransferArgs {
 struct Transferred {
     preset: String,
     fitness_rule: Scoring,
-    /// Whether starts, goals or both were drawn while the tables were evolved.
+    /// Settings for drawn trials during evolution; null if none were drawn.
     training: Option<field::Training>,
     /// Sets of eight unseen trials of each kind.
     unseen_sets: usize,

@@ -1,7 +1,7 @@
 //! One run of the paper's genetic algorithm on courses.
 //!
-//! As on the field: a group of courses that a table drove which agrees in every row that was read then cannot come out
-//! differently, and is not driven again.
+//! A memo avoids repeated runs: a group of courses is not simulated again if the table equals an
+//! earlier one in every row that was read.
 
 use std::ops::ControlFlow;
 
@@ -18,26 +18,26 @@ use crate::memo::Memo;
 use crate::rng::SplitMix64;
 use crate::run::Rise;
 
-/// Bits of a genome: Eq. 1.
+/// Bits of a genome, Eq. (1).
 pub const GENOME_BITS: usize = 128;
-/// What turns a run's seed into its stream: no run of the field has it.
+/// Name of the random stream of course runs; differs from those of field runs.
 const STREAM: u64 = 0x0000_636f_7572_7365;
 
-/// What a run came to.
+/// Result of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evolved {
     /// The best genome.
     pub best: Individual,
-    /// When the best fitness rose, and to what.
+    /// Rises of the best fitness.
     pub rises: Vec<Rise>,
-    /// Groups of courses that were driven.
+    /// Simulated groups of courses.
     pub driven: u64,
 }
 
-/// Evolves one table; `watch` hears of every generation and its best fitness, and may stop the run.
+/// Evolves one table. `watch` receives every generation and its best fitness and may stop the run.
 ///
 /// # Errors
-/// The settings make no algorithm; a course cannot be drawn; the run was stopped.
+/// The settings are invalid, a course cannot be drawn, or the run was stopped.
 pub fn evolve(
     settings: Settings,
     seed: u64,
@@ -64,7 +64,7 @@ pub fn evolve(
     })
 }
 
-/// Evaluates genomes, on all cores; which core does what changes nothing.
+/// The result does not depend on the distribution over cores.
 fn evaluate(
     training: &Training,
     memo: &mut Memo<1>,

@@ -1,7 +1,8 @@
-//! What a table is worth: courses drawn at random, 100 points each, eight groups for the paper's eight goals.
+//! Fitness of a table on courses: random courses, 100 points each, in eight groups (as the paper
+//! has eight goals).
 //!
-//! Per robot: 40 points for the object in the hand, 40 for the goal, in each the share of the way that it came; 20 for time, of
-//! a course that was done. A mishap takes half.
+//! Per robot: up to 40 points for the way to the object, 40 for the way to the goal (each the
+//! covered share), and 20 for the time of a completed course. A mishap halves the points.
 
 use sim_backend::course::{Layout, Responses};
 
@@ -11,24 +12,21 @@ use crate::evaluate::GoalPoints;
 
 /// Groups of courses; half of them with one robot, half with two.
 pub const GROUPS: usize = core::mem::size_of::<GoalPoints>() / core::mem::size_of::<f32>();
-/// Courses of a group (ours: with fewer, tables learn the courses and not the task).
+/// Courses per group. Design choice: with fewer, tables adapt to the courses instead of the task.
 const COURSES: u64 = 6;
-/// Points of a way, of time, and what a mishap leaves.
+/// Points per way, points for time, and the factor after a mishap.
 const WAY: f32 = 40.0;
 const IN_TIME: f32 = 20.0;
 const AFTER_MISHAP: f32 = 0.5;
 
-/// The courses that a run is evolved on.
+/// Training courses of a run.
 #[derive(Clone, Debug)]
 pub struct Training {
     groups: Vec<Vec<Layout>>,
 }
 
 impl Training {
-    /// The courses of a run.
-    ///
-    /// # Errors
-    /// A course cannot be drawn.
+    /// Draws the courses of a run.
     pub fn of(seed: u64) -> Result<Self> {
         let layout = |group: u64, k: u64| {
             let robots = if group < GROUPS as u64 / 2 { 1 } else { 2 };
@@ -42,7 +40,7 @@ impl Training {
         Ok(Self { groups: groups? })
     }
 
-    /// The points of a table in one group, and the rows that were read.
+    /// Returns the points of a table in one group and the rows that were read.
     #[must_use]
     pub fn points(&self, group: usize, table: Responses) -> (f32, u32) {
         let (mut sum, mut rows_read) = (0.0, 0);
@@ -55,7 +53,7 @@ impl Training {
         (sum / COURSES as f32, rows_read)
     }
 
-    /// The points of a table in every group, and the rows that were read.
+    /// Returns the points of a table in every group and the rows that were read.
     #[must_use]
     pub fn evaluate(&self, table: Responses) -> (GoalPoints, u32) {
         let (mut earned, mut rows_read) = ([0.0; GROUPS], 0);
@@ -68,7 +66,7 @@ impl Training {
     }
 }
 
-/// Points of one robot, 0 to 100.
+/// Returns the points of one robot, 0 to 100.
 #[must_use]
 pub fn points(driven: &Driven) -> f32 {
     let in_time = if driven.progress >= 2.0 {
@@ -80,10 +78,8 @@ pub fn points(driven: &Driven) -> f32 {
     earned * if driven.mishap { AFTER_MISHAP } else { 1.0 }
 }
 
-/// Share of fresh courses that a table drives to their end with every robot; nothing of them was evolved on.
-///
-/// # Errors
-/// A course cannot be drawn.
+/// Returns the share of new courses that a table completes with every robot. None of them is used
+/// in evolution.
 pub fn held_out(table: Responses, robots: usize, courses: u64) -> Result<f64> {
     let mut done = 0;
     for number in 0..courses {

@@ -1,14 +1,16 @@
-//! A behaviour table that drives a robot with hands: search an object of light, come within its reach, carry it to a goal of
-//! light (the paper's plan: macro motion from tables, fine motion from modules).
+//! Behaviour table of a mobile robot with hands: search a luminous object, approach it, carry it to
+//! a luminous goal (the paper's concept: macro motion by tables, fine motion by modules).
 //!
-//! The table is the paper's: five sensor bits, two wheels of two bits, 128 bits. One table serves the whole course: which light
-//! its photo sensors look for is the coordinator's to say. The genetic algorithm is the paper's, unchanged ([`evolve`]); what a
-//! table is worth is told by driving it over courses drawn at random, with the very base, guard, sensors and coordinator of `atas eval
-//! hybrid`, and with hands that only take their time ([`offline`]).
+//! The table is that of the paper: five sensor bits, two wheels of two bits, 128 bits. One table
+//! serves the whole course; the coordinator selects the light that the photo sensors detect. The
+//! genetic algorithm is unchanged ([`evolve`]). The fitness comes from random courses with the
+//! base, collision guard, sensors and coordinator of `atas eval hybrid`; hands are reduced to time
+//! delays ([`offline`]).
 //!
-//! * **Invariants:** a run's bits depend on its seed, generations and settings alone; a table file is believed only after its
-//!   table was evaluated again.
-//! * **Absent on purpose:** hands that fail, bumps, islands and checkpoints: a run takes minutes.
+//! Invariants: the bits of a run depend only on seed, generations and settings. Reading a table
+//! file evaluates its table again.
+//!
+//! Not part of this module: failing hands, bumps, islands and checkpoints (a run takes minutes).
 
 pub mod evolve;
 pub mod fitness;

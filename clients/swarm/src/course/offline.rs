@@ -1,40 +1,39 @@
-//! One course with a table and with hands that only take their time.
+//! Simulation of one course with a table; hands are reduced to time delays.
 
 use atas_evaluation::hybrid::{Coordinator, Ended, HandState, HandTask, Say, Signs};
 use sim_backend::course::{Course, FRAME_S, FRAME_STEPS, Layout, Light, Responses, Wheels};
 
-/// What hands usually take, frames: to grasp and lift, and to set down.
+/// Typical duration of grasp and lift, and of setting down, frames.
 const GRASP_FRAMES: u32 = 130;
 const SET_DOWN_FRAMES: u32 = 90;
-/// Frames after which an offline run ends, whatever its robots do (ours: three times what a good table takes for both ways).
+/// Frames after which an offline run ends. Design choice: three times the duration of a good table.
 pub const FRAMES_MAX: u32 = 2400;
 
-/// What became of one robot.
+/// Result of one robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Driven {
-    /// How far it came: 0 nowhere, 1 its object in the hand, 2 at its goal and done; in between the share of the way to the
-    /// light.
+    /// Progress: 0 at the start, 1 with the object in the hand, 2 when done at the goal. Fractions
+    /// are the covered share of the way to the light.
     pub progress: f32,
-    /// It had a mishap.
+    /// True after a mishap.
     pub mishap: bool,
-    /// Frames that it took.
+    /// Duration, frames.
     pub frames: u32,
 }
 
-/// A robot in an offline run.
 #[derive(Default)]
 struct Rover {
     coordinator: Coordinator,
     /// Frames until the hand is done.
     hand: u32,
     holds: bool,
-    /// Distance to the light when it began to count, and the least since, m.
+    /// Distance to the current light at its selection, and the smallest since then, m.
     from_m: f64,
     nearest_m: f64,
     driven: Driven,
 }
 
-/// Drives a table over a course; robot by robot what became of it, and the rows that were read.
+/// Simulates a table on a course. Returns the result of every robot and the rows that were read.
 #[must_use]
 pub fn run_offline(layout: &Layout, table: Responses) -> (Vec<Driven>, u32) {
     let mut course = Course::new(layout, None);
@@ -59,14 +58,13 @@ pub fn run_offline(layout: &Layout, table: Responses) -> (Vec<Driven>, u32) {
 }
 
 impl Rover {
-    /// Takes the present light for the one to come to.
     fn aim(&mut self, course: &Course, robot: usize) {
         let light = self.coordinator.phase().light;
         self.from_m = distance_m(course, robot, light);
         self.nearest_m = self.from_m;
     }
 
-    /// One frame; the row that was read, as a bit.
+    /// Simulates one frame; returns the row that was read as a bit mask.
     fn frame(&mut self, course: &mut Course, robot: usize, table: Responses, frame: u32) -> u32 {
         if self.coordinator.ended().is_some() {
             course.rest(robot);
@@ -89,7 +87,7 @@ impl Rover {
             self.begin(course, robot, light);
         }
         if self.coordinator.ended() == Some(Ended::Done) {
-            // It stands where the light is.
+            // The object is set down at the goal light.
             let stands_at = course.sees(robot, Light::Goal);
             let place = course.place(robot);
             course.set_object(robot, stands_at.map(|seen_m| place.point_m(seen_m)));
@@ -106,7 +104,6 @@ impl Rover {
         1 << row
     }
 
-    /// Lets the hand work for a frame.
     fn work(&mut self) -> HandState {
         let worked = self.hand;
         self.hand = worked.saturating_sub(1);

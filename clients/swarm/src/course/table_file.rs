@@ -1,4 +1,4 @@
-//! A course's table as a file: wheel levels row by row, and where they come from.
+//! Table file of a course: wheel levels row by row, and origin.
 
 use std::path::Path;
 
@@ -11,33 +11,33 @@ use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
 use crate::files::{is_of_kind, read_text, write_toml};
 
-/// What a file of this kind says of itself.
+/// Value of `kind` in files of this type.
 pub const KIND: &str = "course-table";
-/// The table that ships, by its name: `ebts evolve course --seed 3` gives it again, to the bit.
+/// Name of the built-in table; `ebts evolve course --seed 3` reproduces it bit for bit.
 pub const BUILT_IN: &str = "course";
 const TEXT: &str = include_str!("../../tables/course.toml");
 
-/// A table with its provenance.
+/// A table with its origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CourseFile {
-    /// [`KIND`].
+    /// File type, [`KIND`].
     pub kind: String,
-    /// The run that it is of, and for how long it was evolved.
+    /// Seed of the run.
     pub seed: u64,
-    /// See `seed`.
+    /// Generations of the run.
     pub generations: u32,
-    /// What it earns per group of courses.
+    /// Points per group of courses.
     pub points: GoalPoints,
-    /// Per row the level of the left wheel and that of the right one, row 0 first. A row is the sum of IR left 1, IR front 2, IR
-    /// right 4, photo left 8, photo right 16.
+    /// Per row the levels of the left and the right wheel, row 0 first. Row number: IR left 1 + IR
+    /// front 2 + IR right 4 + photo left 8 + photo right 16.
     pub rows: String,
-    /// What names the table.
+    /// Hash of the table.
     pub hash: String,
 }
 
 impl CourseFile {
-    /// The file of a table.
+    /// Creates the file of a table.
     #[must_use]
     pub fn of(table: Responses, (seed, generations): (u64, u32), points: GoalPoints) -> Self {
         let row = |row: u8| {
@@ -54,30 +54,27 @@ impl CourseFile {
         }
     }
 
-    /// Whether a text is a file of this kind.
+    /// Returns whether a text is a file of this type.
     #[must_use]
     pub fn is_one(text: &str) -> bool {
         is_of_kind(text, KIND)
     }
 
-    /// Whether a name is that of the table that ships, or of a file of this kind.
+    /// Returns whether a name is that of the built-in table or of a file of this type.
     #[must_use]
     pub fn is_named(name: &str) -> bool {
         name == BUILT_IN || read_text(Path::new(name)).is_ok_and(|text| Self::is_one(&text))
     }
 
-    /// Writes it in one step.
-    ///
-    /// # Errors
-    /// The system refused.
+    /// Writes the file atomically.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_toml(path, self)
     }
 
-    /// The table that ships, by its name, or that of a file; with its table.
+    /// Returns the built-in table with this name, or that of a file.
     ///
     /// # Errors
-    /// It is neither, its rows are no table, or its hash is not theirs.
+    /// Neither exists, the rows are invalid, or the hash does not match.
     pub fn named(name: &str) -> Result<(Self, Responses)> {
         let path = Path::new(name);
         match name {
@@ -92,10 +89,10 @@ impl CourseFile {
         }
     }
 
-    /// Reads a file and evaluates its table again.
+    /// Reads a file and evaluates its table again; returns also the rows that were read.
     ///
     /// # Errors
-    /// As [`CourseFile::named`]; or it is not worth what the file says.
+    /// See [`CourseFile::named`]; or the points do not match.
     pub fn read(path: &Path) -> Result<(Self, Responses, u32)> {
         let (file, table) = Self::parse(&read_text(path)?, path)?;
         let (points, rows_read) = Training::of(file.seed)?.evaluate(table);
@@ -117,7 +114,7 @@ impl CourseFile {
         Ok((file, table))
     }
 
-    /// The fitness that it says.
+    /// Returns the fitness stored in the file.
     #[must_use]
     pub fn fitness(&self) -> f32 {
         self.points.iter().sum()

@@ -15,37 +15,37 @@ use crate::files::{remove_if_there, set_aside};
 use crate::run::{Job, Record, Run, evolve};
 use crate::workers::{Workers, pool};
 
-/// Runs that one thread evolves together at most: enough to fill the SIMD lanes although most trials are remembered
-/// (measured; more shortens nothing and loses more when interrupted).
+/// Largest number of runs that one thread evolves together: fills the SIMD lanes although the memo
+/// answers most trials. Measured: more gives no speed-up and loses more work on interruption.
 const RUNS_TOGETHER: usize = 8;
-/// How often runs under way are saved: a power cut costs no more than this.
+/// Interval between checkpoints: the most work that a power cut loses.
 const SAVE_EVERY: Duration = Duration::from_secs(10);
-/// Generations between two looks at the stop flag and reports.
 const REPORT_EVERY: u32 = 20;
 
-/// What a person may want to know meanwhile.
+/// Progress of an execution.
 #[derive(Clone, Debug)]
 pub enum Progress {
     /// Runs × generations done since the last report.
     Generations(u64),
     /// A run finished with this fitness.
     Finished(Job, f32),
-    /// A run begins anew, because its checkpoint cannot be used.
+    /// A run restarts because its checkpoint cannot be used.
     BegunAnew {
-        /// Which run.
+        /// Run.
         job: Job,
-        /// What is wrong with which file.
+        /// File and its fault.
         why: String,
-        /// Where the file is now.
+        /// New path of the file.
         kept: PathBuf,
     },
 }
 
-/// Runs every job that has no record yet and stores each as it finishes. The workers' flag ends it early, within a second;
-/// what is under way is then saved too. Returns all records of the jobs, sorted.
+/// Runs every job without a record and stores each record when its run finishes. Returns all
+/// records, sorted. The workers' flag stops the execution within a second; runs in progress are
+/// saved.
 ///
 /// # Errors
-/// The store could not be written, or the flag was set before the end: what had finished is stored.
+/// The store could not be written, or the flag was set; finished runs are stored.
 pub fn execute(
     plan: &Plan,
     jobs: &[Job],
@@ -85,7 +85,7 @@ pub fn execute(
                     sender,
                 };
                 if let Err(error) = under_way.run() {
-                    // The receiver lives as long as the scope.
+                    // The receiver outlives this thread.
                     let _ = under_way.sender.send(Message::Failed(error));
                 }
             });
@@ -122,7 +122,6 @@ pub fn execute(
     Ok(records)
 }
 
-/// A finished run needs its checkpoint no longer.
 fn finish(store: &mut Store, record: &Record) -> Result<()> {
     store.append(record)?;
     remove_if_there(&store.checkpoint(record.job()))
@@ -146,7 +145,7 @@ impl Task {
     }
 }
 
-/// Jobs of one condition together, the longest first, and no task longer than what an even share of the work allows.
+/// Groups jobs by condition, the longest first. Tasks are small enough to distribute evenly.
 fn tasks(plan: &Plan, jobs: &[Job], threads: usize) -> Result<Vec<Task>> {
     let mut tasks = Vec::new();
     for condition in plan.conditions()?.into_iter().rev() {
@@ -165,11 +164,9 @@ fn tasks(plan: &Plan, jobs: &[Job], threads: usize) -> Result<Vec<Task>> {
     Ok(tasks)
 }
 
-/// One task on one thread.
 struct UnderWay<'a> {
     plan: &'a Plan,
     task: &'a Task,
-    /// One file per run of the task.
     checkpoints: &'a [PathBuf],
     workers: Workers,
     sender: mpsc::Sender<Message>,
@@ -217,11 +214,11 @@ impl UnderWay<'_> {
     }
 
     fn tell(&self, progress: Progress) {
-        // The receiver lives as long as the scope.
+        // The receiver outlives this thread.
         let _ = self.sender.send(Message::Progress(progress));
     }
 
-    /// Every run as its checkpoint has it, or from its beginning; a checkpoint that cannot be used is set aside.
+    /// Returns every run, resumed from its checkpoint or new. An unusable checkpoint is renamed.
     fn begin(&self) -> Result<Vec<Run>> {
         let Plan {
             settings, islands, ..
@@ -242,7 +239,6 @@ impl UnderWay<'_> {
         self.task.jobs().zip(self.checkpoints).map(begin).collect()
     }
 
-    /// What a checkpoint holds, or what is wrong with it.
     fn resume(&self, job: Job, path: &Path) -> std::result::Result<Run, String> {
         let saved = Checkpoint::examine(path)?;
         let Plan {

@@ -1,4 +1,4 @@
-//! Puts the shards of an experiment together.
+//! Merges the shards of an experiment.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -9,21 +9,22 @@ use super::store::{Store, read_folder, same_plan};
 use crate::error::{Error, Result};
 use crate::run::{Job, Record};
 
-/// What a merged folder holds.
+/// Content of a merged folder.
 #[derive(Debug)]
 pub struct Merged {
-    /// The plan of every shard.
+    /// Plan of every shard.
     pub plan: Plan,
     /// All runs, sorted.
     pub records: Vec<Record>,
-    /// Runs of the plan that no shard has.
+    /// Runs of the plan that no shard contains.
     pub missing: Missing,
 }
 
-/// Collects the runs of `shards` in `folder`, which may already hold some.
+/// Collects the runs of `shards` in `folder`, which may already contain some.
 ///
 /// # Errors
-/// The shards are of different experiments, two of them disagree on a run, or a folder cannot be read or written.
+/// The shards belong to different experiments, two of them differ in a run, or a folder cannot be
+/// read or written.
 pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
     let Some(first) = shards.first() else {
         return Err(Error::refused(
@@ -35,7 +36,7 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
     };
     let (plan, _) = read_folder(first)?;
     let (mut store, present) = Store::open(folder, &plan)?;
-    // What was there before may be a shard of its own, or have come from these.
+    // Existing runs may be a shard of their own, or come from the given shards.
     let folders = shards.len()..=shards.len() + usize::from(!present.is_empty());
     let mut merged: BTreeMap<Job, Record> = present
         .into_iter()

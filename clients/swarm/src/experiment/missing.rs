@@ -1,4 +1,4 @@
-//! Which runs of a plan are not there, in words.
+//! Missing runs of a plan, as text.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -7,10 +7,10 @@ use std::ops::RangeInclusive;
 use super::plan::{Plan, Shard};
 use crate::run::Job;
 
-/// Shards, or stretches of seeds, that are named one by one; of more only the number is said.
+/// Largest number of shards or seed ranges that are listed; further ones are only counted.
 const NAMED_MOST: usize = 12;
 
-/// The runs of a plan that nobody has: as the shards that they are, or else by team size and seed.
+/// Missing runs of a plan: listed as shards, or else by team size and seed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     jobs: Vec<Job>,
@@ -19,7 +19,8 @@ pub struct Missing {
 }
 
 impl Missing {
-    /// What `has` does not have, collected from so many folders of shards.
+    /// Collects the runs for which `has` is false. `folders` is the possible number of merged
+    /// shards.
     pub(super) fn of(
         plan: &Plan,
         folders: RangeInclusive<usize>,
@@ -34,13 +35,13 @@ impl Missing {
         }
     }
 
-    /// Whether nothing is missing.
+    /// Returns whether nothing is missing.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.jobs.is_empty()
     }
 
-    /// Runs of one team size whose seeds follow each other.
+    /// Formats runs of one team size with consecutive seeds as ranges.
     fn stretches(&self) -> Vec<String> {
         let follows = |a: &Job, b: &Job| (a.agents, a.seed + 1) == (b.agents, b.seed);
         let name = |runs: &[Job]| match runs {
@@ -54,8 +55,8 @@ impl Missing {
     }
 }
 
-/// The shards whose runs are exactly those at these positions, if the others were in so many folders: the fewest parts of which
-/// that is so. None if it is not so.
+/// Returns the shards that contain exactly the runs at these positions, if the number of other
+/// shards is in `folders`. Uses the smallest possible shard count; empty if there is none.
 fn whole_shards(positions: &[usize], all: usize, folders: &RangeInclusive<usize>) -> Vec<Shard> {
     let Some(&first) = positions.first() else {
         return Vec::new();
@@ -81,7 +82,8 @@ fn whole_shards(positions: &[usize], all: usize, folders: &RangeInclusive<usize>
     })
 }
 
-/// `shards 2/4, 3/4 (6 of 12 runs)`; `3 of 12 runs (agents 1 seed 2, agents 4 seeds 1 to 2)`.
+/// Formats as `shards 2/4, 3/4 (6 of 12 runs)` or
+/// `3 of 12 runs (agents 1 seed 2, agents 4 seeds 1 to 2)`.
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let runs = format!("{} of {} runs", self.jobs.len(), self.of);
@@ -108,7 +110,6 @@ mod tests {
     use super::*;
     use field::{FitnessRule, Preset};
 
-    /// What is said where these positions of 4 team sizes × 3 seeds are missing.
     fn said(shards: usize, missing: &[usize]) -> String {
         let plan = Plan::fig14(Preset::R3, FitnessRule::AntiAccident, 3, 1);
         let jobs = plan.jobs();
@@ -128,7 +129,7 @@ mod tests {
 
     #[test]
     fn other_runs_are_named_by_team_size_and_seed() {
-        // Two folders had not eleven of twelve shards.
+        // Two folders cannot hold eleven of twelve shards.
         assert_eq!(said(2, &[6]), "1 of 12 runs (agents 3 seed 1)");
         assert_eq!(
             said(2, &[1, 9, 10]),

@@ -1,12 +1,12 @@
 //! Experiments: conditions × seeds, on all cores, resumable, in shards.
 //!
-//! A folder holds one experiment: `experiment.toml` is the plan, `runs.jsonl` one sealed line per finished run, appended and
-//! synced as it finishes, and `under-way/` the checkpoints of runs that are not. The rest is derived from these and can be
-//! made again (see [`crate::results`]). What a run comes to depends on the plan and its seed alone, not on threads, order,
-//! shards or interruptions.
+//! A folder holds one experiment: `experiment.toml` is the plan, `runs.jsonl` has one hashed line
+//! per finished run (synced to disk), and `under-way/` has the checkpoints of unfinished runs. All
+//! other files are derived from these (see [`crate::results`]). The result of a run depends only on
+//! the plan and its seed, not on threads, order, shards or interruptions.
 //!
-//! Nothing in a folder is believed: lines carry seals, numbers have ranges, and every genome is evaluated again when it is
-//! read. What cannot be evaluated again, when a run's fitness rose, is held by the seal alone.
+//! Reading verifies a folder: line hashes, number ranges, and the points of every genome. The
+//! generations in which the fitness rose cannot be recomputed; only the hash protects them.
 
 mod execute;
 mod merge;

@@ -1,4 +1,4 @@
-//! What an experiment consists of.
+//! Plan of an experiment.
 
 use std::fmt;
 use std::str::FromStr;
@@ -16,27 +16,27 @@ use crate::run::Job;
 use crate::sensors::SensorOrder;
 use crate::training;
 
-/// The paper's Fig. 14 and its variations: team sizes × seeds.
+/// Plan of Fig. 14 and its variations: team sizes × seeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// Version of this crate; another version's runs might have other bits.
+    /// Version of this crate; runs of another version may differ in bits.
     pub code_version: String,
     /// Team sizes.
     pub agents: Vec<usize>,
-    /// The first seed; the others follow it.
+    /// First seed; the others follow it.
     pub first_seed: u64,
     /// Runs per team size.
     pub seeds: u64,
     /// Generations of every run.
     pub generations: u32,
-    /// How the agents share tables.
+    /// Assignment of tables to agents.
     pub sharing: Sharing,
-    /// What S1–S5 are.
+    /// Order of the sensors S1–S5.
     pub sensors: SensorOrder,
-    /// How trials are scored.
+    /// Scoring of trials.
     pub fitness_rule: FitnessRule,
-    /// The genetic algorithm.
+    /// Settings of the genetic algorithm.
     pub settings: Settings,
     /// Islands and migration.
     pub islands: IslandSettings,
@@ -44,11 +44,11 @@ pub struct Plan {
     pub preset: Preset,
 }
 
-/// More runs per team size than anybody has the time for.
+/// Upper limit of runs per team size, far beyond practical experiments.
 const MAX_SEEDS: u64 = 1_000_000;
 
 impl Plan {
-    /// Fig. 14: one to four agents (paper III.c.1).
+    /// Returns the plan of Fig. 14: one to four agents (paper III.c.1).
     #[must_use]
     pub fn fig14(preset: Preset, fitness_rule: FitnessRule, seeds: u64, generations: u32) -> Self {
         Self {
@@ -66,10 +66,7 @@ impl Plan {
         }
     }
 
-    /// The conditions, checked, in the order of the team sizes.
-    ///
-    /// # Errors
-    /// The first value of the plan that is out of range.
+    /// Returns the validated conditions in the order of the team sizes.
     pub fn conditions(&self) -> Result<Vec<Condition>> {
         self.check()?;
         let model = Arc::new(Model::new(self.preset.clone()).map_err(Error::from_part)?);
@@ -86,7 +83,6 @@ impl Plan {
         self.agents.iter().map(condition).collect()
     }
 
-    /// Refuses numbers that make no experiment.
     fn check(&self) -> Result<()> {
         self.settings.check().map_err(Error::from_part)?;
         let refuse = |key: &str, value: String, needs: &str| {
@@ -123,7 +119,7 @@ impl Plan {
         Ok(())
     }
 
-    /// Every run, team size by team size, seed by seed.
+    /// Returns every run, ordered by team size, then seed.
     #[must_use]
     pub fn jobs(&self) -> Vec<Job> {
         let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
@@ -137,9 +133,9 @@ impl Plan {
 /// Part `index` of `count` of an experiment: every count-th run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1.
+    /// Index, from 1.
     pub index: usize,
-    /// How many parts there are.
+    /// Number of parts.
     pub count: usize,
 }
 
@@ -147,7 +143,7 @@ impl Shard {
     /// The whole experiment.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
-    /// The runs of this part.
+    /// Returns the runs of this part.
     #[must_use]
     pub fn select(self, jobs: Vec<Job>) -> Vec<Job> {
         jobs.into_iter()
@@ -166,7 +162,7 @@ impl fmt::Display for Shard {
 impl FromStr for Shard {
     type Err = String;
 
-    /// `i/n` with 1 ≤ i ≤ n.
+    /// Parses `i/n` with 1 ≤ i ≤ n.
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let parts = text
             .split_once('/')

@@ -1,5 +1,5 @@
-//! The lines of `runs.jsonl`: one finished run each, sealed with a hash over the plan and the run, so that a line that was
-//! edited, damaged or taken from another experiment is noticed.
+//! Lines of `runs.jsonl`: one finished run each, with a hash over the plan and the run. The hash
+//! detects edited, damaged and foreign lines.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,10 +8,9 @@ use crate::error::{Error, Result};
 use crate::files::sha256;
 use crate::run::Record;
 
-/// Seals and opens the lines of one experiment.
+/// Writes and verifies the hashed lines of one experiment.
 #[derive(Clone, Debug)]
 pub(super) struct Seal {
-    /// Hash of the plan.
     plan: String,
 }
 
@@ -23,7 +22,6 @@ struct Line {
 }
 
 impl Seal {
-    /// The seal of an experiment.
     pub(super) fn new(plan: &Plan) -> Result<Self> {
         let plan = serde_json::to_vec(plan).map_err(Error::from_part)?;
         Ok(Self {
@@ -31,7 +29,7 @@ impl Seal {
         })
     }
 
-    /// A finished run as a line, with its end.
+    /// Returns a finished run as a line with line break.
     pub(super) fn line(&self, run: &Record) -> Result<String> {
         let line = Line {
             sha256: self.hash(run)?,
@@ -42,7 +40,7 @@ impl Seal {
         Ok(text)
     }
 
-    /// The run of a line, or what is wrong with the line.
+    /// Returns the run of a line, or the fault of the line.
     pub(super) fn open(&self, line: &str) -> std::result::Result<Record, String> {
         let Line { sha256, run } = serde_json::from_str(line).map_err(|error| error.to_string())?;
         let expected = self.hash(&run).map_err(|error| error.to_string())?;

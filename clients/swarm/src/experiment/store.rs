@@ -1,4 +1,4 @@
-//! The folder of an experiment: what is finished is never lost.
+//! Folder of an experiment. Finished runs are never lost.
 
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
@@ -14,10 +14,10 @@ use crate::run::{Job, Record};
 
 const PLAN: &str = "experiment.toml";
 const RUNS: &str = "runs.jsonl";
-/// Folder of the checkpoints of runs that are not finished.
+/// Folder with the checkpoints of unfinished runs.
 const UNDER_WAY: &str = "under-way";
 
-/// An experiment's folder, locked for this process.
+/// Folder of an experiment, locked for this process.
 #[derive(Debug)]
 pub struct Store {
     _lock: FolderLock,
@@ -25,15 +25,16 @@ pub struct Store {
     folder: PathBuf,
     path: PathBuf,
     file: File,
-    /// Length of the file after the last whole line.
+    /// Length of the file up to the last complete line.
     length: u64,
 }
 
 impl Store {
-    /// Opens the folder of this plan, new or begun, and reads the runs that are finished.
+    /// Opens a new or existing folder of this plan and reads its finished runs.
     ///
     /// # Errors
-    /// Another process works on it, it holds another experiment, it is damaged, or the system refused.
+    /// Another process uses the folder, it holds another experiment, it is damaged, or it cannot be
+    /// read or written.
     pub fn open(folder: &Path, plan: &Plan) -> Result<(Self, Vec<Record>)> {
         let lock = FolderLock::take(folder)?;
         let plan_path = folder.join(PLAN);
@@ -53,7 +54,7 @@ impl Store {
             .map_err(Error::io("open", &path))?;
         let seal = Seal::new(plan)?;
         let (records, length) = read_runs(&path, plan, &seal)?;
-        // A line without an end is a run whose writing was cut off: it will be run again.
+        // An incomplete line is a run whose write was interrupted; the run is repeated.
         file.set_len(length)
             .and_then(|()| file.seek(SeekFrom::End(0)))
             .map_err(Error::io("mend", &path))?;
@@ -68,23 +69,20 @@ impl Store {
         Ok((store, records))
     }
 
-    /// Adds a finished run; when this returns, it is on the disk.
+    /// Appends a finished run and syncs it to disk.
     ///
     /// # Errors
-    /// The system refused, for example because the disk is full. The runs before are safe.
+    /// The file cannot be written, for example because the disk is full. Earlier runs are safe.
     pub fn append(&mut self, record: &Record) -> Result<()> {
         self.write(record)?;
         self.sync()
     }
 
-    /// Adds a finished run that is safe elsewhere; [`Store::sync`] brings it to the disk.
-    ///
-    /// # Errors
-    /// As [`Store::append`].
+    /// Appends a finished run without sync; [`Store::sync`] writes it to disk.
     pub fn write(&mut self, record: &Record) -> Result<()> {
         let line = self.seal.line(record)?;
         if let Err(error) = self.file.write_all(line.as_bytes()) {
-            // If this fails too, the next opening cuts the torn line off.
+            // If this fails too, the next opening removes the incomplete line.
             let _ = self.file.set_len(self.length);
             return Err(Error::io("write a finished run to", &self.path)(error));
         }
@@ -92,42 +90,37 @@ impl Store {
         Ok(())
     }
 
-    /// Waits until everything written is on the disk.
-    ///
-    /// # Errors
-    /// The system refused.
+    /// Waits until all written runs are on disk.
     pub fn sync(&mut self) -> Result<()> {
         let synced = self.file.sync_data();
         synced.map_err(Error::io("write finished runs to", &self.path))
     }
 
-    /// Where a run under way is kept.
+    /// Returns the checkpoint path of a run.
     #[must_use]
     pub fn checkpoint(&self, Job { agents, seed }: Job) -> PathBuf {
         let name = format!("{agents}-{seed}.checkpoint");
         self.folder.join(UNDER_WAY).join(name)
     }
 
-    /// Makes the folder of the runs under way.
-    ///
-    /// # Errors
-    /// The system refused.
+    /// Creates the folder of checkpoints.
     pub fn prepare_checkpoints(&self) -> Result<()> {
         let folder = self.folder.join(UNDER_WAY);
         std::fs::create_dir_all(&folder).map_err(Error::io("create folder", &folder))
     }
 
-    /// Removes the folder of the runs under way if none is left.
+    /// Removes the folder of checkpoints if it is empty.
     pub fn clear_checkpoints(&self) {
-        // A folder that is not empty, or gone, stays as it is.
+        // A folder that is not empty or does not exist is left unchanged.
         let _ = std::fs::remove_dir(self.folder.join(UNDER_WAY));
     }
 }
 
-/// The plan and the finished runs of a folder, sorted by team size and seed, without locking it.
+/// Reads the plan and the finished runs of a folder, sorted by team size and seed, without locking
+/// it.
 ///
 /// # Errors
-/// It holds no experiment, or a damaged one.
+/// The folder holds no experiment or a damaged one.
 pub fn read_folder(folder: &Path) -> Result<(Plan, Vec<Record>)> {
     let plan = read_plan(folder)?;
     let path = folder.join(RUNS);
@@ -148,7 +141,7 @@ fn read_plan(folder: &Path) -> Result<Plan> {
     })
 }
 
-/// Refuses a folder that holds another experiment, naming what differs.
+/// Rejects another experiment; the error names the first difference.
 pub(super) fn same_plan(folder: &Path, wanted: &Plan, found: &Plan) -> Result<()> {
     if wanted == found {
         return Ok(());
@@ -170,7 +163,7 @@ pub(super) fn same_plan(folder: &Path, wanted: &Plan, found: &Plan) -> Result<()
     ))
 }
 
-/// Reads whole lines one by one, checks each and all together, and says where the last whole line ends.
+/// Returns the verified runs and the offset after the last complete line.
 fn read_runs(path: &Path, plan: &Plan, seal: &Seal) -> Result<(Vec<Record>, u64)> {
     let damaged = |index: usize, why: &str| {
         Error::refused(

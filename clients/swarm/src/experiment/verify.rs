@@ -1,4 +1,4 @@
-//! What a file says of a run is believed only where it can be: every number in its range, every genome evaluated again.
+//! Verification of records: every number is range-checked and every genome is evaluated again.
 
 use rayon::prelude::*;
 
@@ -11,12 +11,12 @@ use crate::evaluate::{Evaluator, Individual};
 use crate::genome::Genome;
 use crate::run::Record;
 
-/// Genomes evaluated together: enough to fill the SIMD lanes and to share among threads.
+/// Genomes evaluated together: fills the SIMD lanes and distributes over threads.
 const TOGETHER: usize = 64;
-/// The largest fitness (paper III.b.3: 100 points for each of eight goals).
+/// Largest fitness (paper III.b.3: 100 points for each of eight goals).
 const MAX_FITNESS: f32 = 800.0;
 
-/// Checks records against their plan; the error names the first that is wrong by its index.
+/// Verifies records; the error has the index of the first invalid one.
 pub(super) fn verify(
     plan: &Plan,
     records: &[Record],
@@ -26,7 +26,7 @@ pub(super) fn verify(
         verify_some(plan, &conditions, records).map_err(|(at, why)| (index * TOGETHER + at, why))
     };
     let chunks = records.par_chunks(TOGETHER).enumerate();
-    // The first chunk that is wrong, whichever thread meets its own first.
+    // The lowest index, independent of thread timing.
     let wrong = chunks.map(chunk).filter_map(std::result::Result::err);
     Ok(wrong.min_by_key(|(index, _)| *index).map_or(Ok(()), Err))
 }
@@ -68,7 +68,7 @@ fn verify_some(
     Ok(())
 }
 
-/// Checks the ranges of one record; returns its condition and its genome.
+/// Returns the condition index and the genome of a record within range.
 fn check(
     plan: &Plan,
     conditions: &[Condition],

@@ -1,4 +1,5 @@
-//! What the reduced simulation is worth: the same hand-written rules held to the same verdicts on the same objects in both.
+//! Agreement between reduced and full simulation: verdicts of the same hand-written rules on the
+//! same objects.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
@@ -12,59 +13,57 @@ use super::fitness::{Verdict, full_verdict, verdict};
 use super::rules::Rules;
 use crate::error::{Error, Result};
 
-/// How often both simulations agree.
+/// Agreement of both simulations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Agreement {
-    /// Pairs of object and rule.
+    /// Pairs of object and rule set.
     pub pairs: u64,
-    /// Of these, with the same verdict.
+    /// Pairs with the same verdict.
     pub agree: u64,
-    /// Share of them.
+    /// Share of pairs with the same verdict.
     pub share: f64,
-    /// The first seed of the objects' families.
+    /// First seed of the objects' families.
     pub first_seed: u64,
     /// Members of each of the eight families.
     pub seeds: u64,
-    /// Pairs by verdict, full before reduced.
+    /// Number of pairs by verdict, "full/reduced".
     pub verdicts: BTreeMap<String, u64>,
-    /// Share that agrees per rule.
+    /// Agreement per rule set.
     pub rules: Vec<RuleAgreement>,
-    /// Share that agrees per object.
+    /// Share of agreement per object.
     pub objects: BTreeMap<String, f64>,
-    /// The pairs about which they differ.
+    /// Pairs with different verdicts.
     pub differ: Vec<Differ>,
-    /// How long it took, s.
+    /// Duration, s.
     pub wall_s: f64,
 }
 
-/// A pair about which both simulations differ.
+/// Pair with different verdicts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Differ {
-    /// The family of the object.
+    /// Family of the object.
     pub object: String,
-    /// Its member.
+    /// Seed of the family member.
     pub seed: u64,
-    /// What the rule has.
+    /// Rules in the set.
     pub rule: String,
-    /// What the full simulation's judge says.
+    /// Outcome in the full simulation.
     pub full: String,
-    /// The verdict of the reduced one.
+    /// Verdict of the reduced simulation.
     pub reduced: Verdict,
 }
 
-/// How often both agree about one rule.
+/// Agreement of one rule set.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RuleAgreement {
-    /// What the rule has.
+    /// Rules in the set.
     pub rule: String,
     /// Share of its pairs with the same verdict.
     pub share: f64,
 }
 
-/// Tries every choice of rules on members of all families in both simulations; nothing if `stop` was set meanwhile.
-///
-/// # Errors
-/// The full simulation could not be set up.
+/// Simulates every rule set on members of all families in both simulations; `None` if `stop` was
+/// set.
 pub fn measure(
     seeds: u64,
     first_seed: u64,
@@ -81,7 +80,7 @@ pub fn measure(
     let Some(evaluated) = plan.run(stop, done).map_err(Error::from_part)? else {
         return Ok(None);
     };
-    // The first series is of the controller's own modules, which the reduced simulation does not have.
+    // The first series has the controller's own modules, which the reduced simulation lacks.
     let series = &evaluated.rows[1..];
     let compared: Vec<Vec<Compared>> = rules
         .iter()
@@ -96,16 +95,14 @@ pub fn measure(
     )))
 }
 
-/// Number of grasps that [`measure`] simulates in full.
+/// Returns the number of grasps that [`measure`] runs in the full simulation.
 #[must_use]
 pub fn jobs(seeds: u64) -> u64 {
     (Rules::all().len() as u64 + 1) * seeds * super::course::FAMILIES as u64
 }
 
-/// A plan of grasps under the usual condition: the controller's own modules, then these laws.
-///
-/// # Errors
-/// A built-in object's file is wrong.
+/// Returns a plan of grasps under the standard condition: the controller's own modules, then these
+/// policies.
 pub(super) fn plan(
     laws: Vec<GripPolicy>,
     seeds: u64,

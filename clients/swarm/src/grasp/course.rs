@@ -1,4 +1,4 @@
-//! What is grasped, and what the bits and levels of a table mean.
+//! Objects of the grasp course, and meaning of the bits and levels of a table.
 
 use atas_core::tasks::BehaviourTable;
 use atas_evaluation::trial_seed;
@@ -11,9 +11,9 @@ use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
 use crate::genome::Genome;
 
-/// Families of objects, as the paper has goals.
+/// Families of objects, one per goal of the paper.
 pub const FAMILIES: usize = core::mem::size_of::<GoalPoints>() / core::mem::size_of::<f32>();
-/// The sensor bits, S1 to S5.
+/// Sensor bits S1 to S5.
 pub const BITS: [SensorBit; 5] = [
     SensorBit::TOUCHING,
     SensorBit::ABOVE_F1,
@@ -21,29 +21,29 @@ pub const BITS: [SensorBit; 5] = [
     SensorBit::ABOVE_F2,
     SensorBit::SPARE,
 ];
-/// Closing speed of the fingers by level, m/s: hold, open slowly, close slowly (the paper's 2 mm/s), close fast.
+/// Closing speed of the fingers by level, m/s: hold, open slowly, close slowly (the paper's 2
+/// mm/s), close fast.
 pub const FINGERS_M_S: [f64; 4] = [0.0, -0.001, 0.002, 0.004];
-/// Factor on the hand's speed along its way by level: stand, back slowly, slowly, at full speed.
+/// Factor of the hand's speed along its path by level: stop, slowly back, slowly on, full speed.
 pub const HAND: [f64; 4] = [0.0, -0.1, 0.1, 1.0];
-/// Bits of a genome: Eq. 1.
+/// Bits of a genome, Eq. (1).
 pub const GENOME_BITS: usize = (1 << BITS.len()) * 2 * 2;
 
-/// Members of each family that a table is tried on (ours: with one, tables learn the objects and not the task).
+/// Members of each family. Design choice: with one, tables adapt to the objects instead of the
+/// task.
 pub const MEMBERS: usize = 8;
 
-/// A family of objects of the course.
+/// Family of objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
-    /// The name of its objects in the simulator.
+    /// Name of its objects in the simulator.
     pub name: String,
-    /// What the reduced simulation knows of its members: the built-in object, then such as are drawn by tuning seeds.
+    /// Members for the reduced simulation: the built-in object, then random variations with tuning
+    /// seeds.
     pub members: [pinch::Object; MEMBERS],
 }
 
-/// The eight families of the built-in set.
-///
-/// # Errors
-/// A built-in object's file is wrong.
+/// Returns the eight built-in families.
 pub fn families() -> Result<Vec<Family>> {
     let objects = atas_evaluation::Task::Grasp.objects();
     let objects = objects.map_err(Error::from_part)?;
@@ -57,7 +57,6 @@ pub fn families() -> Result<Vec<Family>> {
     Ok(objects.iter().map(family).collect())
 }
 
-/// The member of a family that an evaluation draws by this seed.
 fn member(object: &sim_backend::Object, seed: u64) -> sim_backend::Object {
     let scene = Scene::grasp(object.clone(), Side::Right);
     let drawn = scene.varied(trial_seed(&object.name, seed));
@@ -73,10 +72,10 @@ fn reduced_of(object: &sim_backend::Object) -> pinch::Object {
     )
 }
 
-/// An object as the reduced simulation has it.
+/// Converts an object to the reduced simulation.
 #[must_use]
 pub fn reduced(mass_kg: f64, friction: f64, stiffness_n_m: f64, crush_n: f64) -> pinch::Object {
-    /// What stands for a rigid object, N/m: it gives way by 8 µm at most.
+    /// Stiffness of a rigid object, N/m: it deforms by at most 8 µm.
     const RIGID_N_M: f64 = 1e6;
     pinch::Object {
         mass_kg: mass_kg as f32,
@@ -86,7 +85,7 @@ pub fn reduced(mass_kg: f64, friction: f64, stiffness_n_m: f64, crush_n: f64) ->
     }
 }
 
-/// The table of a genome: four bits per row, the fingers' level lowest.
+/// Returns the table of a genome: four bits per row, the level of the fingers lowest.
 ///
 /// # Panics
 /// Never: every genome of this length is a table.
@@ -101,7 +100,7 @@ pub fn table(genome: &Genome) -> BehaviourTable {
         .expect("two bits name one of four levels")
 }
 
-/// The genome of a table with the bits and levels of the course; nothing for another.
+/// Returns the genome of a table with the bits and levels of the course; `None` for other tables.
 #[must_use]
 pub fn genome(table: &BehaviourTable) -> Option<Genome> {
     let alike = table.bits().eq(BITS) && table.fingers_m_s() == FINGERS_M_S && table.hand() == HAND;
@@ -117,13 +116,13 @@ pub fn genome(table: &BehaviourTable) -> Option<Genome> {
     Some(genome)
 }
 
-/// A table's rows as the reduced simulation reads them.
+/// Returns the rows of a table for the reduced simulation.
 #[must_use]
 pub fn rows(table: &BehaviourTable) -> Rows {
     table.record().rows
 }
 
-/// A sensor bit as the reduced simulation has it.
+/// Returns the bit of the reduced simulation for a sensor bit.
 #[must_use]
 pub fn reduced_bit(bit: SensorBit) -> Option<Bit> {
     Some(match bit {
@@ -137,7 +136,7 @@ pub fn reduced_bit(bit: SensorBit) -> Option<Bit> {
     })
 }
 
-/// The course's bits and levels, as the reduced simulation has them.
+/// Bits and levels of the course for the reduced simulation.
 pub struct Course {
     bits: Vec<Bit>,
 }
@@ -151,7 +150,7 @@ impl Default for Course {
 }
 
 impl Course {
-    /// What tables of the course mean; with Module 3 beside them or alone.
+    /// Returns the interpretation of tables, with or without Module 3.
     #[must_use]
     pub fn interface(&self, force_limit: bool, patience: Patience) -> Interface<'_> {
         Interface {

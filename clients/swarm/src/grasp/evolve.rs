@@ -1,7 +1,7 @@
-//! One run of the paper's genetic algorithm on the reduced grasp.
+//! One run of the paper's genetic algorithm on the reduced grasp simulation.
 //!
-//! As on the field: a family that was tried before with a table that agrees in every row that was read then cannot come out
-//! differently, and is not simulated again.
+//! A memo avoids repeated simulations: a family is not simulated again if the table equals an
+//! earlier one in every row that was read.
 
 use std::ops::ControlFlow;
 
@@ -19,21 +19,21 @@ use crate::memo::Memo;
 use crate::rng::SplitMix64;
 use crate::run::Rise;
 
-/// What turns a run's seed into its stream: no run of the field has it.
+/// Name of the random stream of grasp runs; differs from those of field runs.
 const STREAM: u64 = 0x0067_7261_7370;
 
-/// What a run came to.
+/// Result of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evolved {
     /// The best genome.
     pub best: Individual,
-    /// When the best fitness rose, and to what.
+    /// Rises of the best fitness.
     pub rises: Vec<Rise>,
-    /// Grasps that were simulated.
+    /// Number of simulated grasps.
     pub simulated: u64,
 }
 
-/// Evaluates genomes on the course.
+/// Evaluates genomes on the grasp course.
 pub struct Evaluator<'a> {
     course: Course,
     families: &'a [Family],
@@ -44,7 +44,7 @@ pub struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    /// An evaluator on these families.
+    /// Creates an evaluator for these families.
     #[must_use]
     pub fn new(families: &'a [Family], engine: Engine, force_limit: bool) -> Self {
         Self {
@@ -89,7 +89,7 @@ impl<'a> Evaluator<'a> {
         evaluated
     }
 
-    /// Simulates trials, on all cores; which core does what changes nothing.
+    /// The result does not depend on the distribution over cores.
     fn simulate(&mut self, trials: &[Trial]) -> Vec<Outcome> {
         self.simulated += trials.len() as u64;
         let interface = self.course.interface(self.force_limit, Patience::SHORT);
@@ -102,10 +102,9 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// Trials that one core simulates in one go: two batches of the widest engine.
+/// Trials per task: two batches of the widest engine.
 const PART: usize = 32;
 
-/// The trials of a table on all members of a family.
 fn trials_of(family: usize, known: &Family, genome: &Genome) -> impl Iterator<Item = Trial> {
     let rows = rows(&table(genome));
     let first_seed = (family * MEMBERS) as u32 + 1;
@@ -113,7 +112,6 @@ fn trials_of(family: usize, known: &Family, genome: &Genome) -> impl Iterator<It
     known.members.into_iter().zip(first_seed..).map(trial)
 }
 
-/// What a family's outcomes earn in the mean, and the rows that were read.
 fn earned(family: &Family, outcomes: &[Outcome]) -> (f32, u64) {
     let members = family.members.iter().zip(outcomes);
     let sum: f32 = members
@@ -125,17 +123,16 @@ fn earned(family: &Family, outcomes: &[Outcome]) -> (f32, u64) {
     (sum / MEMBERS as f32, rows_read)
 }
 
-/// The bits of the rows that were read.
 fn mask_of(rows_read: u64) -> u128 {
     (0..GENOME_BITS / 4)
         .filter(|row| rows_read >> row & 1 == 1)
         .fold(0, |mask, row| mask | 0xf << (4 * row))
 }
 
-/// Evolves one table; `watch` hears of every generation and its best fitness, and may stop the run.
+/// Evolves one table. `watch` receives every generation and its best fitness and may stop the run.
 ///
 /// # Errors
-/// The settings make no algorithm; the run was stopped.
+/// The settings are invalid, or the run was stopped.
 pub fn evolve(
     evaluator: &mut Evaluator<'_>,
     settings: Settings,
@@ -161,7 +158,8 @@ pub fn evolve(
     })
 }
 
-/// What a table earns per family, which rows it read, and what became of each family's first member.
+/// Returns the points of a table per family, the rows that were read, and the outcome of each
+/// family's first member.
 #[must_use]
 pub fn evaluate_table(
     families: &[Family],

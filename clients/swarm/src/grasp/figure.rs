@@ -1,4 +1,4 @@
-//! The verdict as a figure: success of every law with its interval.
+//! Figure of the verdict: success of every policy with its interval.
 
 use std::path::Path;
 
@@ -8,14 +8,10 @@ use super::verdict::{Judged, Score};
 use crate::error::{Error, Result};
 use crate::files::write_atomically;
 
-/// Size of the figure, px; of a row; of the names.
 const SIZE: (u32, u32) = (760, 400);
 const NAMES: u32 = 210;
 
 /// Draws the verdict.
-///
-/// # Errors
-/// The drawing or the system failed.
 pub fn draw(judged: &Judged, path: &Path) -> Result<()> {
     let laws = laws(judged);
     let mut text = String::new();

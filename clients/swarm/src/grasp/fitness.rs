@@ -1,33 +1,34 @@
-//! What a grasp is worth, in the paper's manner: an accuracy part, an efficiency part, and a guard against accidents.
+//! Fitness of a grasp, as in the paper: accuracy, efficiency, and a guard against accidents.
 //!
-//! Per object at most 100, as per goal of the field: E₁ = 60 for what should become of it, held or refused, as the evaluation's
-//! judge has it; E₂ = 20 for time and 20 for gentleness, which only what was judged well twice earns: when the hand arrived and
-//! again after it had to hold for a second, sliding no further between. What fails earns a little for how far it came, so that
-//! the roulette has something to choose from.
+//! Up to 100 points per object. E₁ = 60 for the expected verdict (held or refused) of the
+//! evaluation. E₂ = 20 for time and 20 for a low grip force, only if the object is held at both
+//! checks without creep: on arrival and after 1 s of holding. Failed grasps earn few points for
+//! partial progress, so that the roulette can select among them.
 
 use pinch::{End, HOLD_S, LIFT_M, Object, Outcome};
 
-/// Accuracy, and the two halves of efficiency.
+/// Points for accuracy, and the two parts of efficiency.
 const HELD: f32 = 60.0;
 const IN_TIME: f32 = 20.0;
 const GENTLE: f32 = 20.0;
-/// What an accident earns: held at the end, but not at both judgements or sliding.
+/// Points of an accident: held at the end, but not at both checks, or creeping.
 const ACCIDENT: f32 = 30.0;
-/// What is left of it when an object that could be held is refused, or one that could not is left standing.
+/// Points if a feasible object is refused, and if an infeasible one is left standing.
 const TIMID: f32 = 5.0;
 const UNHARMED: f32 = 20.0;
-/// What lifting part of the way earns at most.
+/// Largest points for a partial lift.
 const LIFTING: f32 = 10.0;
-/// Share of the lift that counts as lifted; farthest slip in the hand, m (the evaluation's judge).
+/// Share of the lift that counts as lifted; largest slip in the hand, m (values of the evaluation).
 const LIFTED_SHARE: f32 = 0.5;
 const SLIP_MAX_M: f32 = 0.003;
-/// Farthest slip between the judgements, m.
+/// Largest slip between the two checks, m.
 const CREEP_MAX_M: f32 = 0.001;
-/// Time of a lift that is never slowed, and how much more earns nothing, s. Refusing may take as long as the slack.
+/// Duration of an undelayed lift, and the delay that earns no time points, s. A refusal may take as
+/// long as the delay.
 const LIFT_S: f32 = 4.0 + HOLD_S;
 const SLOWER_S: f32 = 3.0;
 
-/// Points of one grasp, 0 to 100.
+/// Returns the points of one grasp, 0 to 100.
 #[must_use]
 pub fn points(object: &Object, outcome: &Outcome) -> f32 {
     let kept = |judgement: usize| {
@@ -57,7 +58,7 @@ pub fn points(object: &Object, outcome: &Outcome) -> f32 {
     }
 }
 
-/// Whether the judge of the evaluation would call it a success.
+/// Returns whether the evaluation counts the outcome as a success.
 #[must_use]
 pub fn succeeds(object: &Object, outcome: &Outcome) -> bool {
     verdict(outcome)
@@ -68,21 +69,21 @@ pub fn succeeds(object: &Object, outcome: &Outcome) -> bool {
         }
 }
 
-/// What became of an object, in words that both simulations know.
+/// Verdict on an object, common to both simulations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Lifted and in the hand, hardly slid.
+    /// Lifted and in the hand, with little slip.
     Held,
-    /// Given up, unharmed.
+    /// Refused, unharmed.
     Refused,
     /// Crushed.
     Crushed,
-    /// None of these: left behind, lost, slid, too late.
+    /// Any other outcome: left behind, lost, slipped, too late.
     Failed,
 }
 
-/// The verdict of the reduced simulation.
+/// Returns the verdict of the reduced simulation.
 #[must_use]
 pub fn verdict(outcome: &Outcome) -> Verdict {
     let [_, raised_m] = outcome.raised_m;
@@ -95,7 +96,7 @@ pub fn verdict(outcome: &Outcome) -> Verdict {
     }
 }
 
-/// The verdict of the full simulation, by the outcome that its judge names.
+/// Returns the verdict of the full simulation from its outcome name.
 #[must_use]
 pub fn full_verdict(outcome: &str) -> Verdict {
     match outcome {

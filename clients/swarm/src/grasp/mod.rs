@@ -1,15 +1,20 @@
-//! A behaviour table that feels: methodology 2 grasps (the paper's obstacle: "a tremendous number of iterations").
+//! Grasping with a behaviour table (methodology 2 of the paper; its obstacle: "a tremendous number
+//! of iterations").
 //!
-//! The paper's table has five sensor bits and two actuators of two bits, 128 bits in all (Eq. 1). A hand fits the same table:
-//! the bits are told from touch, the actuators are the fingers and the hand on its way up ([`course`]). The same genetic
-//! algorithm evolves it in a reduced simulation ([`evolve`], the crate `pinch`), with eight objects for the eight goals
-//! ([`fitness`]). Then the production controller reads it in the full simulation ([`verdict`]), and [`words`] says which of the
-//! paper's modules it has found again. [`rules`] has them written by hand; [`agreement`] measures what the reduced simulation
-//! is worth.
+//! A hand uses the paper's table format: five sensor bits (from touch) and two actuators of two
+//! bits (fingers and lift of the hand), 128 bits (Eq. 1, [`course`]). The unchanged genetic
+//! algorithm runs in a reduced simulation ([`evolve`], crate `pinch`) with eight object families
+//! for the eight goals ([`fitness`]).
 //!
-//! * **Invariants:** a run's bits depend on its seed, generations and settings alone; a table file is believed only after its
-//!   table was evaluated again.
-//! * **Absent on purpose:** islands and checkpoints within a run: a run takes seconds, and an experiment saves each.
+//! [`verdict`] evaluates tables with the production controller in the full simulation.
+//! [`words`] compares a table with the paper's modules, [`rules`] writes them by hand, and
+//! [`agreement`] measures the quality of the reduced simulation.
+//!
+//! Invariants: the bits of a run depend only on seed, generations and settings. Reading a table
+//! file evaluates its table again.
+//!
+//! Not part of this module: islands and checkpoints within a run. A run takes seconds, and an
+//! experiment saves each.
 
 pub mod agreement;
 pub mod course;

@@ -1,37 +1,35 @@
-//! The paper's modules written by hand as rows of a table, whole and with pieces taken away.
+//! Hand-written tables: the paper's modules as rows, complete and with rules removed.
 
 use atas_core::tasks::BehaviourTable;
 use shm_schemas::SensorBit;
 
 use super::course::{BITS, FINGERS_M_S, HAND};
 
-/// Levels of the fingers.
 pub(super) const HOLD: usize = 0;
 pub(super) const OPEN: usize = 1;
 pub(super) const CLOSE: usize = 2;
-/// Levels of the hand.
 pub(super) const STAND: usize = 0;
 pub(super) const BACK: usize = 1;
 pub(super) const SLOWLY: usize = 2;
 pub(super) const FULL: usize = 3;
 
-/// Which rules a hand-written table has.
+/// Rules of a hand-written table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Rules {
     /// Module 1: close until F_n > F_1 before the lift.
     pub first_touch: bool,
-    /// Module 2: close while slipping, and go slowly.
+    /// Module 2: close while slipping, and move slowly.
     pub slip: bool,
     /// Module 3: never close above F_2.
     pub force_limit: bool,
-    /// What slips above F_2 is given up (ours).
+    /// Refuse an object that slips above F_2 (not in the paper).
     pub refuse: bool,
-    /// Friction to spare is given back (ours).
+    /// Open if friction is in excess (grip relaxation, not in the paper).
     pub relax: bool,
 }
 
 impl Rules {
-    /// All of the paper's, and giving up.
+    /// The paper's rules, with refusal.
     pub const PAPER: Self = Self {
         first_touch: true,
         slip: true,
@@ -40,7 +38,7 @@ impl Rules {
         relax: false,
     };
 
-    /// Every choice of rules.
+    /// Returns every combination of rules.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let has = |choice: usize, rule: usize| choice >> rule & 1 == 1;
@@ -54,7 +52,7 @@ impl Rules {
         (0..32).map(rules).collect()
     }
 
-    /// Its name: which rules it has.
+    /// Returns the name: the list of rules.
     #[must_use]
     pub fn name(&self) -> String {
         let pieces = [
@@ -72,10 +70,7 @@ impl Rules {
         }
     }
 
-    /// The table of these rules.
-    ///
-    /// # Panics
-    /// Never: the levels are those of the course.
+    /// Returns the table of these rules.
     #[must_use]
     pub fn table(&self) -> BehaviourTable {
         let rows: Vec<_> = (0..1 << BITS.len()).map(|row| self.row(row)).collect();
@@ -102,7 +97,6 @@ impl Rules {
     }
 }
 
-/// Whether a bit of the course is true in a row.
 pub(super) fn holds(row: usize, bit: SensorBit) -> bool {
     let place = BITS.iter().position(|known| *known == bit);
     place.is_some_and(|place| row >> place & 1 == 1)

@@ -1,4 +1,5 @@
-//! A grasp table as a file: bits, levels, rows, and where it comes from. The same text, between brackets, is a task's table.
+//! Table file of a grasp: bits, levels, rows and origin. A task configuration contains the same
+//! entries as an inline table.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,37 +14,37 @@ use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
 use crate::files::{is_of_kind, read_text, write_toml};
 
-/// What a file of this kind says of itself.
+/// Value of `kind` in files of this type.
 pub const KIND: &str = "grasp-table";
 
-/// A grasp table with its provenance.
+/// A grasp table with its origin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GraspFile {
-    /// [`KIND`].
+    /// File type, [`KIND`].
     pub kind: String,
-    /// The run that it is of, and for how long it was evolved.
+    /// Seed of the run.
     pub seed: u64,
-    /// See `seed`.
+    /// Generations of the run.
     pub generations: u32,
-    /// Whether Module 3 stood beside it.
+    /// True if Module 3 was active.
     pub force_limit: bool,
-    /// What it earns per object of the course.
+    /// Points per object family.
     pub points: GoalPoints,
-    /// The sensor bits, the lowest of the row's number first.
+    /// Sensor bits, the lowest bit of the row number first.
     pub bits: Vec<String>,
     /// Closing speed of the fingers per level, m/s.
     pub fingers_m_s: Vec<f64>,
-    /// Factor on the hand's speed per level.
+    /// Factor of the hand's speed per level.
     pub hand: Vec<f64>,
-    /// Per row the level of the fingers and that of the hand.
+    /// Per row the level of the fingers and of the hand.
     pub rows: String,
-    /// What names the table, as the controller computes it.
+    /// Hash of the table, as the controller computes it.
     pub hash: String,
 }
 
 impl GraspFile {
-    /// The file of a table.
+    /// Creates the file of a table.
     #[must_use]
     pub fn of(
         table: &BehaviourTable,
@@ -65,24 +66,21 @@ impl GraspFile {
         }
     }
 
-    /// Whether a text is a file of this kind.
+    /// Returns whether a text is a file of this type.
     #[must_use]
     pub fn is_one(text: &str) -> bool {
         is_of_kind(text, KIND)
     }
 
-    /// Writes it in one step.
-    ///
-    /// # Errors
-    /// The system refused.
+    /// Writes the file atomically.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_toml(path, self)
     }
 
-    /// Reads a file and evaluates its table again; returns it with its table.
+    /// Reads a file and evaluates its table again.
     ///
     /// # Errors
-    /// It is no such file, its table is none, or it is not worth what the file says.
+    /// The file has another type, its table is invalid, or its points do not match.
     pub fn read(path: &Path, families: &[Family]) -> Result<(Self, BehaviourTable)> {
         let refuse = |was: String| {
             Error::refused(
@@ -113,7 +111,7 @@ impl GraspFile {
         Ok((file, table))
     }
 
-    /// The fitness that it says.
+    /// Returns the fitness stored in the file.
     #[must_use]
     pub fn fitness(&self) -> f32 {
         self.points.iter().sum()
@@ -144,7 +142,7 @@ impl GraspFile {
             .map_err(|fault| fault.to_string())
     }
 
-    /// A task for the daemon's configuration whose table it is.
+    /// Returns a task of the daemon configuration with this table.
     #[must_use]
     pub fn task(&self, name: &str) -> String {
         let levels = |levels: &[f64]| {
@@ -153,7 +151,6 @@ impl GraspFile {
         };
         let mut text = format!("[tasks.{name}]\nacting = [\n");
         for step in STEPS {
-            // Writing to a string cannot fail.
             let _ = writeln!(text, "    {{ {step} }},");
         }
         let bits: Vec<String> = self.bits.iter().map(|bit| format!("\"{bit}\"")).collect();
@@ -170,7 +167,8 @@ impl GraspFile {
     }
 }
 
-/// The built-in grasp's steps up to the probe; then the table grips, lifts and holds, with Module 3 beside it.
+/// Steps of the built-in grasp up to the probe; then the table grips, lifts and holds, with Module
+/// 3.
 const STEPS: [&str; 6] = [
     r#"step = "reach", motion = "reach", waypoint = "before-source", modules = ["carry", "contact guard"], transition = "arrived", timeout_s = 20.0"#,
     r#"step = "descend", motion = "reach", waypoint = "source", modules = ["carry", "contact guard"], transition = "arrived", timeout_s = 10.0"#,

@@ -1,5 +1,6 @@
-//! The verdict: evolved tables, the paper's rules, the hand-written modules whole and in pieces, and both baselines, in the full
-//! simulation through the production controller, on members of all object families that nobody was evolved or tuned on.
+//! Verdict in the full simulation with the production controller: evolved tables, the paper's
+//! rules, the hand-written modules (complete and reduced), and both baselines, on members of all
+//! object families that were used neither in evolution nor tuning.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
@@ -13,7 +14,7 @@ use super::agreement::plan;
 use super::rules::Rules;
 use crate::error::{Error, Result};
 
-/// Hand-written modules that are taken away one by one.
+/// Hand-written modules that are removed one by one.
 const PIECES: [ModuleId; 5] = [
     ModuleId::FIRST_TOUCH,
     ModuleId::SLIP,
@@ -22,65 +23,65 @@ const PIECES: [ModuleId; 5] = [
     ModuleId::LOAD_TEST,
 ];
 
-/// What became of the grasps of one law.
+/// Grasp results of one policy.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
-    /// Grasps.
+    /// Number of grasps.
     pub trials: u64,
-    /// Held.
+    /// Objects held.
     pub held: u64,
-    /// Refused, unharmed.
+    /// Objects refused, unharmed.
     pub refused: u64,
-    /// Crushed.
+    /// Objects crushed.
     pub crushed: u64,
-    /// Median over held objects of the normal force over the force needed; `null` if none was held.
+    /// Median of normal force over required force for held objects; `null` if none was held.
     pub over_grip_median: Option<f64>,
-    /// Median simulated time of those held, s.
+    /// Median simulated time of held objects, s.
     pub time_median_s: Option<f64>,
-    /// Share that became what the paper's rule says should: held or refused.
+    /// Share of objects with the verdict expected by the paper's rule: held or refused.
     pub success: f64,
     /// Wilson score interval of `success`, 95 %.
     pub ci95: [f64; 2],
-    /// The same by physics alone: the fair measure of a law without F_2.
+    /// Success by physics alone, the fair measure for a policy without F_2.
     pub success_by_physics: f64,
-    /// Outcomes, counted.
+    /// Number of grasps per outcome.
     pub outcomes: BTreeMap<String, u64>,
 }
 
-/// The verdict on one table.
+/// Verdict on one table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TableScore {
-    /// The run that evolved it.
+    /// Seed of the run that evolved it.
     pub seed: u64,
-    /// Its fitness in the reduced simulation, of 800.
+    /// Fitness in the reduced simulation, of 800.
     pub fitness: f32,
-    /// Its hash.
+    /// Hash of the table.
     pub hash: String,
-    /// What became of its grasps.
+    /// Grasp results.
     #[serde(flatten)]
     pub score: Score,
 }
 
-/// All of them on the same objects.
+/// Results of all policies on the same objects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judged {
-    /// Every evolved table, in the order given, alone.
+    /// Every evolved table in the given order, without modules.
     pub tables: Vec<TableScore>,
-    /// The first of the tables, which is the fittest, with Module 3 beside it.
+    /// The first (fittest) table with Module 3.
     pub with_module_3: Score,
-    /// The paper's rules written as a table.
+    /// The paper's rules as a table.
     pub rules: Score,
-    /// The controller's modules.
+    /// Modules of the controller.
     pub modules: Score,
-    /// The same without one of them, by its name.
+    /// Modules of the controller without one of them, by its name.
     pub without: BTreeMap<String, Score>,
-    /// The baselines.
+    /// Baseline that reacts to slip.
     pub slip_reactive: Score,
-    /// See `slip_reactive`.
+    /// Baseline with a fixed force.
     pub fixed_force: Score,
 }
 
-/// How many grasps the verdict takes.
+/// Returns the number of grasps of a verdict.
 #[must_use]
 pub fn jobs(tables: usize, seeds: u64) -> u64 {
     (laws(&vec![Rules::PAPER.table(); tables]).len() as u64 + 1)
@@ -100,10 +101,7 @@ fn laws(tables: &[BehaviourTable]) -> Vec<GripPolicy> {
         .collect()
 }
 
-/// Judges tables, each with its run's seed and its fitness, best first; nothing if `stop` was set meanwhile.
-///
-/// # Errors
-/// The full simulation could not be set up, or there is no table.
+/// Evaluates tables, each with seed and fitness, best first; `None` if `stop` was set.
 pub fn judge(
     tables: &[(BehaviourTable, u64, f32)],
     (seeds, first_seed): (u64, u64),

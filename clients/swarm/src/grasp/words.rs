@@ -1,4 +1,5 @@
-//! A table in words: what each row that was read does, and which of the paper's modules it amounts to.
+//! Textual description of a table: the action of each row that was read, and its correspondence to
+//! the paper's modules.
 
 use std::fmt::Write as _;
 
@@ -9,36 +10,36 @@ use shm_schemas::SensorBit;
 use super::course::{BITS, GENOME_BITS};
 use super::rules::{BACK, CLOSE, FULL, HOLD, OPEN, SLOWLY, holds};
 
-/// A module of the paper, as far as rows of a table can be one.
+/// Correspondence of a table to one module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Found {
-    /// Rows that were read in which the module would say something.
+    /// Rows that were read in which the module would act.
     pub asked: usize,
-    /// Of these, rows that do what it says.
+    /// Of these, rows with the action of the module.
     pub answered: usize,
 }
 
-/// Which of the paper's modules a table has found again. Module 4 ends screwing and placing, which this course does not ask for.
+/// Correspondence of a table to the paper's modules. Module 4 ends screwing and placing and does
+/// not apply here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Again {
-    /// Closes while it touches with less than F_1.
+    /// Closes while touching with less than F_1.
     pub module_1: Found,
-    /// Closes while it slips below F_2.
+    /// Closes while slipping below F_2.
     pub module_2: Found,
     /// Does not close above F_2.
     pub module_3: Found,
-    /// Takes the hand back from what slips above F_2 (ours).
+    /// Withdraws the hand from an object that slips above F_2 (not in the paper).
     pub refusing: Found,
-    /// Opens while friction is spare (ours).
+    /// Opens while friction is in excess (not in the paper).
     pub giving_back: Found,
 }
 
-/// Rows of a bit mask of rows that were read.
 fn rows_of(read: u64) -> impl Iterator<Item = usize> {
     (0..GENOME_BITS / 4).filter(move |row| read >> row & 1 == 1)
 }
 
-/// Which modules the rows that were read amount to.
+/// Compares the rows that were read with the modules.
 #[must_use]
 pub fn found_again(table: &BehaviourTable, read: u64) -> Again {
     let count = |asks: &dyn Fn(usize) -> bool, answers: &dyn Fn([usize; 2]) -> bool| {
@@ -73,18 +74,17 @@ pub fn found_again(table: &BehaviourTable, read: u64) -> Again {
     }
 }
 
-/// The rows that were read, one per line.
+/// Formats the rows that were read, one per line.
 #[must_use]
 pub fn sentences(table: &BehaviourTable, read: u64) -> String {
     let mut text = String::new();
     for row in rows_of(read) {
-        // Writing to a string cannot fail.
         let _ = writeln!(text, "  row {row:>2}: {}", sentence(table, row));
     }
     text
 }
 
-/// What a row says: `touching, above-f1: fingers hold, hand at full speed`.
+/// Formats a row: `touching, above-f1: fingers hold, hand on at full speed`.
 #[must_use]
 pub fn sentence(table: &BehaviourTable, row: usize) -> String {
     let told: Vec<&str> = BITS

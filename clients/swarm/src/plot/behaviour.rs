@@ -1,4 +1,4 @@
-//! Sensors and behaviour over frames: the paper's table after Fig. 15, and the same as a strip chart.
+//! Sensors and behaviour over frames: the paper's table after Fig. 15, and a strip chart.
 
 use plotters::prelude::*;
 use serde::Serialize;
@@ -9,20 +9,20 @@ use crate::error::Result;
 use crate::table::behaviour;
 use field::EXECUTION_FRAMES;
 
-/// One row of the paper's table: what an agent senses at a frame, and what it does.
+/// Row of the paper's table: sensors and behaviour of an agent in a frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct BehaviourRow {
     /// Frame within the trial.
     pub frame: usize,
     /// Agent, from 1.
     pub agent: usize,
-    /// S1–S5.
+    /// Sensors S1–S5.
     pub sensors: [u8; 5],
-    /// In the paper's words.
+    /// Behaviour in the paper's words.
     pub behaviour: &'static str,
 }
 
-/// The rows at some frames, agent by agent.
+/// Returns the rows of some frames, agent by agent.
 #[must_use]
 pub fn behaviour_rows(trace: &Trace, frames: &[usize]) -> Vec<BehaviourRow> {
     let row = |frame: usize, agent: usize| {
@@ -49,10 +49,7 @@ const LINES: [&str; 9] = [
     "S1", "S2", "S3", "S4", "S5", "left", "straight", "right", "stop",
 ];
 
-/// Draws, for every agent, when each sensor fires and what the agent does.
-///
-/// # Errors
-/// The drawing library failed.
+/// Draws sensors and behaviour of every agent over the frames.
 pub fn behaviour_strip(trace: &Trace) -> Result<String> {
     let mut svg = String::new();
     draw(trace, &mut svg).map_err(failed)?;
@@ -80,7 +77,7 @@ fn draw(trace: &Trace, svg: &mut String) -> Drawing {
             .x_labels(10)
             .x_desc("frame")
             .draw()?;
-        // Judging begins here (paper III.b.3: 180 frames of execution, then 90 of evaluation).
+        // Evaluation begins here (paper III.b.3: 180 frames of execution, then 90 of evaluation).
         let judged = EXECUTION_FRAMES as usize;
         let border = [(judged, 0.0), (judged, lines as f64)];
         chart.draw_series([PathElement::new(border, BLACK.stroke_width(1))])?;
@@ -118,7 +115,7 @@ fn area_text(
     Ok(())
 }
 
-/// Stretches of frames, end exclusive, in which a line is set.
+/// Returns the frame ranges, end exclusive, in which a line is set.
 fn spans(trace: &Trace, agent: usize, line: usize) -> Vec<(usize, usize)> {
     let set = |frame: &crate::analysis::Frame| {
         let (left, right) = (frame.wheels[agent].left, frame.wheels[agent].right);

@@ -1,5 +1,5 @@
-//! Fig. 14: maximum fitness over generations, one line per team size: the median of the runs, with a band from the first to
-//! the third quartile.
+//! Fig. 14: maximum fitness over generations. Per team size a line (median of the runs) with a band
+//! (first to third quartile).
 
 use plotters::prelude::*;
 
@@ -9,21 +9,17 @@ use crate::experiment::Plan;
 use crate::run::Record;
 use crate::stats::{quantile, sorted};
 
-/// Generations between two points of a curve, so that a curve has about 400.
+/// Returns the generations between two points of a curve; a curve has about 400 points.
 fn step(generations: u32) -> usize {
     (generations as usize / 400).max(1)
 }
 
-/// Quartiles of the best fitness at one generation.
 struct Point {
     generation: u32,
     quartiles: [f32; 3],
 }
 
 /// Draws the figure.
-///
-/// # Errors
-/// The drawing library failed.
 pub fn fig14(plan: &Plan, records: &[Record]) -> Result<String> {
     let mut svg = String::new();
     draw(plan, records, &mut svg).map_err(failed)?;

@@ -1,4 +1,5 @@
-//! Figures as SVG: Fig. 14 (fitness over generations), Figs. 15–17 (trajectories), sensors and behaviour over frames.
+//! SVG figures: Fig. 14 (fitness over generations), Figs. 15–17 (trajectories), sensors and
+//! behaviour.
 
 mod behaviour;
 mod fig14;
@@ -12,7 +13,7 @@ use plotters::style::RGBColor;
 
 use crate::error::Error;
 
-/// One colour per agent or team size, distinguishable without red and green (Okabe and Ito 2008).
+/// Colours of agents or team sizes, distinguishable without red and green (Okabe and Ito 2008).
 const COLOURS: [RGBColor; 4] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
@@ -20,7 +21,7 @@ const COLOURS: [RGBColor; 4] = [
     RGBColor(204, 121, 167),
 ];
 
-/// A drawing that did not work out; drawings go to memory, so this is a defect, told as a refusal.
+/// Figures are drawn in memory; an error indicates a bug.
 fn failed(error: impl std::fmt::Display) -> Error {
     Error::refused("draw a figure", error, "a drawable size", "report this")
 }

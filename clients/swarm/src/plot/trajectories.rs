@@ -1,4 +1,5 @@
-//! Figs. 15–17: the paths of agents and object, one panel per trial, with the lights, the scale, and where judging begins.
+//! Figs. 15–17: paths of agents and object, one panel per trial, with lights, scale and start of
+//! evaluation.
 
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf32;
@@ -13,26 +14,21 @@ use field::{EXECUTION_FRAMES, Model};
 /// Frames between two drawn outlines of a body.
 const OUTLINE_EVERY: usize = 45;
 const PANEL_PX: u32 = 280;
-/// Room for the legend below the panels.
 const LEGEND_PX: u32 = 46;
-/// Length of the scale bar.
 const SCALE_PX: f32 = 200.0;
 const OBJECT_LIGHT: RGBColor = RGBColor(240, 190, 0);
 const GOAL: RGBColor = RGBColor(213, 94, 0);
 
-/// One trial to draw.
+/// Trial to draw.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// Above the panel.
+    /// Title above the panel.
     pub title: String,
-    /// The trial.
+    /// Trace of the trial.
     pub trace: Trace,
 }
 
 /// Draws one panel per trial, four in a row.
-///
-/// # Errors
-/// The drawing library failed.
 pub fn trajectories(condition: &Condition, panels: &[Panel]) -> Result<String> {
     let mut svg = String::new();
     draw(condition, panels, &mut svg).map_err(failed)?;
@@ -46,7 +42,7 @@ type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf32
 fn draw(condition: &Condition, panels: &[Panel], svg: &mut String) -> Drawing {
     let columns = panels.len().clamp(1, 4);
     let rows = panels.len().div_ceil(4);
-    // The legend needs the width of two and a half panels.
+    // The legend needs the width of 2.5 panels.
     let width = (columns as u32 * PANEL_PX).max(740);
     let height = rows as u32 * (PANEL_PX + 24);
     let area = SVGBackend::with_string(svg, (width, height + LEGEND_PX)).into_drawing_area();
@@ -80,7 +76,7 @@ fn draw_trial(model: &Model, Panel { title, trace }: &Panel, area: &Area<'_>) ->
         (end, preset.object_light_px, OBJECT_LIGHT),
     ];
     for (centre, range, colour) in lights {
-        // The plotting area cuts off what reaches beyond the field.
+        // The plotting area clips what exceeds the field.
         chart.draw_series([Polygon::new(inside(centre, range, half), colour.mix(0.10))])?;
     }
     chart.draw_series([Rectangle::new([(-half, -half), (half, half)], BLACK)])?;
@@ -129,7 +125,6 @@ fn object(frame: &Frame) -> (f32, f32) {
     (frame.object.x_px, frame.object.y_px)
 }
 
-/// A circle as a polygon whose corners stay inside the field.
 fn inside((x, y): (f32, f32), radius: f32, half: f32) -> Vec<(f32, f32)> {
     let corner = |k: u8| {
         let (cos, sin) = field::cos_sin(k);
@@ -141,7 +136,6 @@ fn inside((x, y): (f32, f32), radius: f32, half: f32) -> Vec<(f32, f32)> {
     (0..64).map(corner).collect()
 }
 
-/// The path of a body, its outline now and then, and a dot where judging begins.
 fn path(
     chart: &mut Chart<'_, '_>,
     trace: &Trace,
@@ -164,7 +158,6 @@ fn path(
     Ok(())
 }
 
-/// A bar of [`SCALE_PX`] in the lower left corner.
 fn scale(chart: &mut Chart<'_, '_>, half: f32) -> Drawing {
     let (x, y) = (-0.95 * half, -0.95 * half);
     let bar = [(x, y), (x + SCALE_PX, y)];
@@ -178,7 +171,6 @@ fn scale(chart: &mut Chart<'_, '_>, half: f32) -> Drawing {
     Ok(())
 }
 
-/// What every line, dot and shade means.
 fn legend(area: &Area<'_>, agents: usize) -> Drawing {
     let text = |label: &str, x: i32, y: i32| {
         area.draw(&Text::new(label.to_owned(), (x, y), ("sans-serif", 12)))

@@ -1,4 +1,4 @@
-//! The files derived from an experiment's runs. The same runs give the same bytes; long ones are written row by row.
+//! Output files of an experiment. Deterministic; long files are written row by row.
 
 use std::path::Path;
 
@@ -10,14 +10,12 @@ use crate::files::stream_atomically;
 use crate::run::Record;
 use crate::table_file::TableFile;
 
-/// Generations between two rows of `curves.csv`; the first [`CURVE_START`], where most happens, are all there.
+/// Generations between two rows of `curves.csv`. The first [`CURVE_START`] generations, which
+/// change most, are complete.
 const CURVE_STEP: u32 = 10;
 const CURVE_START: u32 = 50;
 
 /// Writes `findings.json`, `runs.csv`, `curves.csv` and the best table of every team size.
-///
-/// # Errors
-/// The system refused.
 pub fn write_results(
     folder: &Path,
     plan: &Plan,
@@ -40,7 +38,6 @@ pub fn write_results(
     Ok(())
 }
 
-/// One row per run.
 fn write_runs(path: &Path, plan: &Plan, records: &[Record]) -> Result<()> {
     stream_atomically(path, |file| {
         let mut rows = csv::Writer::from_writer(file);
@@ -69,7 +66,6 @@ fn write_runs(path: &Path, plan: &Plan, records: &[Record]) -> Result<()> {
     })
 }
 
-/// One row per run and generation.
 fn write_curves(path: &Path, plan: &Plan, records: &[Record]) -> Result<()> {
     let shown = |generation: &u32| {
         let steps = generation.is_multiple_of(CURVE_STEP);
@@ -92,10 +88,8 @@ fn write_curves(path: &Path, plan: &Plan, records: &[Record]) -> Result<()> {
     })
 }
 
-/// Writes one row per trial: what it came to, and what every agent did. Returns the number of rows.
-///
-/// # Errors
-/// The system refused, or the plan is out of range.
+/// Writes one row per trial with its result and the behaviour of every agent. Returns the number of
+/// rows.
 pub fn write_trials(path: &Path, plan: &Plan, records: &[Record]) -> Result<usize> {
     let conditions = plan.conditions()?;
     let mut count = 0;
@@ -141,7 +135,8 @@ fn trial_columns() -> Vec<String> {
     columns
 }
 
-/// The columns of agents that do not take part are empty. An agent keeps out of a trial that others solve without it.
+/// Formats a trial; columns of absent agents are empty. An agent keeps out of a trial that the
+/// others solve without it.
 fn trial_row(trial: &TrialFacts) -> Vec<String> {
     let mut row = vec![
         trial.agents.to_string(),

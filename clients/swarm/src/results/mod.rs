@@ -1,7 +1,7 @@
-//! What follows from the runs of an experiment, in files: `findings.json`, `summary.json`, `runs.csv`, `curves.csv`, the best
-//! table of every team size, and on demand one row per trial.
+//! Output files of an experiment: `findings.json`, `summary.json`, `runs.csv`, `curves.csv`, the
+//! best table of every team size, and on demand one row per trial.
 //!
-//! **In**: a plan, its finished runs, what the analysis found in them. **Out**: files that can be made again at any time.
+//! Inputs: a plan, its finished runs, and their analysis. The files can be regenerated at any time.
 
 mod files;
 mod summary;

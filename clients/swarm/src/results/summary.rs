@@ -1,4 +1,4 @@
-//! What an experiment comes to, in the form that programs read.
+//! Machine-readable summary of an experiment.
 
 use std::path::Path;
 
@@ -13,20 +13,20 @@ use crate::files::write_atomically;
 use crate::run::Record;
 use crate::stats::{Estimate, mean, quantile, sorted};
 
-/// The numbers of Fig. 14. `wall_s` and `cpu_s` are those of the process that prints it.
+/// Numbers of Fig. 14. `wall_s` and `cpu_s` refer to the process that prints them.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Name of the preset.
     pub preset: String,
-    /// How the runs were scored.
+    /// Scoring of the runs.
     pub fitness_rule: FitnessRule,
-    /// Finished runs per condition, the fewest.
+    /// Smallest number of finished runs of a condition.
     pub seeds: usize,
     /// Generations per run.
     pub generations: u32,
-    /// Elapsed time.
+    /// Elapsed time, s.
     pub wall_s: f64,
-    /// Time on all processors.
+    /// CPU time of all processors, s.
     pub cpu_s: f64,
     /// One per team size.
     pub conditions: Vec<ConditionSummary>,
@@ -45,7 +45,8 @@ pub struct ConditionSummary {
     pub mean: f32,
 }
 
-/// See [`crate::analysis::Order`]; null without runs of these team sizes.
+/// Probabilities of orderings, see [`crate::analysis::Order`]; null without runs of these team
+/// sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[expect(missing_docs, reason = "documented where they are estimated")]
 pub struct OrderSummary {
@@ -56,7 +57,7 @@ pub struct OrderSummary {
 }
 
 impl Summary {
-    /// Sums up the finished runs.
+    /// Summarises the finished runs.
     #[must_use]
     pub fn new(
         plan: &Plan,
@@ -102,16 +103,12 @@ impl Summary {
     }
 }
 
-/// Writes a value as a JSON file.
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let json = serde_json::to_string_pretty(value).map_err(Error::from_part)?;
     write_atomically(path, json.as_bytes())
 }
 
 /// Writes `summary.json`.
-///
-/// # Errors
-/// The system refused.
 pub fn write_summary(folder: &Path, summary: &Summary) -> Result<()> {
     write_json(&folder.join("summary.json"), summary)
 }

@@ -1,4 +1,4 @@
-//! Generations: runs of one condition side by side, so that their trials fill the SIMD lanes.
+//! Generations of several runs of one condition, simulated together to fill the SIMD lanes.
 
 use std::ops::ControlFlow;
 
@@ -9,8 +9,9 @@ use crate::islands::Elites;
 use crate::training::of_generation;
 use crate::workers::Workers;
 
-/// Evolves runs of one condition side by side up to `generations`; `watch` sees them after every generation and may stop
-/// them. Runs stopped by it or by the workers' flag are whole: as they were after their last generation.
+/// Evolves runs of one condition together up to `generations`. `watch` receives them after every
+/// generation and may stop them. After a stop by `watch` or by the workers' flag, the runs are in
+/// the state after their last complete generation.
 pub fn evolve(
     condition: &Condition,
     workers: impl Into<Workers>,
@@ -33,7 +34,8 @@ pub fn evolve(
     ControlFlow::Continue(())
 }
 
-/// What runs are tried on: the same trials in every generation, or other ones, and then the trials of the choice beside them.
+/// Trials of the runs: the same in every generation, or drawn ones together with the trials of the
+/// choice.
 struct Trials {
     evaluator: Evaluator,
     workers: Workers,
@@ -56,7 +58,6 @@ impl Trials {
         }
     }
 
-    /// Whether a generation has so many trials that it may be broken off.
     fn may_break_off(&self, runs: &[Run]) -> bool {
         let size = |run: &Run| run.archipelago.size();
         let genomes = 2 * runs.iter().map(size).sum::<usize>();
@@ -65,7 +66,7 @@ impl Trials {
         self.workers.may_break_off(of_generation) || self.workers.may_break_off(runs.len() * choice)
     }
 
-    /// One generation of every open run; nothing if the workers were stopped before its end.
+    /// Runs one generation of every open run; `None` if the workers were stopped before its end.
     fn generation(&mut self, runs: &mut [Run], open: impl Fn(&Run) -> bool) -> Option<()> {
         let elites = self.elites;
         let mut proposals = Vec::with_capacity(runs.len());
@@ -88,7 +89,6 @@ impl Trials {
         self.choose(runs)
     }
 
-    /// Tries the best of the generation on the trials of the choice.
     fn choose(&mut self, runs: &mut [Run]) -> Option<()> {
         let Some(choice) = &mut self.choice else {
             return Some(());

@@ -13,24 +13,21 @@ use crate::genome::{Genome, diversity};
 use crate::islands::{Archipelago, Elites, IslandSettings};
 use crate::rng::SplitMix64;
 
-/// One run under way.
+/// One run in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Names the random stream, together with the number of agents.
+    /// Seed; with the number of agents it selects the random stream.
     pub seed: u64,
     archipelago: Archipelago,
-    /// Generations done; `None` before the random population is evaluated.
+    /// Completed generations; `None` before the random population is evaluated.
     generation: Option<u32>,
     rises: Vec<Rise>,
-    /// Where every generation has other trials: the best of all generations' best, by the trials of the choice.
+    /// For drawn trials: the best of all generations' best on the trials of the choice.
     chosen: Option<Individual>,
 }
 
 impl Run {
-    /// A run about to start.
-    ///
-    /// # Errors
-    /// See [`Settings::check`].
+    /// Creates a run.
     pub fn new(
         condition: &Condition,
         settings: Settings,
@@ -49,7 +46,7 @@ impl Run {
         })
     }
 
-    /// A run as it was after `generation`.
+    /// Restores a run after `generation`.
     #[must_use]
     pub fn resume(
         seed: u64,
@@ -66,37 +63,39 @@ impl Run {
         }
     }
 
-    /// The generation that is done.
+    /// Returns the last completed generation.
     #[must_use]
     pub fn generation(&self) -> Option<u32> {
         self.generation
     }
 
-    /// The populations.
+    /// Returns the populations.
     #[must_use]
     pub fn archipelago(&self) -> &Archipelago {
         &self.archipelago
     }
 
-    /// When the best fitness rose, and to what.
+    /// Returns the generations in which the best fitness rose.
     #[must_use]
     pub fn rises(&self) -> &[Rise] {
         &self.rises
     }
 
-    /// The best individual so far.
+    /// Returns the best individual so far.
     #[must_use]
     pub fn best(&self) -> Option<&Individual> {
         self.chosen.as_ref().or_else(|| self.archipelago.best())
     }
 
-    /// See [`Run::best`]; `None` where every generation has the same trials.
+    /// Returns the chosen individual, see [`Run::best`]; `None` if every generation has the same
+    /// trials.
     #[must_use]
     pub fn chosen(&self) -> Option<&Individual> {
         self.chosen.as_ref()
     }
 
-    /// What the individuals of all islands are like now; `None` before the random population is evaluated.
+    /// Returns statistics of the individuals of all islands; `None` before the random population is
+    /// evaluated.
     #[must_use]
     pub fn census(&self) -> Option<Census> {
         let members = || {
@@ -118,7 +117,6 @@ impl Run {
         })
     }
 
-    /// The generation to come.
     fn next(&self) -> u32 {
         self.generation.map_or(0, |generation| generation + 1)
     }
@@ -133,14 +131,14 @@ impl Run {
         }
     }
 
-    /// The genome that the run would end with if it were found better than the chosen one.
+    /// Returns the best genome of the generation if it differs from the chosen one.
     fn candidate(&self) -> Option<Genome> {
         let best = &self.archipelago.best()?.genome;
         let known = self.chosen.as_ref().map(|chosen| &chosen.genome);
         (known != Some(best)).then(|| best.clone())
     }
 
-    /// Takes a candidate that is better than the one chosen before.
+    /// Replaces the chosen individual by a better candidate.
     fn choose(&mut self, candidate: Individual) {
         let fitness = candidate.fitness();
         let before = self.chosen.as_ref().map(Individual::fitness);
@@ -150,7 +148,7 @@ impl Run {
         }
     }
 
-    /// What the run came to.
+    /// Returns the result of the run.
     #[must_use]
     pub fn record(&self, condition: &Condition) -> Option<Record> {
         let best = self.best()?;

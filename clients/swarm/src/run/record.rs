@@ -1,4 +1,4 @@
-//! What a run is called, what is noted of it, and what it comes to.
+//! Identification, progress and result of a run.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,14 +8,14 @@ use crate::evaluate::GoalPoints;
 /// A generation in which the best fitness rose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rise {
-    /// 0 is the random population.
+    /// Generation; 0 is the random population.
     pub generation: u32,
-    /// The best fitness from then on.
+    /// Best fitness from this generation on.
     pub fitness: f32,
 }
 
 impl Rise {
-    /// Adds the best fitness of a generation if it is a rise.
+    /// Appends the best fitness of a generation if it is a rise.
     pub(crate) fn note(rises: &mut Vec<Self>, generation: u32, fitness: f32) {
         if rises.last().is_none_or(|last| fitness > last.fitness) {
             rises.push(Self {
@@ -35,39 +35,40 @@ pub struct Job {
     pub seed: u64,
 }
 
-/// The individuals of a generation, all islands together.
+/// Statistics of the individuals of a generation on all islands.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Census {
-    /// 0 is the random population.
+    /// Generation; 0 is the random population.
     pub generation: u32,
-    /// The largest fitness.
+    /// Largest fitness.
     pub best: f64,
-    /// The mean fitness.
+    /// Mean fitness.
     pub mean: f64,
-    /// The smallest fitness.
+    /// Smallest fitness.
     pub worst: f64,
-    /// The part of bits in which two individuals differ, mean over all pairs: 0.5 in a random population, 0 if all are equal.
+    /// Share of differing bits, averaged over all pairs: 0.5 in a random population, 0 if all are
+    /// equal.
     pub diversity: f64,
 }
 
-/// What a finished run came to.
+/// Result of a finished run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// The condition.
+    /// Team size.
     pub agents: usize,
-    /// The run.
+    /// Seed.
     pub seed: u64,
-    /// The best genome, see [`crate::genome::Genome::to_hex`].
+    /// Best genome, see [`crate::genome::Genome::to_hex`].
     pub genome: String,
-    /// Its points per goal.
+    /// Points per goal of the best genome.
     pub points: GoalPoints,
-    /// The best fitness over the generations.
+    /// Rises of the best fitness.
     pub rises: Vec<Rise>,
 }
 
 impl Record {
-    /// Which run it is of.
+    /// Returns the job of this run.
     #[must_use]
     pub fn job(&self) -> Job {
         Job {
@@ -76,13 +77,13 @@ impl Record {
         }
     }
 
-    /// The best fitness at the end.
+    /// Returns the final best fitness.
     #[must_use]
     pub fn fitness(&self) -> f32 {
         self.rises.last().map_or(0.0, |rise| rise.fitness)
     }
 
-    /// The best fitness at a generation.
+    /// Returns the best fitness at a generation.
     #[must_use]
     pub fn fitness_at(&self, generation: u32) -> f32 {
         let until = self
@@ -93,7 +94,7 @@ impl Record {
             .map_or(0.0, |last| self.rises[last].fitness)
     }
 
-    /// Goals for which the best genome earns the largest score.
+    /// Counts the goals with full points.
     #[must_use]
     pub fn full_scores(&self) -> usize {
         (0..GOALS)

@@ -1,4 +1,5 @@
-//! Stages of a search: all candidates on few seeds, then fewer on more.
+//! Stages of a search (successive halving): all candidates on few seeds, then fewer candidates on
+//! more seeds.
 
 use std::ops::Range;
 
@@ -6,42 +7,42 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 
-/// How much fewer candidates and how many more seeds the next stage has (ours: halving by three loses good candidates less
-/// often than by two with the same effort spent on the last ones).
+/// Factor of candidates and seeds between two stages. Design choice: 3 loses good candidates less
+/// often than 2 at equal effort for the last ones.
 const FACTOR: u64 = 3;
 
-/// What a search may spend.
+/// Budget of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Halving {
     /// Candidates of the first stage.
     pub candidates: usize,
-    /// Candidates that the last stage leaves.
+    /// Candidates that remain after the last stage.
     pub best: usize,
     /// Seeds of the first stage.
     pub seeds: u64,
-    /// The first of them; further stages go on where the one before ended.
+    /// First seed of the first stage; later stages continue behind the previous one.
     pub first_seed: u64,
     /// Seeds of the verdict.
     pub verdict_seeds: u64,
-    /// The first of them.
+    /// First seed of the verdict.
     pub verdict_first_seed: u64,
 }
 
-/// So many candidates on these seeds, which no other stage has.
+/// One stage: a number of candidates on seeds that no other stage uses.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Stage {
-    /// From 1.
+    /// Number, from 1.
     pub number: usize,
-    /// How many candidates.
+    /// Number of candidates.
     pub candidates: usize,
-    /// Their first seed in this stage.
+    /// First seed of this stage.
     pub first_seed: u64,
-    /// Runs per team size in this stage; what was run before counts as well.
+    /// Runs per team size in this stage; earlier runs count as well.
     pub seeds: u64,
 }
 
 impl Halving {
-    /// The stages, the last of which has the best.
+    /// Returns all stages in order.
     #[must_use]
     pub fn stages(&self) -> Vec<Stage> {
         let mut stages = Vec::new();
@@ -63,10 +64,7 @@ impl Halving {
         }
     }
 
-    /// Refuses numbers that make no search, and a verdict on seeds that something was chosen with.
-    ///
-    /// # Errors
-    /// The first number that is out of range.
+    /// Validates the numbers; rejects verdict seeds that overlap with the tuning seeds.
     pub fn check(&self) -> Result<()> {
         let refuse = |what: String, needs: String, cure: &str| {
             Err(Error::refused("search", what, needs, cure))
@@ -97,7 +95,7 @@ impl Halving {
         Ok(())
     }
 
-    /// Seeds that something is chosen with.
+    /// Returns the seeds used for tuning.
     #[must_use]
     pub fn tuning(&self) -> Range<u64> {
         let end = self.stages().last().map_or(self.first_seed, |last| {
@@ -106,7 +104,7 @@ impl Halving {
         self.first_seed..end
     }
 
-    /// Seeds of the verdict.
+    /// Returns the seeds of the verdict.
     #[must_use]
     pub fn verdict(&self) -> Range<u64> {
         self.verdict_first_seed..self.verdict_first_seed.saturating_add(self.verdict_seeds)

@@ -1,11 +1,12 @@
 //! Search for a preset on which chosen findings of the paper hold.
 //!
-//! **In**: a preset, keys with ranges, the wanted [`crate::analysis::Claim`]s. **Out**: candidates ([`candidates`]), stages of
-//! fewer candidates on more seeds ([`Halving`]), and how likely each candidate is to show them all ([`Score`]).
+//! Inputs: a preset, keys with ranges, the wanted [`crate::analysis::Claim`]s. Outputs: candidates
+//! ([`candidates`]), stages with fewer candidates on more seeds ([`Halving`]), and the probability
+//! that a candidate shows all claims ([`Score`]).
 //!
-//! Whoever chooses among many by few seeds chooses luck as well: what is chosen is judged on seeds that nothing was chosen
-//! with, and [`Halving::check`] refuses a verdict on seeds of the tuning. Running the experiments is the caller's
-//! ([`crate::experiment`]); nothing here has files or threads.
+//! Choosing among many candidates with few seeds also selects luck. The verdict therefore uses
+//! seeds that took no part in the choice; [`Halving::check`] rejects overlapping seeds. The caller
+//! runs the experiments ([`crate::experiment`]); this module uses neither files nor threads.
 
 mod halving;
 mod score;

@@ -1,39 +1,40 @@
-//! How likely a candidate is to show what is wanted.
+//! Probability that a candidate shows the wanted claims.
 
 use serde::Serialize;
 
 use crate::analysis::{Claim, Findings, Verdict};
 use crate::stats::Estimate;
 
-/// Half the width of a 95 % interval, in standard errors.
+/// Half the width of a 95 % interval in standard errors.
 const STANDARD_ERRORS: f64 = 1.96;
-/// The least standard error: few runs that all agree are no certainty (ours).
+/// Lower limit of the standard error, relative to the border. Design choice: few runs that all
+/// agree give no certainty.
 const LEAST_ERROR: f64 = 0.02;
 
-/// What runs say of one wanted claim.
+/// Result of one wanted claim.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Judged {
-    /// Which.
+    /// Claim.
     pub claim: Claim,
-    /// What was estimated; null if the runs say nothing of it.
+    /// Estimated quantity; null if the runs give no estimate.
     pub estimate: Option<Estimate>,
-    /// The probability that it is above its border, as if its error were normal.
+    /// Probability that the quantity is above its border, with a normal error.
     pub chance: f64,
-    /// Whether it holds at the 95 % level.
+    /// Verdict at the 95 % level.
     pub verdict: Option<Verdict>,
 }
 
-/// What the runs of one candidate say of all that is wanted.
+/// Results of all wanted claims for one candidate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
-    /// In the order in which they were asked for.
+    /// Claims in the requested order.
     pub claims: Vec<Judged>,
-    /// The product of the chances: that all hold, as if they did not depend on each other.
+    /// Probability that all hold: the product of the single ones, assuming independence.
     pub chance_of_all: f64,
 }
 
 impl Score {
-    /// Judges the findings of one candidate.
+    /// Evaluates the findings of one candidate.
     #[must_use]
     pub fn new(findings: &Findings, wanted: &[Claim]) -> Self {
         let judge = |&claim: &Claim| {
@@ -53,7 +54,7 @@ impl Score {
         }
     }
 
-    /// Whether every claim holds at the 95 % level.
+    /// Returns whether every claim holds at the 95 % level.
     #[must_use]
     pub fn all_hold(&self) -> bool {
         let holds = |judged: &Judged| judged.verdict == Some(Verdict::Reproduces);
@@ -61,7 +62,7 @@ impl Score {
     }
 }
 
-/// The probability that a quantity is above a border.
+/// Returns the probability that a quantity is above a border.
 fn chance(Estimate { value, low, high }: Estimate, border: f64) -> f64 {
     let error = ((high - low) / (2.0 * STANDARD_ERRORS)).max(LEAST_ERROR * border);
     0.5 * libm::erfc((border - value) / (error * std::f64::consts::SQRT_2))

@@ -1,4 +1,4 @@
-//! Where a search looks: keys of a preset with ranges of values, and the presets drawn from them.
+//! Search space: keys of a preset with ranges of values, and the candidates drawn from them.
 
 use std::str::FromStr;
 
@@ -8,14 +8,13 @@ use crate::error::Result;
 use crate::rng::SplitMix64;
 use crate::variation::varied;
 
-/// Names the stream of candidates.
 const CANDIDATES: u64 = 0x6361_6e64;
-/// Steps from one end of a range of numbers to the other: fine enough for what a field resolves (ours).
+/// Steps of a numeric range. Design choice: finer than a field resolves.
 const STEPS: usize = 200;
-/// Draws per candidate before the ranges count as hopeless.
+/// Draws per candidate before the search fails.
 const ATTEMPTS: usize = 100;
 
-/// A key of a preset and the values that it may have.
+/// A key of a preset with its possible values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
     key: String,
@@ -32,18 +31,18 @@ enum Values {
 /// One preset of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// From 0, which is the preset that the search began with.
+    /// Index; 0 is the initial preset.
     pub index: usize,
-    /// The preset, called by its index.
+    /// Preset, named after its index.
     pub preset: Preset,
-    /// What makes it different, as `key=value key=value`.
+    /// Changes as `key=value key=value`.
     pub changes: String,
 }
 
 impl FromStr for Range {
     type Err = String;
 
-    /// `key=low..high` or `key=value,value`; whole numbers stay whole, a word needs no quotes.
+    /// Parses `key=low..high` or `key=value,value`. Integers stay integers; words need no quotes.
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let needs = || {
             format!(
@@ -70,7 +69,6 @@ impl FromStr for Range {
     }
 }
 
-/// A range whose ends are numbers in ascending order.
 fn between(low: &str, high: &str) -> Option<Values> {
     if let (Ok(low), Ok(high)) = (low.parse::<i64>(), high.parse::<i64>()) {
         let short = high.checked_sub(low).is_some_and(|way| way < 1_000_000);
@@ -80,7 +78,7 @@ fn between(low: &str, high: &str) -> Option<Values> {
     (low < high && (high - low).is_finite()).then_some(Values::Numbers { low, high })
 }
 
-/// A TOML value, or a word as a string.
+/// Parses a TOML value; a bare word becomes a string.
 fn value(text: &str) -> Option<toml::Value> {
     let text = Some(text.trim()).filter(|text| !text.is_empty())?;
     let plain = format!("value = {text}").parse::<toml::Table>();
@@ -93,7 +91,7 @@ impl Range {
         match &self.values {
             Values::Numbers { low, high } => {
                 let part = rng.below(STEPS + 1) as f64 / STEPS as f64;
-                // As many digits as the steps need, so that files stay readable.
+                // Rounded to the digits that the steps need, so that files stay readable.
                 let digit = 10_f64.powf((high - low).log10().floor() - 3.0);
                 toml::Value::Float(((low + part * (high - low)) / digit).round() * digit)
             }
@@ -105,10 +103,10 @@ impl Range {
     }
 }
 
-/// The preset itself and `count` − 1 drawn around it; the same seed draws the same.
+/// Returns the initial preset and `count` − 1 random variations; deterministic for a seed.
 ///
 /// # Errors
-/// A key that no preset has, or ranges in which hardly any preset can be simulated.
+/// A key does not exist in presets, or almost no preset in these ranges is valid.
 pub fn candidates(
     base: &Preset,
     ranges: &[Range],
@@ -152,7 +150,7 @@ fn draw(base: &Preset, ranges: &[Range], index: usize, rng: &mut SplitMix64) -> 
 }
 
 impl Candidate {
-    /// The name of its folder and its file.
+    /// Returns the name of its folder and file.
     #[must_use]
     pub fn label(&self) -> String {
         format!("candidate-{:04}", self.index)

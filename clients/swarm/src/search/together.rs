@@ -1,20 +1,20 @@
-//! Which findings come together, and which exclude each other.
+//! Co-occurrence of findings over the candidates of a stage.
 
 use serde::Serialize;
 
 use super::score::Score;
 use crate::analysis::Claim;
 
-/// Two claims over the candidates of a stage, each by its estimate alone.
+/// Co-occurrence of two claims, each judged by its estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Together {
-    /// One.
+    /// First claim.
     pub one: Claim,
-    /// The other.
+    /// Second claim.
     pub other: Claim,
-    /// Candidates that show the one.
+    /// Candidates that show the first.
     pub show_one: usize,
-    /// Candidates that show the other.
+    /// Candidates that show the second.
     pub show_other: usize,
     /// Candidates that show both.
     pub show_both: usize,

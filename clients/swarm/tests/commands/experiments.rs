@@ -1,4 +1,4 @@
-//! Experiments: what they print, their shards and threads, what a reader believes.
+//! Experiments: output, shards, threads and verification of files.
 
 use super::*;
 
@@ -101,7 +101,7 @@ fn a_merge_without_a_shard_names_it_and_fails() {
         "{said}"
     );
 
-    // A shard that was cut off: what it lacks is named by team size and seed.
+    // The missing runs of an interrupted shard are listed by team size and seed.
     let runs = folder.join("part2/runs.jsonl");
     let whole = std::fs::read_to_string(&runs).expect("runs");
     let short: String = whole.split_inclusive('\n').skip(1).collect();
@@ -112,7 +112,6 @@ fn a_merge_without_a_shard_names_it_and_fails() {
     run(folder, "merge merged part2");
 }
 
-/// What somebody writes into `runs.jsonl`, and what is said of it.
 #[test]
 fn forged_runs_are_refused() {
     let folder = folder();
@@ -189,7 +188,7 @@ fn an_experiment_can_be_analysed_and_drawn_again() {
     assert!(run(folder, "plot here").contains("fig14.svg"));
 }
 
-/// The scripts do what they say without a scheduler too: every shard, one of them twice, and the merge.
+/// The scripts work without a scheduler: every shard, one of them twice, and the merge.
 #[test]
 fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
     let folder = folder();
@@ -225,7 +224,7 @@ fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
     bash("merge.sbatch", &[]);
     assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
 
-    // What pods are told, with this program in the image.
+    // Commands of the pods, with this program in place of the image.
     std::fs::rename(folder.join("it's"), folder.join("slurm's")).expect("a folder");
     std::fs::create_dir(folder.join("it's")).expect("the volume, empty");
     let program = Path::new(env!("CARGO_BIN_EXE_ebts")).parent();

@@ -1,4 +1,4 @@
-//! What an interruption, a full disk or a second process does to a run: nothing finished is lost.
+//! Interruption, full disk and concurrent processes: finished runs are never lost.
 
 use super::*;
 
@@ -21,7 +21,7 @@ fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
     interrupt(child.id());
     let code = child.wait().expect("a child").code();
     assert!(matches!(code, Some(130 | 0)), "{code:?}");
-    // A power cut may leave half a line behind.
+    // A power cut can leave an incomplete line.
     let mut torn = std::fs::read(&runs).expect("runs");
     torn.extend_from_slice(b"{\"agents\":4,\"se");
     std::fs::write(&runs, torn).expect("a writable file");
@@ -33,7 +33,8 @@ fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
     );
 }
 
-/// One generation of this population takes many seconds: it is broken off, and what was before it is saved.
+/// A generation of this population takes many seconds: it is interrupted, and the state before it
+/// is saved.
 #[test]
 fn a_generation_of_a_huge_population_stops_too() {
     let folder = folder();
@@ -74,8 +75,8 @@ fn an_interrupted_run_goes_on_to_the_same_table() {
     assert!(refused(folder, &format!("{EVOLVE} --out cut.toml"), 3).contains("is there already"));
 }
 
-/// A checkpoint that does not verify is named and kept, and its run begun anew: in an experiment, and in a search, whose runs show
-/// no progress of their own.
+/// A damaged checkpoint is reported and kept, and its run restarts: in an experiment and in a
+/// search, which has no progress bar for runs.
 #[test]
 fn a_damaged_checkpoint_is_named_and_kept() {
     const SEARCH: &str = "search --preset N --vary goal_radius_px=50,60 --candidates 2 --best 1 \
@@ -123,7 +124,7 @@ pub(super) fn interrupt(process: u32) {
     assert!(status.is_ok(), "kill is there");
 }
 
-/// A limit on the size of files stands in for a full disk: writing fails half-way.
+/// A file size limit simulates a full disk: writing fails half-way.
 #[test]
 fn a_full_disk_loses_nothing_that_was_finished() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! The program itself: what it prints, what it refuses, what it never loses.
+//! Tests of the program: output, rejections, and safety of finished runs.
 
 mod experiments;
 mod interruption;
@@ -32,7 +32,7 @@ fn output(folder: &Path, arguments: &str) -> Output {
     ebts(folder, arguments).output().expect("ebts starts")
 }
 
-/// Runs a command that has to succeed; returns its standard output.
+/// Runs a command that must succeed; returns its standard output.
 fn run(folder: &Path, arguments: &str) -> String {
     let output = output(folder, arguments);
     assert!(
@@ -47,7 +47,7 @@ fn json(folder: &Path, arguments: &str) -> Value {
     serde_json::from_str(&run(folder, arguments)).expect("JSON")
 }
 
-/// Runs a command that has to fail with this exit code; returns what it says.
+/// Runs a command that must fail with this exit code; returns its standard error.
 fn refused(folder: &Path, arguments: &str, code: i32) -> String {
     let output = output(folder, arguments);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -55,7 +55,6 @@ fn refused(folder: &Path, arguments: &str, code: i32) -> String {
     said
 }
 
-/// Everything that follows from the runs of an experiment.
 fn results(folder: &Path, name: &str) -> Vec<(String, String)> {
     let files = [
         "runs.csv",

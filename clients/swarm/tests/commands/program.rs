@@ -1,4 +1,4 @@
-//! Presets, help, pipes, columns, and what makes no sense.
+//! Presets, help, pipes, column widths and invalid arguments.
 
 use super::*;
 
@@ -72,7 +72,6 @@ fn completions_manual_pages_and_help_are_there() {
     }
 }
 
-/// The keys of a value and of everything in it.
 fn all_keys(value: &Value) -> BTreeSet<&str> {
     match value {
         Value::Array(values) => values.iter().flat_map(all_keys).collect(),
@@ -84,7 +83,6 @@ fn all_keys(value: &Value) -> BTreeSet<&str> {
     }
 }
 
-/// The keys of a value, or of the first in a list.
 fn outermost_keys(value: &Value) -> BTreeSet<&str> {
     keys(value.get(0).unwrap_or(value))
 }
@@ -93,7 +91,7 @@ fn outermost_keys(value: &Value) -> BTreeSet<&str> {
 fn every_help_names_the_fields_of_its_json() {
     let folder = folder();
     let folder = folder.path();
-    // Of these every field at any depth; of the others what stands first.
+    // These are compared at any depth; those below only at the outermost level.
     let rows = [
         ("evolve", "--generations 3 --out t.toml"),
         ("show", "t.toml"),
@@ -158,7 +156,7 @@ fn errors_are_json_where_results_are() {
     }
 }
 
-/// A reader that goes away ends nothing in anger; a full disk is told.
+/// A closed reader is not an error; a full disk is reported.
 #[test]
 fn closed_pipes_and_full_disks_are_no_panic() {
     let folder = folder();

@@ -1,4 +1,4 @@
-//! Searches: what they print, that they repeat, and go on where they were cut off.
+//! Searches: output, determinism and resumption.
 
 use super::*;
 

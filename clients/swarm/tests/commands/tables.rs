@@ -1,4 +1,4 @@
-//! Table files and what researchers take out of experiments.
+//! Table files and evaluations of experiments.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What tables keep where they were not evolved, and presets with noise and trials drawn anew.
+//! Transfer to unseen trials, and presets with noise and drawn trials.
 
 use super::*;
 
@@ -41,7 +41,6 @@ fn experiments_and_tables_of_drawn_trials_say_what_they_keep() {
     run(folder, "find here");
 }
 
-/// A run of drawn trials is cut off and goes on to the same table.
 #[test]
 fn an_interrupted_run_of_drawn_trials_goes_on_to_the_same_table() {
     const EVOLVE: &str =

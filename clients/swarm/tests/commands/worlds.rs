@@ -1,4 +1,4 @@
-//! Walls, posts and a fitness of one's own, from a preset file to tables, figures and refusals.
+//! Walls, posts and custom fitness weights: from a preset file to tables, figures and errors.
 
 use super::*;
 

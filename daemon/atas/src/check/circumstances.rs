@@ -1,27 +1,27 @@
-//! What a goal is checked against.
+//! Context of a goal check.
 
 use crate::settings::Settings;
 use crate::tasks::Task;
 use crate::wiring::Wiring;
 use robot_model::{HandVector, RobotModel, RobotVector, Side};
 
-/// What a goal is checked against.
+/// Context that a goal is validated against.
 #[derive(Clone, Copy, Debug)]
 pub struct Circumstances<'a> {
-    /// The robot.
+    /// Robot model.
     pub robot: &'a RobotModel,
-    /// Its sensors.
+    /// Sensor set-up.
     pub wiring: &'a Wiring,
-    /// The numbers in force: how far the hand opens, how high it comes from.
+    /// Settings in force.
     pub settings: &'a Settings,
-    /// The user's own tasks.
+    /// User-defined tasks.
     pub tasks: &'a [Task],
-    /// Where the joints were commanded last, rad; `None` before the first command: ways are not checked then.
+    /// Last commanded joint positions, rad; without them, paths are not checked.
     pub commanded_rad: Option<&'a RobotVector>,
 }
 
 impl Circumstances<'_> {
-    /// One hand's share of all joints, rad.
+    /// Returns the joint positions of one hand and its arm, rad.
     pub(super) fn hand_rad(&self, q_rad: &RobotVector, side: Side) -> HandVector {
         HandVector::from_slice(&q_rad[self.robot.joint_range(side)])
     }

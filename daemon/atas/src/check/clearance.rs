@@ -1,12 +1,11 @@
-//! Where the arms will go: every path of a goal's task is followed in thought before anything moves, and no body of one
-//! arm may come too near to one of the other.
+//! Clearance check: rejects a goal whose planned arm paths come too close to each other.
 //!
-//! Each hand walks through its steps as the runner will, posture by posture. A hand that waits at a meeting point stands
-//! where it came to; hands that are free to move at the same time are compared at every pair of their postures. Between
-//! two samples an arm is at most half of what it moved from the nearer one, and that much is taken off the gap. The number
-//! of postures is bounded: a task that needs more is refused.
+//! Samples every path in the step order of the task executor. A hand at a meeting point keeps its
+//! posture. If both hands can move, every pair of postures is compared.
 //!
-//! Absent on purpose: objects, the table, and the retreats from what goes wrong, which lead back along the same ways.
+//! Between two samples, a body is at most half their distance from the nearer one; the gap is
+//! reduced by that amount. Not covered: objects, the table, and recovery motions, which retrace the
+//! paths.
 
 use super::circumstances::Circumstances;
 use super::fields::{FROM_X, TO_X};
@@ -24,32 +23,37 @@ use robot_model::{
 };
 use shm_schemas::{Body, BodyPair, Cause, Reason};
 
-/// Least distance between the arms as planned, m. Measured: how far both together are from where their commands would have
-/// them, because joints lag in motion, servos give way to loads, and links are not as long as their model's, by up to 1 mm
-/// each: up to 7.5 mm (`sim-backend/tests/closed_loop/apart.rs`, 70 seeds).
+/// Minimum planned distance between the arms, m. Must exceed the combined tracking error of both
+/// arms: up to 7.5 mm from joint lag, servo compliance and link length errors of 1 mm
+/// (`sim-backend/tests/closed_loop/apart.rs`, 70 seeds).
 pub const CLEARANCE_M: f64 = 0.008;
-/// Most that a goal is told to have to spare, m (ours: more than any hand goes aside; a robot of one hand has no other).
+/// Upper limit of the reported clearance margin, m (design choice: exceeds any lateral shift).
+/// Applies to one-handed robots.
 const SPARE_MAX_M: f64 = 1.0;
-/// Longest way of the hand, m, and widest turn, rad, between two samples (ours: an arm's bodies then move some 8 mm).
+/// Maximum translation, m, and rotation, rad, between two samples (design choice: bodies move about
+/// 8 mm).
 const SAMPLE_M: f64 = 0.004;
 const SAMPLE_RAD: f64 = 0.02;
-/// Most postures of one check (ours: built-in tasks need a few thousand; this many take a second or two, off every clock).
+/// Maximum number of postures per check (design choice). Built-in tasks need a few thousand; the
+/// limit takes one to two seconds.
 const SAMPLES_MAX: u32 = 100_000;
-/// Steps of inverse kinematics for each sample (ours: with them the tips are met within a micrometre).
+/// Inverse kinematics iterations per sample (design choice: fingertip error below 1 µm).
 const ITERATIONS: usize = 6;
-/// The same where a way ends and the arm comes to rest.
+/// Inverse kinematics iterations at the end of a path, where the arm stops.
 const ITERATIONS_AT_REST: usize = 30;
-/// Farthest that the tips may stay off their path, m (ours: what the contact guard would not notice), and their axes at its
-/// end, rad (ours: 5°, well within the cone of 33° that a dome feels).
+/// Maximum fingertip error along the path, m (design choice: below the resolution of the contact
+/// guard), and axis error at its end, rad (design choice: 5°, within the 33° sensing cone of a
+/// fingertip).
 const OFF_PATH_M: f64 = 0.001;
 const OFF_AXIS_RAD: f64 = 0.087;
 
-/// Follows the task of a goal whose numbers were checked.
+/// Checks the paths of a goal whose values are already validated.
 ///
-/// Returns how far each hand may grasp beside where it was told without coming too near to the other: [`Goal::spare_m`].
+/// Returns the permitted deviation of each hand from its commanded grasp: [`Goal::spare_m`].
 ///
 /// # Errors
-/// [`Cause::UNREACHABLE`] where the arm has no posture, [`Cause::ARMS_COLLIDE`] with the two bodies that come too near.
+/// [`Cause::UNREACHABLE`] if the arm has no posture, [`Cause::ARMS_COLLIDE`] with the two closest
+/// bodies, [`Cause::TASK_TOO_LONG`] if the task needs too many postures.
 pub(super) fn check_paths(
     goal: &Goal,
     now: &Circumstances<'_>,
@@ -83,29 +87,29 @@ pub(super) fn check_paths(
     }
 }
 
-/// Where a hand is, and how far its bodies may be from there.
+/// Bodies at a sample, and their maximum distance from it until the next one.
 struct Sample {
     bodies: Capsules,
     about_m: f64,
-    /// The hand has come to where it sets down what it holds.
+    /// The hand has reached the target.
     at_target: bool,
 }
 
-/// The gap between the arms, and how wide it must be.
+/// Gap between the arms and its required minimum.
 struct Gap {
     hands: [usize; 2],
-    /// Arms that begin too near may go apart: until they have, this is what counts instead of [`CLEARANCE_M`], m.
+    /// Required gap until the arms are first [`CLEARANCE_M`] apart, m. Lets arms that start too
+    /// close separate.
     before_clear_m: Cell<Option<f64>>,
-    /// Whether both hands take part.
     both: bool,
-    /// The narrowest gap so far of those in which it matters where the objects stand, m.
+    /// Smallest gap so far that depends on object positions, m.
     narrowest_m: Cell<f64>,
 }
 
 impl Gap {
     fn new(goal: &Goal, acting: &Walk<'_>, helping: &Walk<'_>) -> Self {
         let gap_m = nearest(&acting.bodies(), &helping.bodies()).gap_m;
-        // Bodies are a little larger than what they stand for: where they overlap, nothing can be said.
+        // Bodies are modelled slightly too large, so an overlap gives no usable gap.
         let half_m = if gap_m > 0.0 {
             gap_m / 2.0
         } else {
@@ -119,7 +123,7 @@ impl Gap {
         }
     }
 
-    /// How far each hand may be beside its way, m. One that sets down onto what the other holds is displaced with that.
+    /// Returns the permitted deviation of each hand, m: half the spare gap each if both take part.
     fn spare_m(&self) -> f64 {
         let beyond_m = (self.narrowest_m.get() - CLEARANCE_M).clamp(0.0, SPARE_MAX_M);
         if self.both { beyond_m / 2.0 } else { beyond_m }
@@ -136,7 +140,7 @@ impl Gap {
             return Ok(());
         }
         let needs_m = self.before_clear_m.get().unwrap_or(CLEARANCE_M);
-        // A gap that is minus infinite stands for what is not a number.
+        // A gap of minus infinity marks a NaN posture.
         if gap_m >= needs_m && gap_m.is_finite() {
             return Ok(());
         }
@@ -149,23 +153,20 @@ impl Gap {
     }
 }
 
-/// One hand on its way through its track.
+/// Simulated motion of one hand through its step sequence.
 #[derive(Clone)]
 struct Walk<'a> {
     hand: &'a HandModel,
     settings: &'a Settings,
-    /// Postures that this check may still look at.
     samples_left: &'a Cell<u32>,
     track: Option<Track>,
     waypoints: Waypoints,
     width_m: f64,
-    /// The step to be done next.
     next: usize,
-    /// The meeting point that it has come to.
     reached: u8,
     at: GraspFrame,
     q_rad: HandVector,
-    /// Index of the goal's value that the present place belongs to.
+    /// Index of the goal value that defines the current place.
     place: usize,
     at_target: bool,
 }
@@ -220,7 +221,7 @@ impl<'a> Walk<'a> {
         self.track.as_ref().map_or(&[], |track| track)
     }
 
-    /// The steps that the hand can do before it has to wait for another that has come to this point.
+    /// Returns the steps that need no meeting point beyond `peer_reached`.
     fn round(&self, peer_reached: u8) -> Range<usize> {
         let waits =
             |step: &Step| matches!(step.transition, Transition::Met(point) if point > peer_reached);
@@ -228,7 +229,7 @@ impl<'a> Walk<'a> {
         self.next..free.map_or(self.steps().len(), |free| self.next + free)
     }
 
-    /// Comes to the meeting point that the next step waits at.
+    /// Records the meeting point of the next step as reached.
     fn arrive(&mut self) {
         if let Some(Transition::Met(point)) =
             self.steps().get(self.next).map(|step| step.transition)
@@ -237,7 +238,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Does some steps, telling every sample on the way.
+    /// Executes steps and visits every sample.
     fn follow(
         &mut self,
         steps: Range<usize>,
@@ -266,7 +267,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// What a step does besides its path: closes on the object, lowers it, turns it.
+    /// Executes the motion that follows the path of a step: close, lower or turn.
     fn finish(
         &mut self,
         step: &Step,
@@ -292,7 +293,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Once around the square, which does not move the hand any farther.
+    /// Moves once around the square; further turns repeat the same postures.
     fn square(
         &mut self,
         visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
@@ -316,7 +317,6 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Goes to a pose.
     fn go(
         &mut self,
         to: GraspFrame,
@@ -343,9 +343,9 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Takes the posture of a pose.
     fn bend(&mut self, frame: &GraspFrame, rests: bool) -> Result<(), Reason> {
-        // Domes that tilt do so the more the wider the hand is open; how they touch is checked at the grasp.
+        // Fingertips tilt with the opening on some hands; their contact angle is checked at the
+        // grasp.
         let iterations = if rests {
             ITERATIONS_AT_REST
         } else {
@@ -358,7 +358,7 @@ impl<'a> Walk<'a> {
         };
         let target = frame.target(self.hand);
         let posture = self.hand.solve(&self.q_rad, &target, iterations);
-        // False for what is not a number.
+        // False for NaN.
         if posture.tip_error_m <= OFF_PATH_M && posture.dome_error_rad <= off_axis_rad {
             self.q_rad = posture.q_rad;
             return Ok(());
@@ -373,7 +373,7 @@ fn too_long() -> Reason {
     Reason::limit(Cause::TASK_TOO_LONG, most, most)
 }
 
-/// How many samples a way needs.
+/// Returns the number of samples for a motion.
 fn samples(from: &GraspFrame, to: &GraspFrame) -> u32 {
     let turns = [
         to.closing_yaw_rad - from.closing_yaw_rad,

@@ -1,4 +1,4 @@
-//! Index of each checked value in [`shm_schemas::GoalRequest::VALUE_NAMES`].
+//! Indices of the validated values in [`shm_schemas::GoalRequest::VALUE_NAMES`].
 
 pub(super) const FROM_X: usize = 0;
 pub(super) const FROM_YAW: usize = 3;

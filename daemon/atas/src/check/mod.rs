@@ -1,8 +1,7 @@
-//! Whether a goal can be pursued, checked before anything moves.
+//! Goal check: rejects a goal before anything moves.
 //!
-//! In: what a client sent and the [`Circumstances`]. Out: a [`Goal`], or the [`Reason`] against it. The checks come in the
-//! order in which a client would mend them: codes, numbers, sensors, reach, paths. Everything takes some milliseconds, so
-//! it is called off the tick; nothing here changes anything.
+//! Inputs: client request and [`Circumstances`]. Output: a [`Goal`] or the [`Reason`] for its
+//! rejection.
 
 mod circumstances;
 mod clearance;
@@ -22,17 +21,17 @@ use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel, RobotVector, Side, Unreachable};
 use shm_schemas::{Cause, GoalRequest, Reason};
 
-/// Highest lift, m, and longest hold, s, that a goal may ask for (ours).
+/// Maximum lift height, m, and hold time, s, of a goal (design choice).
 const LIFT_MAX_M: f64 = 0.15;
 const HOLD_MAX_S: f64 = 3600.0;
-/// Farthest that an object may reach above a grasp, m (ours: nothing that fingers stand beside is higher).
+/// Maximum height of an object above its grasp, m (design choice: covers every graspable object).
 const TOP_MAX_M: f64 = 0.5;
 
-/// Checks a goal without moving anything: codes, numbers, sensors, reach, clearance. Takes some
-/// milliseconds because it follows every path of the task, so call it off the tick.
+/// Validates a goal in the order codes, values, sensors, reach, paths. Takes milliseconds, so call
+/// it outside the tick.
 ///
 /// # Errors
-/// The [`Reason`] for the refusal.
+/// [`Reason`] for the rejection.
 pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Reason> {
     let goal = Goal::resolve(request, now.tasks)?;
     if let Some(index) = request.values().iter().position(|v| !v.is_finite()) {
@@ -64,7 +63,7 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
     if goal.demands().turns && !now.robot.hand(goal.side()).abilities().turns_caps {
         return Err(Reason::of(Cause::CANNOT_TURN).about(goal.side().index()));
     }
-    // Before the first command nobody knows where the arms are. The tick takes no goal then, and says so.
+    // Arm positions are unknown before the first command. The tick rejects goals until then.
     if let Some(q_rad) = now.commanded_rad {
         if request.kind.is_stream() {
             check_sides(&goal, now, q_rad)?;
@@ -75,8 +74,8 @@ pub fn check(request: &GoalRequest, now: &Circumstances<'_>) -> Result<Goal, Rea
     Ok(goal)
 }
 
-/// Where a client will lead the hands is not known: each led hand has its box, and of two arms each is on its own side of the
-/// table.
+/// Checks the workspaces of teleoperated hands, because targets are not known in advance. Each of
+/// two arms must be on its own side of the table.
 fn check_sides(goal: &Goal, now: &Circumstances<'_>, q_rad: &RobotVector) -> Result<(), Reason> {
     let beside_another = now.robot.sides().count() > 1;
     for side in now.robot.sides() {
@@ -109,7 +108,7 @@ fn check_range(value: f64, (lower, upper): (f64, f64), index: usize) -> Result<(
     }
 }
 
-/// What the goal allows to press with must be enough to feel by, and what the hand can press.
+/// Checks the force limit of the goal against the minimum sensed and maximum grip force.
 fn check_force(max_force_n: f64, now: &Circumstances<'_>) -> Result<(), Reason> {
     let grasp = &now.settings.grasp;
     if max_force_n == 0.0 {
@@ -118,7 +117,7 @@ fn check_force(max_force_n: f64, now: &Circumstances<'_>) -> Result<(), Reason> 
     check_range(max_force_n, (grasp.keep_n, grasp.f2_max_n), MAX_FORCE)
 }
 
-/// Least and greatest opening that a hand may be asked for, m.
+/// Returns the permitted range of hand openings, m.
 fn openings_m(hand: &HandModel) -> (f64, f64) {
     let bounds_m = hand
         .workspace()
@@ -126,7 +125,7 @@ fn openings_m(hand: &HandModel) -> (f64, f64) {
     bounds_m.into()
 }
 
-/// Every place that the task takes the hand to must lie in the workspace, and the arm must have a posture for it.
+/// Checks workspace and arm posture for every place of the task.
 fn check_reach(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
     let request = goal.request();
     if goal.demands().visits_source {
@@ -148,11 +147,11 @@ fn check_reach(goal: &Goal, now: &Circumstances<'_>) -> Result<(), Reason> {
     Ok(())
 }
 
-/// How far beside a bound a place still lies on it, m (ours: half of what a command distinguishes; decimals that are added up end
-/// there).
+/// Tolerance of a workspace bound, m (design choice: half the command resolution; absorbs rounding
+/// errors of decimal sums).
 const EDGE_M: f64 = 1e-6;
 
-/// The hand must reach a place, and travel over it as high as the task lifts.
+/// Checks that the hand can reach a place and travel above it at lift height.
 fn check_place(
     goal: &Goal,
     now: &Circumstances<'_>,
@@ -171,7 +170,7 @@ fn check_place(
             ..r
         })
     };
-    // The hand comes open by the clearance on each side, and leaves opened farther, or as far as it can.
+    // The hand arrives open by the clearance on each side and departs wider.
     let wide_m = 2.0 * now.settings.motion.clearance_m;
     let widest_m = hand.widest_m().max(width_m);
     let mut open_m = (width_m + wide_m).min(widest_m);
@@ -183,7 +182,7 @@ fn check_place(
         reach(travel_m, workspace.z_m, LIFT)?;
         let [least_m, most_m] = workspace.opening_m;
         reach(width_m, [least_m, most_m - wide_m], WIDTH)?;
-        // Every opening of the box has a posture.
+        // The workspace guarantees a posture for every opening.
         open_m = width_m;
     }
     let frame = |height_m: f64, opening_m: f64, yaw_rad: f64| {
@@ -194,7 +193,7 @@ fn check_place(
     let goes = |yaw_rad: f64| {
         let grasp = hand.posture_for(&frame(z, open_m, yaw_rad))?;
         hand.posture_for(&frame(travel_m, open_m, yaw_rad))?;
-        // Only a hand that must tilt to open may have no posture for that where it has one closed.
+        // Only a hand that tilts to open can lack a posture when open but not when closed.
         if hand.domes_tilt() {
             hand.posture_for(&frame(z, freed_m, yaw_rad))?;
             hand.posture_for(&frame(travel_m, freed_m, yaw_rad))?;
@@ -211,7 +210,7 @@ fn check_place(
     })?;
     let top_m = goal.request().top_m;
     if top_m > 0.0 {
-        // What rises above the grasp must fit under what carries the fingers, and the hand must come from above it.
+        // The object must fit below the palm, and the hand must approach from above it.
         let room_m = hand.lowest_of_palm_m(&hand.forward(&grasp.q_rad)) - z - OVER_TOP_M;
         check_range(top_m, (0.0, room_m), TOP)?;
         let over_m = z + descent_m(hand, goal.request(), now.settings);
@@ -221,19 +220,19 @@ fn check_place(
     Ok(())
 }
 
-/// How far a closing axis is turned in search of one that the hand can take, rad, and in how many steps (ours: by 90° all are tried,
-/// because sides may be exchanged).
+/// Step, rad, and number of steps of the search for a feasible yaw (design choice: covers ±90°,
+/// enough because the grasp sides are interchangeable).
 const TURN_STEP_RAD: f64 = PI / 36.0;
 const TURN_STEPS: usize = 18;
 
-/// The yaw next to the one that was told that a hand can take, rad.
+/// Returns the feasible yaw closest to the commanded one, rad.
 fn nearest_yaw_rad(told_rad: f64, takes: impl Fn(f64) -> bool) -> Option<f64> {
     let turns_rad = (1..=TURN_STEPS).map(|step| step as f64 * TURN_STEP_RAD);
     let mut yaws_rad = turns_rad.flat_map(|by_rad| [told_rad + by_rad, told_rad - by_rad]);
     yaws_rad.find(|yaw_rad| takes(*yaw_rad))
 }
 
-/// What keeps a hand from a place: how its domes face, or the place.
+/// Returns the reason why a place is unreachable: fingertip orientation or position.
 fn why_unreachable(error: &Unreachable) -> Reason {
     let best = &error.best;
     if best.meets_tips() {

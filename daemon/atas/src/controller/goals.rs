@@ -1,4 +1,4 @@
-//! The room of the goal: how it begins, what the hands do for it, what its client is told, how it ends.
+//! Goal handling: start, task execution, updates for the client, end.
 
 use super::Controller;
 use crate::goal::{ActiveGoal, Goal};
@@ -9,11 +9,11 @@ use shm_schemas::{
     Cause, EventKind, GoalState, GoalUpdate, GraspTarget, Mode, ModuleEvent, Reason, Stamp, Text,
 };
 
-/// Time between two progress updates of a goal that has no other news, s (ours).
+/// Time between two progress updates without other changes, s (design choice).
 const PROGRESS_S: f64 = 0.1;
 
 impl Controller {
-    /// Begins a goal, or tells its client why not.
+    /// Starts a goal, or rejects it with a reason.
     pub(super) fn start(&mut self, asked: &Goal) {
         let goal = ActiveGoal::begin(asked);
         if let Some(reason) = self.refusal(asked) {
@@ -62,7 +62,6 @@ impl Controller {
         lacks.then(|| Reason::of(Cause::HAND_EMPTY).about(acting))
     }
 
-    /// Takes in the targets of the client that leads a hand, if one does.
     pub(super) fn listen(&mut self, targets: &[GraspTarget]) {
         let finding = self.targets.take(targets, self.tick);
         if finding.is_some() {
@@ -73,7 +72,7 @@ impl Controller {
         }
     }
 
-    /// Ends the goal with this id; `attached_only` leaves detached goals alone.
+    /// Ends the goal with this id; `attached_only` spares detached goals.
     pub(super) fn end_if(&mut self, goal_id: u64, attached_only: bool, cause: Cause) {
         let Some(goal) = self.goal.filter(|g| g.request.goal_id == goal_id) else {
             return;
@@ -92,14 +91,14 @@ impl Controller {
         );
     }
 
-    /// A goal that is held for too long fails: whoever waits for it must not wait for ever.
+    /// Fails a goal that is held too long.
     pub(super) fn watch_pause(&mut self) {
         let paused = self.mode.mode() == Mode::HOLD;
         let Some(goal) = self.goal.as_mut() else {
             return;
         };
-        // A loop that stood still was a pause as well. A goal that is held again and again runs out of patience, too: what
-        // ran in between is only taken off.
+        // A loop stall counts as pause. RUN only reduces the pause, so that repeated holds fail the
+        // goal as well.
         let stood_s = if self.stall.is_some() {
             self.stall.value * 1e-9
         } else {
@@ -117,7 +116,7 @@ impl Controller {
         }
     }
 
-    /// Every hand pursues its task; the goal hears what became of it.
+    /// Executes every hand's task and updates the goal with the outcome.
     pub(super) fn pursue(&mut self) {
         let told = |hand: &HandControl| (hand.reached(), hand.displaced_m());
         let told = self.hands.each_ref().map(told);
@@ -153,7 +152,7 @@ impl Controller {
         }
     }
 
-    /// A task that ended without success: the goal or the event log hears why; what the hand still holds, it keeps.
+    /// Reports an unsuccessful end to the goal or the event log; the hand keeps its grip.
     fn conclude(&mut self, side: Side, is_goals: bool, state: GoalState, reason: Reason) {
         if let Some(goal) = self.goal.filter(|_| is_goals) {
             self.finish(state, reason);
@@ -164,7 +163,6 @@ impl Controller {
         }
     }
 
-    /// Whether the goal needs the other hand, which still works.
     fn awaits_other(&self, side: Side) -> bool {
         let is_at_work = |own: Side| own != side && self.hands[own.index()].is_busy();
         let goal = self.goal.as_ref();
@@ -175,7 +173,6 @@ impl Controller {
         })
     }
 
-    /// Every hand of a goal that ends keeps what it holds.
     fn end_hands(&mut self, goal: &ActiveGoal) {
         for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
             if goal.involves(side) {
@@ -184,7 +181,7 @@ impl Controller {
         }
     }
 
-    /// Ends the goal and every grip on its task: the robot stops.
+    /// Abandons all tasks and fails the goal, because the robot stops.
     pub(super) fn drop_goal(&mut self, reason: Reason) {
         for hand in &mut self.hands {
             hand.abandon();
@@ -200,7 +197,7 @@ impl Controller {
         self.targets.follow(None, self.tick);
     }
 
-    /// Tells the client and the event log where the goal stands.
+    /// Updates and reports the goal's state.
     fn news(&mut self, state: GoalState, reason: Reason) {
         let Some(mut goal) = self.goal else { return };
         if goal.state != state {

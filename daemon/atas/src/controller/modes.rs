@@ -1,4 +1,4 @@
-//! The room of the mode: what is in doubt, what stops the robot, and how it comes back.
+//! Mode handling: hold reasons, stop, recovery.
 
 use super::Controller;
 use crate::hand::HandControl;
@@ -8,15 +8,15 @@ use shm_schemas::capacity::HANDS;
 use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, Reason, Text};
 
 impl Controller {
-    /// Stops and latches; the goal has failed.
+    /// Stops and latches; the goal fails.
     pub(super) fn stop(&mut self, reason: Reason) {
         self.mode_change(|mode| mode.stop(reason));
         self.drop_goal(reason);
     }
 
-    /// Leaves SAFE_STOP from where the joints are now.
+    /// Leaves SAFE_STOP and synchronises to the present joint positions.
     pub(super) fn recover(&mut self) {
-        // Anywhere else anchoring would give up the grip and the task.
+        // In other modes synchronisation would release grip and task.
         if self.mode.mode() != Mode::SAFE_STOP {
             return;
         }
@@ -26,7 +26,6 @@ impl Controller {
         }
     }
 
-    /// What the tick's inputs make of the mode.
     pub(super) fn update_mode(&mut self) {
         let fault = self.joints.fault();
         if fault.is_some() && self.gate.is_anchored() {
@@ -42,7 +41,6 @@ impl Controller {
         self.watch_pause();
     }
 
-    /// What the robot must be held for, if anything.
     fn hold_reason(&self) -> Reason {
         let reasons = [
             self.stall,
@@ -66,15 +64,15 @@ impl Controller {
         doubt.unwrap_or(without_doubt)
     }
 
-    /// Another robot process may stand anywhere: nothing is commanded before it is known where.
+    /// Drops goal and command position: a new robot process may have any joint positions.
     fn rearm(&mut self) {
         let reason = Reason::of(Cause::ROBOT_RESTARTED);
         self.drop_goal(reason);
         self.gate.release();
     }
 
-    /// A hand that presses something when the robot begins holds what another daemon, or this one before its stop, has
-    /// gripped: it goes on holding, and watches.
+    /// Keeps existing grips: a hand that presses at start-up holds what an earlier daemon, or this
+    /// one before a stop, gripped.
     fn keep_grips(&mut self) {
         self.looks_for_grip = false;
         for hand in 0..HANDS {
@@ -85,7 +83,7 @@ impl Controller {
         }
     }
 
-    /// Tells the hands where they are; the first time that the robot is ready, the gate as well.
+    /// Updates the hands' measured poses; synchronises the gate when the robot is first ready.
     fn locate(&mut self) {
         let Some(measured_rad) = self.joints.position_rad().copied() else {
             return;
@@ -106,7 +104,6 @@ impl Controller {
         }
     }
 
-    /// Changes the mode; a change is an event.
     fn mode_change(&mut self, change: impl FnOnce(&mut ModeMachine)) {
         let before = self.mode.mode();
         change(&mut self.mode);

@@ -1,34 +1,36 @@
-//! Where a client may lead a hand: its own side of the table.
+//! Teleoperation workspace: the hand's own side of the table.
 //!
-//! A goal's ways are compared with the other arm before anything moves; a stream's are not known. So a conservative bound
-//! stands in for that check: two planes left and right of the middle that no body of an arm crosses as long as the centre of
-//! its grasp keeps to a box. Both arms are on their sides when the stream opens ([`across_the_middle`]), the box bounds every
-//! target and the [follower](super::Follower) never leaves the box between two of them, so the arms stay apart without looking
-//! at bodies on the tick. The box also keeps fingertips off the table.
+//! A goal's paths are checked against the other arm before motion; a stream's future is unknown.
+//! Instead, a box bounds every target, and the [limiter](super::Follower) stays within it.
+//! With the grasp centre in its box, no body of an arm reaches the middle plane. Both arms start on
+//! their own sides ([`across_the_middle`]), so they stay apart without collision checks in the
+//! tick. The box also keeps fingertips off the table.
 
 use nalgebra::Vector3;
 use robot_model::{HandModel, HandVector, RobotModel, Side};
 use shm_schemas::{Cause, Reason};
 
-/// Nearest that a centre may come to the middle, m (ours: with fingers along y, opened wide, their knuckles then stay
-/// [`MIDDLE_M`] away; `tests/atas/follow.rs` tries the box).
+/// Smallest distance of a grasp centre from the middle plane, m. Design choice: with wide fingers
+/// along y, the knuckles stay [`MIDDLE_M`] away (tested in
+/// `tests/atas/follower.rs`).
 const NEAREST_Y_M: f64 = 0.11;
-/// Distance of every body of an arm from the middle, m (ours: half of what an accepted goal keeps between the arms).
+/// Smallest distance of an arm from the middle plane, m. Design choice: half the clearance of the
+/// arms in an accepted goal.
 pub(super) const MIDDLE_M: f64 = 0.003;
 
-/// The box of one hand.
+/// Teleoperation workspace of one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FollowSpace {
-    /// Least and greatest x, y and z of the centre, m.
+    /// Range of x, y and z of the grasp centre, m.
     pub centre_m: [[f64; 2]; 3],
-    /// Least and greatest distance between the fingertips, m.
+    /// Range of the distance between the fingertips, m.
     pub opening_m: [f64; 2],
 }
 
 impl FollowSpace {
-    /// Where this hand may be led: in the workspace of its robot file, and beside another arm on its own side. `None` without
-    /// a workspace.
+    /// Returns the workspace in the robot file, limited to the own side if there is another arm.
+    /// `None` without one.
     #[must_use]
     pub fn of(robot: &RobotModel, side: Side) -> Option<Self> {
         let workspace = robot.hand(side).workspace()?;
@@ -46,11 +48,11 @@ impl FollowSpace {
     }
 }
 
-/// Why a hand in this posture cannot begin to follow, or stand beside one that does: an arm reaches over the middle.
+/// Returns the reason if this posture prevents teleoperation: the arm reaches across the middle.
 #[must_use]
 pub fn across_the_middle(hand: &HandModel, q_rad: &HandVector) -> Option<Reason> {
     let sign = hand.side().y_sign();
-    // What is not a number is nowhere near its side.
+    // NaN counts as across the middle.
     let off_m = |end_m: &Vector3<f64>, radius_m: f64| {
         let off_m = sign * end_m.y - radius_m;
         if off_m.is_nan() {

@@ -1,32 +1,32 @@
-//! The follower: every coordinate of a [`GraspFrame`] after its own target.
+//! Motion limiter of all coordinates of a [`GraspPose`].
 
 use super::axis::{Axis, Bounds};
 use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 
-/// Coordinates of a pose: three of the centre, three angles, three of each finger.
+/// Coordinates: three of the centre, three angles, three per side.
 const AXES: usize = TURNS + 3 + 3 * VIRTUAL_FINGERS;
-/// Where the angles begin: yaw, pitch, roots. The azimuth follows from where the hand is.
+/// First angle: yaw, pitch, roots. The azimuth follows from the position.
 const TURNS: usize = 3;
-/// Where the fingers' coordinates begin: openings, tangential offsets, heights.
+/// First side coordinate: openings, tangential offsets, heights.
 const FIRST_FINGER: usize = TURNS + 3;
 
-/// Highest speed of each kind of coordinate, and how soon it is reached.
+/// Highest speeds and time constants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
-    /// Of each coordinate of the centre, m/s.
+    /// Each coordinate of the centre, m/s.
     pub move_m_s: f64,
-    /// Of each angle, rad/s.
+    /// Each angle, rad/s.
     pub turn_rad_s: f64,
-    /// Of each finger, m/s.
+    /// Each grasp side, m/s.
     pub finger_m_s: f64,
     /// Time from rest to the highest speed, s.
     pub speed_up_s: f64,
-    /// Time constant of the low-pass after it, s.
+    /// Time constant of the low-pass, s.
     pub smooth_s: f64,
 }
 
 impl Speeds {
-    /// The bounds of a coordinate at a share of its highest speed, 0 to 1. Its acceleration stays.
+    /// Returns the bounds at a share of the highest speed, 0 to 1; the acceleration is not scaled.
     fn bounds(&self, axis: usize, share: f64) -> Bounds {
         let speed = match axis {
             0..TURNS => self.move_m_s,
@@ -41,7 +41,7 @@ impl Speeds {
     }
 }
 
-/// A hand that is led.
+/// Motion limiter of a teleoperated hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Follower {
@@ -50,7 +50,7 @@ pub struct Follower {
 }
 
 impl Follower {
-    /// A hand at rest in a pose.
+    /// Creates a limiter at rest in a pose.
     #[must_use]
     pub fn at(frame: &GraspFrame) -> Self {
         Self {
@@ -59,7 +59,7 @@ impl Follower {
         }
     }
 
-    /// The fingers stand as others have moved them.
+    /// Takes over finger positions set by other modules.
     pub fn take_fingers(&mut self, frame: &GraspFrame) {
         let now = coordinates(frame);
         for (axis, now) in self.axes.iter_mut().zip(now).skip(FIRST_FINGER) {
@@ -67,7 +67,8 @@ impl Follower {
         }
     }
 
-    /// One tick towards a pose, or to rest if there is none, at a share of the highest speed of hand and wrist, 0 to 1.
+    /// Moves one tick towards a pose, else to rest, at a share of the highest hand and wrist speed,
+    /// 0 to 1.
     pub fn towards(
         &mut self,
         wanted: Option<&GraspFrame>,
@@ -87,7 +88,7 @@ impl Follower {
         self.frame()
     }
 
-    /// Where the hand is.
+    /// Returns the current pose.
     #[must_use]
     pub fn frame(&self) -> GraspFrame {
         let at = |index: usize| self.axes[index].position();

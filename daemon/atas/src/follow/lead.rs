@@ -1,4 +1,5 @@
-//! A target as one hand understands it now: the pose, with the yaw that the wrist reaches from where it is.
+//! Teleoperation target of one hand: pose with a yaw that the wrist can reach from its present
+//! angle.
 
 use super::targets::CheckedTarget;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -6,24 +7,25 @@ use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandModel, VIRTUAL_FINGERS};
 use shm_schemas::GripOrder;
 
-/// Farthest turn of the wrist, rad (ours: 100°, a little more than the quarter turn that every closing axis needs, so that a
-/// target near a quarter turn does not turn the hand around; the joint ends at 120°).
+/// Largest wrist rotation, rad. Design choice: slightly more than the quarter turn that covers
+/// every closing axis, so that a target near a quarter turn does not flip the hand; the joint ends
+/// at 120°.
 const ROLL_MAX_RAD: f64 = 100.0 * PI / 180.0;
-/// Least opening of each finger that is led, m (ours: nearer, the fingertips would press each other).
+/// Smallest commanded opening per side, m. Design choice: below it the fingertips press each other.
 const HALF_MIN_M: f64 = 0.002;
 
-/// What the hand is wanted to do in this tick.
+/// Requested state of a hand in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Lead {
-    /// Where it shall be. Its fingers are opened as wanted, or as they are if something shall be held.
+    /// Target pose; its opening is the requested one, or the present one while holding.
     pub frame: GraspFrame,
-    /// What its fingers shall do.
+    /// Grip command.
     pub grip: GripOrder,
 }
 
 impl Lead {
-    /// A target for a hand that is at `now`.
+    /// Creates the target of a hand at pose `now`.
     #[must_use]
     pub fn of(hand: &HandModel, now: &GraspFrame, target: &CheckedTarget) -> Self {
         let centre_m = Vector3::from(target.centre_m());
@@ -43,14 +45,14 @@ impl Lead {
         }
     }
 
-    /// Distance between the fingertips that is wanted, m.
+    /// Returns the requested distance between the fingertips, m.
     #[must_use]
     pub fn opening_m(&self) -> f64 {
         self.frame.half_opening_m.iter().sum()
     }
 }
 
-/// Of the yaws that hold an object the same way, the one that is nearest to where the hand is turned and that its wrist reaches.
+/// Returns the equivalent grasp yaw nearest to the present one that the wrist can reach, rad.
 fn nearest_yaw_rad(
     hand: &HandModel,
     now: &GraspFrame,

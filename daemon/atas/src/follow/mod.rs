@@ -1,14 +1,15 @@
-//! Following a client's stream of targets: a reflex beneath a policy.
+//! Teleoperation: a hand tracks a client's stream of targets.
 //!
 //! ```text
-//!  GraspTarget ─ TargetIntake ─▶ CheckedTarget ─ lead ─▶ Lead ─ module follow ─ Follower ─▶ pose, beside the other modules' wishes
+//!  GraspTarget ─ TargetIntake ─▶ ValidatedTarget ─▶ TeleopTarget ─ module ─ MotionLimiter ─▶ pose
 //! ```
 //!
-//! * **In:** what a client streams, unchecked. **Out:** a pose per tick that keeps limits of speed, acceleration and jerk.
-//! * **Invariants:** only the writer whose goal opened the stream is heard. A target outside the hand's own side of the table is
-//!   refused before anything moves, so that two hands never come near each other (`bounds`). Silence brakes the hand; the
-//!   fingers keep what they hold. How hard they hold is the other modules' matter.
-//! * **Absent on purpose:** objects and obstacles beyond what fingertips feel; tilted hands.
+//! * **Input:** unchecked targets. **Output:** a pose per tick within limits of speed, acceleration
+//!   and jerk.
+//! * **Invariants:** only the writer whose goal opened the stream is accepted. Targets outside the
+//!   hand's side of the table are rejected, so that two hands never meet (`bounds`). Silence brakes
+//!   the hand; the fingers keep their grip. Other modules control the grip force.
+//! * **Out of scope:** obstacles without tactile contact; tilted hands.
 
 mod axis;
 mod bounds;

@@ -1,4 +1,4 @@
-//! The intake of targets: what a client streams becomes [`CheckedTarget`]s, or nothing.
+//! Target intake: validation of teleoperation targets.
 
 use super::bounds::FollowSpace;
 use crate::goal::ActiveGoal;
@@ -8,15 +8,16 @@ use robot_model::{RobotModel, Side};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Cause, GraspTarget, GripOrder, Reason};
 
-/// Longest time that a target may be followed without a newer one, s (ours: twice the period of the slowest stream, 1 Hz).
+/// Longest validity of a target, s. Design choice: twice the period of the slowest stream, 1 Hz.
 const VALID_MAX_S: f64 = 2.0;
-/// How far ahead of the tick a target may have been made, s (ours: a client that paces itself by the daemon's reports sees
-/// them late, never early; clocks of one machine agree).
+/// Largest lead of a target's stamp over the tick, s. Design choice: clients paced by daemon
+/// reports run late, never early; clocks are shared.
 const AHEAD_S: f64 = 0.01;
-/// Time between two warnings about the same stream, s (ours: a bad stream of 1 kHz must not fill the event log).
+/// Shortest time between warnings, s. Design choice: a bad 1 kHz stream must not fill the event
+/// log.
 const WARN_EVERY_S: f64 = 1.0;
 
-/// A target that was believed; only the intake makes one.
+/// Target that passed all checks; created by the intake only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CheckedTarget {
@@ -25,43 +26,43 @@ pub struct CheckedTarget {
 }
 
 impl CheckedTarget {
-    /// Point between the fingertips, m.
+    /// Returns the point between the fingertips, m.
     #[must_use]
     pub fn centre_m(&self) -> [f64; 3] {
         self.target.centre_m
     }
 
-    /// Direction of the closing axis, rad.
+    /// Returns the yaw of the closing axis, rad.
     #[must_use]
     pub fn closing_yaw_rad(&self) -> f64 {
         self.target.closing_yaw_rad
     }
 
-    /// Distance between the fingertips, m; without meaning if something shall be held.
+    /// Returns the distance between the fingertips, m; ignored for grip command HOLD.
     #[must_use]
     pub fn opening_m(&self) -> f64 {
         self.target.opening_m
     }
 
-    /// What the fingers shall do.
+    /// Returns the grip command.
     #[must_use]
     pub fn grip(&self) -> GripOrder {
         self.target.grip
     }
 }
 
-/// The stream that a goal has opened, if one has.
+/// Target stream of the active teleoperation goal.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TargetIntake {
-    /// Where each hand may be led; `None` for one that may not.
+    /// Workspace per hand; `None` for a hand that cannot be teleoperated.
     spaces: [Option<FollowSpace>; HANDS],
     stream: Option<Stream>,
     newest: [Option<CheckedTarget>; HANDS],
     warned_ns: Option<u64>,
 }
 
-/// Whom to listen to.
+/// Accepted stream.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Stream {
@@ -72,7 +73,7 @@ struct Stream {
 }
 
 impl TargetIntake {
-    /// Listens to nobody yet.
+    /// Creates an intake without a stream.
     #[must_use]
     pub fn new(robot: &RobotModel) -> Self {
         Self {
@@ -83,7 +84,7 @@ impl TargetIntake {
         }
     }
 
-    /// Listens to the client of this goal from now on, or to nobody.
+    /// Accepts this goal's stream from now on, or none.
     pub fn follow(&mut self, goal: Option<&ActiveGoal>, tick: Tick) {
         let stream = goal.filter(|goal| goal.request.kind.is_stream());
         self.newest = [None; HANDS];
@@ -96,11 +97,11 @@ impl TargetIntake {
         });
     }
 
-    /// Takes in this tick's targets, oldest first; what to warn of, if anything.
+    /// Processes new targets, oldest first; returns a warning, if any.
     pub fn take(&mut self, targets: &[GraspTarget], tick: Tick) -> Reason {
         let mut finding = Reason::default();
         let Some(stream) = self.stream.as_mut() else {
-            // Nobody asked for them: a goal that has just ended leaves some behind.
+            // A goal that has just ended may leave targets behind.
             return finding;
         };
         for target in targets {
@@ -118,13 +119,13 @@ impl TargetIntake {
         self.rarely(finding, tick)
     }
 
-    /// The target of a hand, as long as it is valid.
+    /// Returns the valid target of a hand.
     #[must_use]
     pub fn of(&self, side: Side) -> Option<&CheckedTarget> {
         self.newest[side.index()].as_ref()
     }
 
-    /// The finding, unless there was a warning lately.
+    /// Suppresses warnings that follow too soon.
     fn rarely(&mut self, finding: Reason, tick: Tick) -> Reason {
         let again_ns = self.warned_ns.map_or(0, |warned_ns| {
             warned_ns.saturating_add(nanoseconds(WARN_EVERY_S))
@@ -138,7 +139,7 @@ impl TargetIntake {
 }
 
 impl Stream {
-    /// Its hand and what was believed. Every check that reads numbers comes after those that say whose they are.
+    /// Validates a target; returns it with its hand. Ownership is checked before values.
     fn check(
         &mut self,
         target: &GraspTarget,
@@ -171,7 +172,7 @@ impl Stream {
         ))
     }
 
-    /// Until when the target counts, ns.
+    /// Returns the end of validity, ns.
     fn fresh(&self, target: &GraspTarget, tick: Tick) -> Result<u64, Reason> {
         let (made_ns, until_ns) = (target.stamp.captured_ns, target.valid_until_ns);
         let late_ns = tick.now_ns.saturating_sub(until_ns);
@@ -185,7 +186,6 @@ impl Stream {
     }
 }
 
-/// Every number finite, and where the hand may be led.
 fn check_values(target: &GraspTarget, space: &FollowSpace) -> Result<(), Reason> {
     let values = target.values();
     if let Some(index) = values.iter().position(|value| !value.is_finite()) {

@@ -1,47 +1,47 @@
-//! What the joints bear of a grip: the second witness of what a skin says.
+//! Torque-force check: compares the tactile normal force with the force estimated from joint
+//! torques.
 //!
-//! A skin whose zero drifts says that the hand presses harder than it does; who relaxes on its word drops the object. The fingers'
-//! servos bear what the fingertips press, whatever the skin says: their torques are −Jᵀ·F, F the force on each tip. From them, less
-//! what they are without touch (weight and friction of the fingers) and less what the tangential forces make, follows the force
-//! along each side's normal, by least squares over the joints of the fingers.
-//!
-//! A robot that tells no torques (all zero) has no second witness, and nothing is concluded.
+//! Detects zero drift of a skin, which would make the hand drop or crush its object. The fingertip
+//! forces F load the servos with −Jᵀ·F. The check subtracts free-finger torques (weight, friction)
+//! and tangential forces. Least squares over the finger joints gives the normal force per grasp
+//! side. Without torque readings (all zero), the check is inactive.
 
 use crate::perception::{FingerPercept, Percept};
 use crate::settings::Safety;
 use nalgebra::Vector3;
 use robot_model::{HandModel, HandPose, HandVector, Mover, VIRTUAL_FINGERS};
 
-/// Time constant over which both witnesses are heard, s (ours: longer than a hand's tremble, shorter than any drift).
+/// Filter time constant of both forces, s (design choice: longer than hand tremor, shorter than
+/// drift).
 const FILTER_S: f64 = 0.05;
-/// Time constant over which the torques of the free fingers are learnt, s (ours).
+/// Filter time constant of the free-finger torques, s (design choice).
 const FREE_S: f64 = 0.2;
-/// Share of the product of both sides' squares below which their joints are the same, and tell the mean of both (ours).
+/// Normalised determinant below which only the mean of both sides is observable (design choice).
 const SAME_SHARE: f64 = 0.05;
-/// How long they must disagree to be doubted, s (ours: longer than an impact).
+/// Duration of a disagreement before it is reported, s (design choice: longer than an impact).
 const DOUBT_S: f64 = 0.1;
-/// Share of the tolerated disagreement below which it is none any more (ours).
+/// Share of the tolerated disagreement below which both forces agree again (design choice).
 const AGREED: f64 = 0.5;
-/// Share of it beyond which a skin is taken to report too much, or too little (ours: a simulated one reports up to a tenth less than
-/// the joints bear, and hardly ever more).
+/// Dead bands of the two force ratios, as shares of the tolerated disagreement (design choice). A
+/// simulated skin reads up to a tenth below the torque-estimated force, rarely above it.
 const OVER: f64 = 0.1;
 const UNDER: f64 = 0.5;
 
-/// Both witnesses of a hand.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Borne {
-    /// Torques of the free fingers, N·m.
+    /// Free-finger torques, N·m.
     free_n_m: HandVector,
-    /// Normal force of each side by the skin, and by the joints, low-passed, N; of both the mean where joints tell no more.
+    /// Filtered tactile and torque-estimated normal force per grasp side, N. Both sides hold the
+    /// mean if only that is known.
     felt_n: [f64; VIRTUAL_FINGERS],
     borne_n: [f64; VIRTUAL_FINGERS],
-    /// How long they have disagreed, s.
+    /// Duration of the present disagreement, s.
     disagreed_s: f64,
 }
 
 impl Borne {
-    /// Of free fingers that bear nothing.
+    /// Creates a check for free fingers.
     pub(super) fn new(model: &HandModel) -> Self {
         Self {
             free_n_m: HandVector::zeros(model.joints().len()),
@@ -51,17 +51,17 @@ impl Borne {
         }
     }
 
-    /// What the skin reports more than the joints bear, as a factor, at least 1: what lets go of a grip must know.
+    /// Ratio of tactile to torque-estimated force, ≥ 1. Limits grip relaxation.
     pub(super) fn overread(&self, settings: &Safety) -> f64 {
         most_over(&self.felt_n, &self.borne_n, OVER, settings)
     }
 
-    /// What the joints bear more than the skin reports, as a factor, at least 1: what presses must know.
+    /// Ratio of torque-estimated to tactile force, ≥ 1. Limits pressing.
     pub(super) fn underread(&self, settings: &Safety) -> f64 {
         most_over(&self.borne_n, &self.felt_n, UNDER, settings)
     }
 
-    /// What the skin says and what the joints bear, N, if they have disagreed for so long that neither is to be believed.
+    /// Returns tactile and torque-estimated force, N, after a disagreement of `DOUBT_S`.
     pub(super) fn doubt(&self) -> Option<[f64; 2]> {
         let worst = usize::from(self.apart_n(1) > self.apart_n(0));
         (self.disagreed_s > DOUBT_S).then(|| [self.felt_n[worst], self.borne_n[worst]])
@@ -71,7 +71,7 @@ impl Borne {
         (self.felt_n[side] - self.borne_n[side]).abs()
     }
 
-    /// Counts how long one side has disagreed; from then on it must agree better.
+    /// Updates the disagreement timer. The tolerance is stricter once a mismatch is reported.
     fn judge(&mut self, settings: &Safety, step_s: f64) {
         let allowed = if self.disagreed_s > DOUBT_S {
             AGREED
@@ -89,8 +89,8 @@ impl Borne {
         };
     }
 
-    /// Hears both: where the hand is and what its servos bear, N·m, and what the fingertips feel. Fingers that neither touch nor
-    /// grip are free.
+    /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact
+    /// or grip are free.
     pub(super) fn hear(
         &mut self,
         model: &HandModel,
@@ -112,7 +112,8 @@ impl Borne {
         let felt_n = percept.virtual_fingers.each_ref().map(|felt| felt.normal_n);
         let (felt_n, borne_n) = match borne_n(model, pose, &loaded_n_m, percept) {
             Bears::Each(borne_n) => (felt_n, borne_n),
-            // The side that touches first pushes the object alone, and the joints cannot tell which side that is.
+            // Until both sides touch, one side pushes the object; the joints cannot distinguish
+            // which.
             Bears::Mean(borne_n) => {
                 let felt_n = felt_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
                 ([felt_n; VIRTUAL_FINGERS], [borne_n; VIRTUAL_FINGERS])
@@ -127,7 +128,7 @@ impl Borne {
     }
 }
 
-/// How far one witness exceeds the other and a share of what is tolerated, as a factor, on the side where it is most; at least 1.
+/// Returns the largest ratio of one force to the other plus its dead band, over both sides, ≥ 1.
 fn most_over(
     ones_n: &[f64; VIRTUAL_FINGERS],
     others_n: &[f64; VIRTUAL_FINGERS],
@@ -144,20 +145,20 @@ fn most_over(
         })
 }
 
-/// By how much both may disagree about a force, N.
+/// Returns the tolerated disagreement, N.
 fn tolerated_n(force_n: f64, settings: &Safety) -> f64 {
     settings.disagree_n + settings.disagree_share * force_n
 }
 
-/// What the joints tell, N.
+/// Normal force estimated from joint torques, N.
 enum Bears {
-    /// The normal force of each side.
+    /// Force of each grasp side.
     Each([f64; VIRTUAL_FINGERS]),
-    /// The mean of both: the same joints move both.
+    /// Mean of both sides, if the same joints move both.
     Mean(f64),
 }
 
-/// Normal force of the sides by the torques that load brings to the joints.
+/// Estimates the normal force per side from the torques due to load.
 fn borne_n(
     model: &HandModel,
     pose: &HandPose,
@@ -165,7 +166,7 @@ fn borne_n(
     percept: &Percept,
 ) -> Bears {
     let zeros = HandVector::zeros(loaded_n_m.len());
-    // Torques that one newton along each side's normal makes, and what is left when the tangential forces are answered.
+    // Torques per newton of normal force per side, and residual torques without tangential forces.
     let mut unit_n_m = [zeros; VIRTUAL_FINGERS];
     let mut rest_n_m = *loaded_n_m;
     for finger in 0..model.finger_count() {
@@ -197,12 +198,12 @@ fn borne_n(
     }
 }
 
-/// Force of the object on a tip less its part along the normal, tip frame, N.
+/// Tangential part of the force on a fingertip, tip frame, N.
 fn tangential_n(felt: &FingerPercept) -> Vector3<f64> {
     felt.force_tip_n - felt.patch_normal * felt.force_tip_n.dot(&felt.patch_normal)
 }
 
-/// Share of its side's force that a fingertip presses with.
+/// Share of a fingertip in the force of its grasp side.
 fn share_of_side(model: &HandModel, percept: &Percept, finger: usize) -> f64 {
     let side = model.virtual_finger(finger);
     let count = model.fingers_of(side).count() as f64;

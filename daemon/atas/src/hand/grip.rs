@@ -1,4 +1,4 @@
-//! What the hand holds, beyond its task: how much it bears, and that it is held on to when a controller begins.
+//! Grip state beyond the task: force limit of the held object, and holding of a found object.
 
 use super::HandControl;
 use crate::modules::force_range_n;
@@ -10,8 +10,8 @@ use crate::settings::Settings;
 use shm_schemas::{Cause, EventKind, ModuleEvent, Reason};
 
 impl HandControl {
-    /// Goes on holding what the hand presses on, if it has no task and every finger presses; what is to be said then. The robot
-    /// may tell F_2 of it, N; zero if it does not.
+    /// Holds an object found in an idle hand if both sides press on it. Returns the event to
+    /// publish. The robot may report F_2, N, or zero.
     pub(crate) fn keep(&mut self, told_f2_n: f64, settings: &Settings) -> Option<ModuleEvent> {
         let percept = *self.perception.percept();
         let touches = percept.virtual_fingers.iter().all(|f| f.in_contact);
@@ -39,7 +39,7 @@ impl HandControl {
         })
     }
 
-    /// Remembers F_2 of what the hand holds: it outlives the task, and goes with the touch.
+    /// Stores F_2 of the held object until contact ends; it outlives the task.
     pub(super) fn remember_limit(&mut self) {
         let touches = |fingers: &Percept| fingers.virtual_fingers.iter().any(|f| f.in_contact);
         self.limit_n = match &self.runner {
@@ -49,13 +49,13 @@ impl HandControl {
         };
     }
 
-    /// F_2 of what the hand holds, N; zero for an empty hand.
+    /// F_2 of the held object, N; zero for an empty hand.
     #[must_use]
     pub(crate) fn limit_n(&self) -> f64 {
         self.limit_n
     }
 
-    /// What the gate must know of the grip.
+    /// Returns the grip state for the gate.
     #[must_use]
     pub(crate) fn grip(&self) -> Grip {
         let percept = self.perception.percept();

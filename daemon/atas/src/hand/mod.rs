@@ -1,4 +1,4 @@
-//! One hand: everything between its frames and its joint positions, in the order in which data flows.
+//! Control of one hand, from tactile frames to joint positions, in the order of data flow.
 
 mod borne;
 mod grip;
@@ -26,10 +26,10 @@ use shm_schemas::{
     ModuleEvent, Reason,
 };
 
-/// Multiple of the grip ceiling beyond which a force is none (ours: the gate stops a finger at the ceiling).
+/// Multiple of the grip ceiling beyond which a force is implausible (design choice: the gate stops
+/// a finger at the ceiling).
 const IMPLAUSIBLE_FACTOR: f64 = 2.0;
 
-/// One hand of the controller.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct HandControl {
@@ -46,22 +46,22 @@ pub(crate) struct HandControl {
     intent: Option<Intent>,
     active: u32,
     measured_gap_m: f64,
-    /// Where what it presses on stands, as its fingertips feel it.
+    /// Measured pose of the object against the hand.
     felt: Option<ObjectPose>,
     base_from_tip: [Matrix3<f64>; FINGERS_MAX],
     frames: u32,
     borne: Borne,
-    /// F_2 of what the hand holds, N; zero for an empty hand. It outlives the task, and goes with the touch.
+    /// F_2 of the held object, N; zero for an empty hand.
     limit_n: f64,
-    /// A module has seen in the tick before that the object slides.
+    /// A module detected slip in the previous tick.
     slides: bool,
 }
 
 impl HandControl {
-    /// A hand that feels nothing yet and stands nowhere.
+    /// Creates a hand without measurements.
     #[must_use]
     pub(crate) fn new(hand: Hand, model: HandModel, wiring: &Wiring) -> Self {
-        // Nothing is awaited of a hand that the robot has not got.
+        // An absent hand requires no sensor.
         let own = &wiring.hands[model.side().index()];
         let own = &HandWiring {
             required: own.required && model.is_present(),
@@ -90,7 +90,7 @@ impl HandControl {
         }
     }
 
-    /// Takes in this tick's frames.
+    /// Processes the frames of this tick.
     pub(crate) fn update(
         &mut self,
         frames: &[HandFrame],
@@ -120,7 +120,7 @@ impl HandControl {
         }
     }
 
-    /// What the hand must be held for.
+    /// Returns the reason to hold this hand.
     #[must_use]
     pub(crate) fn hold_reason(&self, tick: Tick, settings: &Settings) -> Reason {
         let of_frames = self.intake.hold_reason(tick, &settings.intake);
@@ -135,7 +135,8 @@ impl HandControl {
         }
     }
 
-    /// A skin that the joints do not confirm is not believed; of an empty hand at rest it may take a new zero.
+    /// Reports a torque-force mismatch while the hand is busy. At rest, an empty hand may be zeroed
+    /// again.
     fn unconfirmed(&self) -> Reason {
         match self.borne.doubt() {
             Some([felt_n, borne_n]) if self.is_busy() => {
@@ -146,8 +147,7 @@ impl HandControl {
         }
     }
 
-    /// A fingertip that reports more than any grip can press is not believed: what opens the fingers on its word would drop
-    /// the object.
+    /// Reports an implausible force; opening the fingers in response would drop the object.
     fn implausible(&self, settings: &Settings) -> Reason {
         let limit_n = IMPLAUSIBLE_FACTOR * settings.safety.grip_ceiling_n;
         let fingers = self.perception.percept().fingers.iter();
@@ -158,7 +158,7 @@ impl HandControl {
         })
     }
 
-    /// Takes in where the joints are, and what their servos bear, N·m.
+    /// Processes the measured hand pose and servo torques, N·m.
     pub(crate) fn locate(
         &mut self,
         measured: &HandPose,
@@ -190,13 +190,13 @@ impl HandControl {
         }
     }
 
-    /// Stands at these joint positions, rad, at rest.
+    /// Synchronises to measured joint positions, rad, at rest.
     pub(crate) fn anchor(&mut self, q_rad: HandVector) {
         self.servo = Some(HandServo::at(&self.model, q_rad));
         self.arbiter.rest();
     }
 
-    /// Takes in what the client that leads the hand wants, if one does.
+    /// Passes the client's target, if any, to the executor.
     pub(crate) fn receive_target(&mut self, target: Option<&CheckedTarget>) {
         if let (Some(runner), Some(servo)) = (self.runner.as_mut(), self.servo.as_ref()) {
             let lead = target.map(|target| Lead::of(&self.model, servo.frame(), target));
@@ -204,7 +204,7 @@ impl HandControl {
         }
     }
 
-    /// One tick of the task: modules in parallel, arbitration, kinematics, and what became of it.
+    /// Runs one tick of the task: modules, arbitration, transitions.
     pub(crate) fn act(
         &mut self,
         settings: &Settings,
@@ -256,7 +256,7 @@ impl HandControl {
         Some(outcome)
     }
 
-    /// Where the joints shall go: towards this tick's intent if the hand moves, else where they are.
+    /// Returns the joint set-points: towards the intent if the hand moves, otherwise at rest.
     pub(crate) fn follow(&mut self, moves: bool, step_s: f64) -> HandCommand {
         let Some(servo) = self.servo.as_mut() else {
             return HandCommand {
@@ -276,20 +276,20 @@ impl HandControl {
         }
     }
 
-    /// The hand was stopped: what moves it takes up its speed from nothing.
+    /// Stops the hand; motion restarts from zero speed.
     pub(crate) fn halt(&mut self) {
         self.modules.halt();
         self.arbiter.halt();
     }
 
-    /// Takes over what the safety gate let through of the wish.
+    /// Adopts the joint positions that the gate let through.
     pub(crate) fn adopt(&mut self, q_rad: HandVector) {
         if let Some(servo) = self.servo.as_mut() {
             servo.adopt(q_rad);
         }
     }
 
-    /// Starts this hand's part of the task of a goal, if it has one.
+    /// Starts this hand's part of a task.
     pub(crate) fn start(&mut self, goal: &Goal, settings: &Settings) {
         let (request, task) = (goal.request(), goal.task());
         let acts = self.model.side() == goal.side();
@@ -307,7 +307,7 @@ impl HandControl {
         let wishes = Wishes {
             width_m,
             hold_s: request.hold_s,
-            // The goal speaks of what the acting hand grasps.
+            // The force limit of a goal applies to the acting hand only.
             max_force_n: if acts { request.max_force_n } else { 0.0 },
         };
         if let Some(runner) = self.runner.as_mut().filter(|runner| runner.grips())
@@ -327,13 +327,13 @@ impl HandControl {
         self.runner = Some(runner.with_table(task.table));
     }
 
-    /// The meeting point that this hand has come to; a hand without a task keeps nobody waiting.
+    /// Meeting point reached. A hand without a task never delays the other.
     #[must_use]
     pub(crate) fn reached(&self) -> u8 {
         self.runner.as_ref().map_or(u8::MAX, Runner::reached)
     }
 
-    /// How far what this hand grips stands from where it was told, base frame, m.
+    /// Displacement of the held object from its commanded place, base frame, m.
     #[must_use]
     pub(crate) fn displaced_m(&self) -> Vector2<f64> {
         self.runner
@@ -341,14 +341,14 @@ impl HandControl {
             .map_or_else(Vector2::zeros, Runner::displaced_m)
     }
 
-    /// Takes in which meeting point the other hand has come to, and how far what it grips stands from where it was told.
+    /// Sets the meeting point and the object displacement of the other hand.
     pub(crate) fn receive_peer(&mut self, reached: u8, displaced_m: Vector2<f64>) {
         if let Some(runner) = self.runner.as_mut() {
             runner.receive_peer(reached, displaced_m);
         }
     }
 
-    /// Ends the task; what the hand holds, it keeps holding and watching.
+    /// Ends the task. A held object stays held and monitored.
     pub(crate) fn end(&mut self, settings: &Settings) {
         match (self.runner.as_mut(), self.servo.as_ref()) {
             (Some(runner), Some(servo)) if runner.grips() => {
@@ -358,37 +358,37 @@ impl HandControl {
         }
     }
 
-    /// Ends the task and lets the modules rest, whatever the hand holds.
+    /// Aborts the task, even with an object in hand.
     pub(crate) fn abandon(&mut self) {
         self.runner = None;
         self.active = 0;
         self.arbiter.rest();
     }
 
-    /// Whether a task, or what remains of one, is in force.
+    /// Returns true while an executor is active.
     #[must_use]
     pub(crate) fn is_busy(&self) -> bool {
         self.runner.is_some()
     }
 
-    /// Whether the hand holds an object.
+    /// Returns true while the hand holds an object.
     #[must_use]
     pub(crate) fn grips(&self) -> bool {
         self.runner.as_ref().is_some_and(Runner::grips)
     }
 
-    /// The task, if one is in force.
+    /// Executor of the active task.
     #[must_use]
     pub(crate) fn runner(&self) -> Option<&Runner> {
         self.runner.as_ref()
     }
 
-    /// Takes the present reading as zero.
+    /// Takes the present tactile reading as zero.
     pub(crate) fn bias(&mut self) {
         self.perception.bias();
     }
 
-    /// The model of this hand.
+    /// Model of this hand.
     #[must_use]
     pub(crate) fn model(&self) -> &HandModel {
         &self.model

@@ -1,9 +1,9 @@
-//! What a hand says of itself: figures, reports, counts, events.
+//! Reporting of one hand: figures, reports, counts, events.
 
 use super::*;
 
 impl HandControl {
-    /// What the hand has learnt, for the goal's client.
+    /// Returns the grasp figures for the goal's client.
     #[must_use]
     pub(crate) fn figures(&self) -> GraspFigures {
         let percept = self.perception.percept();
@@ -30,7 +30,7 @@ impl HandControl {
         figures
     }
 
-    /// What the tick saw and did.
+    /// Returns the report of this tick.
     #[must_use]
     pub(crate) fn report(&self, tick: Tick) -> HandReport {
         let percept = self.perception.percept();
@@ -71,7 +71,7 @@ impl HandControl {
         report
     }
 
-    /// Counts and present readings, as [`shm_schemas::Status`] shows them.
+    /// Returns counts and readings for [`shm_schemas::Status`].
     #[must_use]
     pub(crate) fn status(&self, tick: Tick) -> HandStatus {
         let counts = self.intake.counts();
@@ -165,7 +165,7 @@ impl HandControl {
         }
     }
 
-    /// Warns of what cannot wait for the end of a goal: nobody may be waiting for one.
+    /// Publishes a warning at once, because a goal may have no client that waits for its end.
     pub(super) fn warn(&self, reason: Option<Reason>, events: &mut Events) {
         if let Some(reason) = reason {
             events.push(ModuleEvent {
@@ -192,7 +192,7 @@ impl HandControl {
         }
     }
 
-    /// The event that announces a step.
+    /// Returns the event that announces a step.
     #[must_use]
     pub(crate) fn step_event(&self, step: &Step) -> ModuleEvent {
         ModuleEvent {

@@ -1,9 +1,10 @@
-//! A frame that is believed: only [`super::FrameIntake`] makes one.
+//! Validated tactile frame.
 
 use shm_schemas::HandFrame;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 
-/// A frame that passed every check. Invalid elements are masked out.
+/// Tactile frame that passed every check; created by [`super::FrameIntake`] only. Invalid elements
+/// are masked out.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckedFrame<'a> {
     pub(super) frame: &'a HandFrame,
@@ -12,26 +13,26 @@ pub struct CheckedFrame<'a> {
 }
 
 impl CheckedFrame<'_> {
-    /// Force of one element `[f_n, f_t1, f_t2]`, N; `None` if the element is masked out.
+    /// Returns the force of one element `[f_n, f_t1, f_t2]`, N, or `None` if it is masked out.
     #[must_use]
     pub fn element_n(&self, finger: usize, element: usize) -> Option<[f64; 3]> {
         (self.mask[finger] >> element & 1 == 1)
             .then(|| self.frame.force_n[finger][element].map(f64::from))
     }
 
-    /// All forces of one finger, N, as the sensor said them, and which elements are to be believed.
+    /// Returns the raw forces of one fingertip, N, and its mask of valid elements.
     #[must_use]
     pub fn readings_n(&self, finger: usize) -> (&[[f32; 3]; ELEMENTS], u64) {
         (&self.frame.force_n[finger], self.mask[finger])
     }
 
-    /// Sensor time since the frame before, s; lost frames included, long pauses cut.
+    /// Sensor time since the previous frame, s. Includes lost frames; long pauses are clipped.
     #[must_use]
     pub fn step_s(&self) -> f64 {
         self.step_s
     }
 
-    /// When the sensor sampled, ns.
+    /// Sampling time of the sensor, ns.
     #[must_use]
     pub fn captured_ns(&self) -> u64 {
         self.frame.stamp.captured_ns

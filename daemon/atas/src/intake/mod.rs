@@ -1,7 +1,7 @@
-//! Intake: decides which frames and joint states are believed. Lost or old data degrades towards caution.
+//! Intake: validates tactile frames of one hand. Lost or old data makes the robot hold.
 //!
-//! A [`CheckedFrame`] can only be made here. Every refusal is counted, and what matters for safety becomes a
-//! [`Reason`]; nothing is ever repaired silently.
+//! Input: [`HandFrame`]. Output: [`CheckedFrame`]. Every rejection is counted; safety-relevant
+//! ones raise a [`Reason`]. Data is never repaired.
 
 mod checked;
 mod stuck;
@@ -17,7 +17,6 @@ use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Cause, Hand, HandFrame, Reason};
 use stuck::StuckWatch;
 
-/// Why a frame was not believed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Refusal {
     Corrupt,
@@ -28,31 +27,31 @@ enum Refusal {
     Resyncing,
 }
 
-/// Counts since the start, as [`shm_schemas::HandStatus`] shows them.
+/// Frame counts since the start, published in [`shm_schemas::HandStatus`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameCounts {
-    /// Believed.
+    /// Accepted frames.
     pub frames: u64,
-    /// Missing from the sequence.
+    /// Frames missing from the sequence.
     pub lost: u64,
-    /// Seen twice.
+    /// Frames received twice.
     pub duplicates: u64,
-    /// Came after a newer one.
+    /// Frames received after a newer one.
     pub reordered: u64,
-    /// Failed the checksum.
+    /// Frames with a wrong checksum.
     pub corrupt: u64,
-    /// Stamped too far in the past or in the future.
+    /// Frames stamped too far in the past or future.
     pub mistimed: u64,
-    /// Another writer, hand or layout.
+    /// Frames of another writer, hand or layout.
     pub foreign: u64,
-    /// Elements masked because they were not finite, out of range or stuck.
+    /// Elements masked as not finite, out of range or stuck.
     pub masked_elements: u64,
-    /// Restarts of the writer.
+    /// Writer restarts.
     pub restarts: u64,
 }
 
-/// The gatekeeper of one hand's frames.
+/// Frame validator of one hand.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FrameIntake {
@@ -63,17 +62,16 @@ pub struct FrameIntake {
     required: bool,
     period_s: f64,
     counts: FrameCounts,
-    /// The writer that is believed, and the last frame from it.
+    /// Accepted writer and its last frame.
     pinned: Option<Pinned>,
-    /// A new writer that is on probation.
+    /// New writer on probation.
     candidate: Option<Candidate>,
-    /// What of this tick's frames the robot must hold for.
+    /// First reason of this tick to hold the robot.
     hold_reason: Reason,
-    /// What of this tick's frames was refused but needs no reaction.
+    /// First rejection of this tick that needs no reaction.
     warning: Reason,
     identical: u32,
     stuck: [StuckWatch; FINGERS],
-    /// Elements that were stuck in the frame before, a bit each.
     were_stuck: [u64; FINGERS],
 }
 
@@ -97,7 +95,7 @@ struct Candidate {
 }
 
 impl FrameIntake {
-    /// An intake for one hand's sensor.
+    /// Creates the intake of one hand.
     #[must_use]
     pub fn new(hand: Hand, wiring: &HandWiring) -> Self {
         Self {
@@ -118,44 +116,44 @@ impl FrameIntake {
         }
     }
 
-    /// Counts since the start.
+    /// Frame counts since the start.
     #[must_use]
     pub fn counts(&self) -> &FrameCounts {
         &self.counts
     }
 
-    /// Epoch of the pinned writer, 0 before the first frame.
+    /// Epoch of the accepted writer; 0 before the first frame.
     #[must_use]
     pub fn writer_epoch(&self) -> u64 {
         self.pinned.map_or(0, |p| p.epoch)
     }
 
-    /// Sequence of the newest believed frame.
+    /// Sequence number of the newest accepted frame.
     #[must_use]
     pub fn sequence(&self) -> u64 {
         self.pinned.map_or(0, |p| p.sequence)
     }
 
-    /// Age of the newest believed frame, ns; `u64::MAX` before the first.
+    /// Age of the newest accepted frame, ns; `u64::MAX` before the first.
     #[must_use]
     pub fn age_ns(&self, tick: Tick) -> u64 {
         self.pinned
             .map_or(u64::MAX, |p| tick.now_ns.saturating_sub(p.captured_ns))
     }
 
-    /// Begins a tick.
+    /// Starts a tick.
     pub fn begin(&mut self) {
         self.hold_reason = Reason::default();
         self.warning = Reason::default();
     }
 
-    /// What was refused in this tick without need to hold, for the event log.
+    /// Rejection of this tick that needs no hold, for the event log.
     #[must_use]
     pub fn warning(&self) -> Reason {
         self.warning
     }
 
-    /// Checks one frame. `None` if it is not believed; the counts and [`FrameIntake::hold_reason`] say why.
+    /// Validates one frame; returns `None` and counts it on rejection.
     pub fn check<'a>(
         &mut self,
         frame: &'a HandFrame,
@@ -171,7 +169,7 @@ impl FrameIntake {
         }
     }
 
-    /// What the robot must hold for, if anything: the worst doubt of this tick, or silence.
+    /// Returns the reason to hold the robot, if any: first one of this tick, or missing frames.
     #[must_use]
     pub fn hold_reason(&self, tick: Tick, limits: &Limits) -> Reason {
         if !self.required || self.hold_reason.is_some() {
@@ -185,7 +183,7 @@ impl FrameIntake {
             }
             Some(p) => {
                 let age_s = seconds_between(p.captured_ns, tick.now_ns);
-                // A frame that was old when it came is stale; one that has aged since then is the last of its kind.
+                // Frames already old on arrival are stale; otherwise they stopped.
                 let cause = if seconds_between(p.captured_ns, p.received_ns) > allowed_s {
                     Cause::FRAME_STALE
                 } else {
@@ -200,12 +198,12 @@ impl FrameIntake {
         }
     }
 
-    /// A slow sensor is silent between its frames: three and a half periods are no reason to worry.
+    /// Returns the longest normal pause between frames, s: 3.5 sensor periods.
     fn longest_silence_s(&self) -> f64 {
         3.5 * self.period_s
     }
 
-    /// The checks in order; `Ok` carries the number of frames lost before this one.
+    /// Runs the checks in order. `Ok` is the number of frames lost before this one.
     fn admit(&mut self, frame: &HandFrame, tick: Tick, limits: &Limits) -> Result<u64, Refusal> {
         if !frame.is_intact() {
             return Err(Refusal::Corrupt);
@@ -226,10 +224,10 @@ impl FrameIntake {
         if frame.stamp.writer_epoch != pinned.epoch {
             return self.consider_writer(frame, pinned, tick, limits);
         }
-        // Wrapping: a counter that begins again at 0 after its last value is no gap.
+        // Wrapping: a counter overflow to 0 is no gap.
         match frame.stamp.sequence.wrapping_sub(pinned.sequence) {
             0 => Err(Refusal::Duplicate),
-            // Farther than any loss: as good as another writer. One such frame must not shut out those that follow it.
+            // An implausible jump counts as another writer, so it cannot block later frames.
             ahead if ahead > limits::FRAMES_AHEAD_MAX => {
                 match self.consider_writer(frame, pinned, tick, limits) {
                     Err(Refusal::Foreign) if ahead > u64::MAX / 2 => Err(Refusal::Reordered),
@@ -241,7 +239,7 @@ impl FrameIntake {
         }
     }
 
-    /// Another writer is believed only after the pinned one fell silent and a run of good frames.
+    /// Accepts another writer after the current one fell silent and a run of valid frames.
     fn consider_writer(
         &mut self,
         frame: &HandFrame,
@@ -311,7 +309,7 @@ impl FrameIntake {
         }
     }
 
-    /// Masks elements that are flagged invalid, not finite, beyond belief or stuck; too many of them are a doubt.
+    /// Returns the mask of valid elements; too many invalid ones make the robot hold.
     fn mask(&mut self, frame: &HandFrame, limits: &Limits) -> [u64; FINGERS] {
         let mut mask = [0; FINGERS];
         let mut worst = 0;
@@ -321,7 +319,7 @@ impl FrameIntake {
                 let trusted = frame.valid_mask[finger] & !self.were_stuck[finger];
                 let flagged = trusted >> element & 1 == 1;
                 let force = frame.force_n[finger][element];
-                // The comparison is false for NaN, so a NaN is masked before any arithmetic sees it.
+                // False for NaN, so NaN is masked before any arithmetic.
                 let believable = force
                     .iter()
                     .all(|f| f64::from(f.abs()) <= limits.element_force_n);
@@ -334,7 +332,7 @@ impl FrameIntake {
             self.counts.masked_elements += invalid;
             worst = worst.max(invalid);
         }
-        // Per finger: a blind fingertip is no better for a good one beside it.
+        // Per fingertip, because a good one does not compensate for a blind one.
         let share = worst as f64 / f64::from(self.elements);
         if share > limits.invalid_share {
             self.worsen(Reason::limit(
@@ -346,7 +344,7 @@ impl FrameIntake {
         mask
     }
 
-    /// A living sensor has noise: readings that repeat exactly while the counter advances are not readings.
+    /// Detects a frozen sensor; real readings have noise and never repeat exactly.
     fn watch_frozen(&mut self, frame: &HandFrame, limits: &Limits) {
         let same = self
             .pinned
@@ -366,7 +364,7 @@ impl FrameIntake {
         }
     }
 
-    /// Single elements that are stuck are said once, and not believed until they move again.
+    /// Warns once of each stuck element and masks it until its reading changes.
     fn watch_stuck(&mut self, frame: &HandFrame) {
         let Some(pinned) = &self.pinned else { return };
         let elements = self.elements as usize;
@@ -410,7 +408,7 @@ impl FrameIntake {
         }
     }
 
-    /// Keeps the first doubt of a tick: it is the one that explains the others.
+    /// Keeps the first reason of a tick, which usually explains the later ones.
     fn worsen(&mut self, reason: Reason) {
         if !self.hold_reason.is_some() {
             self.hold_reason = reason.about(self.hand.0 as usize);
@@ -426,7 +424,7 @@ impl FrameIntake {
 
 type Forces = [[[f32; 3]; ELEMENTS]; FINGERS];
 
-/// Bit by bit, because a NaN would make frozen frames look different from each other.
+/// Compares bitwise, because NaN never equals itself.
 fn same_bits(a: &Forces, b: &Forces) -> bool {
     let (a, b) = (a.as_flattened(), b.as_flattened());
     a.as_flattened()

@@ -1,32 +1,33 @@
-//! Elements that are stuck: a reading that used to move, stands still bit by bit although frames keep coming, and is no zero.
+//! Stuck element detection: a reading that used to change stays bitwise constant and non-zero.
 //!
-//! A living element has noise, a quantised one at least while it is pressed. One that stops being alive keeps what it read last, and
-//! a hand that believes it feels a force that is gone, or misses one that comes. What never moved (an element that nothing touches,
-//! quantised more coarsely than its noise) and what stands at zero harms nobody and is left alone. Rests count while most others move,
-//! and an element that has rested for long before may rest several times as long again.
+//! A failed element repeats its last reading and hides force changes. Working ones have noise, at
+//! least under pressure. Elements that never changed or read zero are harmless and ignored.
+//! Constant frames count only while most other elements change. Earlier pauses extend the permitted
+//! pause.
 
 use shm_schemas::capacity::ELEMENTS;
 
-/// Frames in which an element must have moved before it is known to be alive (ours: a quarter of a second of a 1 kHz sensor).
+/// Changes required before an element counts as working (design choice: 0.25 s at 1 kHz).
 const ALIVE_FRAMES: u16 = 250;
-/// Frames without a change from which on it is stuck (ours; fault catalogue F15: flagged within 1000).
+/// Constant frames before an element counts as stuck (design choice; fault catalogue F15 requires
+/// at most 1000).
 const STUCK_FRAMES: u16 = 250;
-/// Multiple of its longest rest while it was alive (ours: coarsely quantised readings rest now and then).
+/// Permitted multiple of the longest earlier pause (design choice: coarse readings pause).
 const REST_FACTOR: u16 = 4;
-/// Size of a reading that is no zero, N (ours: several times the noise of an element).
+/// Smallest non-zero reading, N (design choice: several times the element noise).
 const ZERO_N: f32 = 0.01;
 
-/// The elements of one fingertip; a bit of a set is an element.
+/// Detector for the elements of one fingertip; each bit of a set is one element.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct StuckWatch {
-    /// Those that are known to be alive, and those of them that rest.
+    /// Working elements, and those of them that currently pause.
     alive: u64,
     resting: u64,
-    /// Frames in which each has moved, while it is not known to be alive.
+    /// Frames with a change per element, counted until it is working.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     moved: [u16; ELEMENTS],
-    /// Frames for which each rests, and the longest such rest so far.
+    /// Current and longest pause per element, frames.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     rests: [u16; ELEMENTS],
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
@@ -46,7 +47,7 @@ impl Default for StuckWatch {
 }
 
 impl StuckWatch {
-    /// Takes in a frame's readings, N, and those of the frame before; returns which of the first `count` elements are stuck.
+    /// Compares two frames, N, and returns the stuck elements among the first `count`.
     pub(super) fn look(
         &mut self,
         before_n: &[[f32; 3]; ELEMENTS],
@@ -55,12 +56,12 @@ impl StuckWatch {
     ) -> u64 {
         let mut moved = 0_u64;
         for (element, (before, now)) in before_n.iter().zip(now_n).take(count).enumerate() {
-            // Bit by bit: what is not a number is masked already.
+            // Bitwise, because NaN is already masked.
             let change = |axis: usize| before[axis].to_bits() ^ now[axis].to_bits();
             let moves = change(0) | change(1) | change(2) != 0;
             moved |= u64::from(moves) << element;
         }
-        // Where all rest together, nobody is stuck: a sensor without noise, or a frame that came twice.
+        // If most elements pause, none is stuck: the sensor is noise-free or repeated a frame.
         let speaks = 2 * (moved & self.alive).count_ones() >= self.alive.count_ones();
         for element in each(moved & (self.resting | !self.alive)) {
             self.move_on(element);
@@ -74,7 +75,7 @@ impl StuckWatch {
         stuck
     }
 
-    /// An element rests; whether it is stuck.
+    /// Counts a pause of an element and returns whether it is stuck.
     fn rest(&mut self, element: usize, speaks: bool) -> bool {
         self.resting |= 1 << element;
         self.rests[element] = self.rests[element].saturating_add(u16::from(speaks));
@@ -82,7 +83,7 @@ impl StuckWatch {
         self.rests[element] >= STUCK_FRAMES.max(allowed)
     }
 
-    /// An element that rested, or is not known to be alive, moves.
+    /// Ends the pause of an element or counts its change.
     fn move_on(&mut self, element: usize) {
         let rests = core::mem::take(&mut self.rests[element]);
         self.resting &= !(1 << element);
@@ -94,7 +95,6 @@ impl StuckWatch {
     }
 }
 
-/// The elements of a set.
 fn each(mut set: u64) -> impl Iterator<Item = usize> {
     core::iter::from_fn(move || {
         let element = (set != 0).then(|| set.trailing_zeros() as usize);
@@ -111,7 +111,7 @@ fn is_zero(reading_n: &[f32; 3]) -> bool {
 mod tests {
     use super::*;
 
-    /// Frames after which an element is stuck that follows `reading`, of 3000.
+    /// Returns the frame, of 3000, at which the element becomes stuck.
     fn stuck_after(reading: impl Fn(u16) -> f32) -> Option<u16> {
         let mut watch = StuckWatch::default();
         let mut before_n = [[0.0; 3]; ELEMENTS];
@@ -126,7 +126,7 @@ mod tests {
         })
     }
 
-    /// A living reading: it moves with every frame.
+    /// Working element: a reading that changes in every frame.
     fn alive(frame: u16) -> f32 {
         0.2 + f32::from(frame % 7) * 1e-3
     }
@@ -145,7 +145,7 @@ mod tests {
         check("never moved", &|_| 0.2, None);
         let at_zero = |frame: u16| if frame < 1000 { alive(frame) } else { 0.0 };
         check("rests at zero", &at_zero, None);
-        // Moves every hundredth frame only: four of its rests are not over.
+        // Changes only every hundredth frame, which is below four times its longest pause.
         check("coarse", &|frame| alive(frame / 100), None);
         let coarse = |frame: u16| alive(frame.min(1000) / 2);
         check("coarse, then dead", &coarse, Some(1250));

@@ -1,9 +1,9 @@
-//! Behaviour table (paper section III): "an agent refers to the current values of Table 1 in every set period to decide its
-//! behavior". Here the agent is a hand, and what it senses is touch.
+//! Behaviour table (paper section III): "an agent refers to the current values of Table 1 in every
+//! set period to decide its behavior". Here the agent is a hand with tactile sensors.
 //!
-//! In every tick the sensor bits that the task's table names are told from the percept, and the row that they number says how
-//! fast the fingers close and the hand goes along its path. A table has no words for giving up: one that takes the hand back
-//! for [`BACK_MAX_S`] altogether has given the object up, and the object is set down. Without a table it proposes nothing.
+//! The sensor bits of the task's table, computed in every tick, select the row that sets the
+//! closing and path speed. A table cannot refuse an object; moving back for more than
+//! [`BACK_MAX_S`] in total does. Without a table the module proposes nothing.
 
 use super::force_limit::{exceeds_f2, too_heavy};
 use super::slip::{is_loading, slips_grossly, turns, uses_up};
@@ -12,24 +12,23 @@ use crate::perception::{FingerPercept, Percept};
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::{ModuleId, SensorBit};
 
-/// How long a table may take the hand back before that means refusing the object, s (ours: several times a latch of slip).
+/// Total time of backward motion that refuses the object, s (design choice: several slip latches).
 const BACK_MAX_S: f64 = 0.25;
-/// How far the hand must have carried its object for [`SensorBit::LIFTED`], m (ours: more than an object may slip).
+/// Carried distance for [`SensorBit::LIFTED`], m (design choice: more than an object may slip).
 const LIFTED_M: f64 = 0.003;
-/// How long friction must have been spare for [`SensorBit::SPARE`], s (ours: one window of dF_t).
+/// Duration of low utilisation for [`SensorBit::SPARE`], s (design choice: one window of dF_t).
 const SPARE_S: f64 = 0.1;
 
-/// What the sensor bits remember, and how long the hand was taken back.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BehaviourTable {
-    /// Per finger, whether it uses too much of its friction, and whether it turns, both with hysteresis.
+    /// Per side, with hysteresis: excessive utilisation, and turning.
     slipping: [bool; VIRTUAL_FINGERS],
     turning: [bool; VIRTUAL_FINGERS],
-    /// Time until [`SensorBit::SLIPPING`] may end, s.
+    /// Remaining time of [`SensorBit::SLIPPING`], s.
     latch_s: f64,
     above_f2: bool,
-    /// How long every finger has had friction to spare, s.
+    /// Duration of low utilisation on every side, s.
     spare_s: f64,
     back_s: f64,
 }
@@ -70,7 +69,7 @@ impl Module for BehaviourTable {
 }
 
 impl BehaviourTable {
-    /// Takes in one tick, for those bits that remember.
+    /// Updates the sensor bits that have state.
     fn feel(&mut self, percept: &Percept, context: &Context<'_>) {
         let settings = &context.settings.grasp;
         let (_, strongest_n) = force_range_n(percept);

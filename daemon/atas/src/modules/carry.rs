@@ -1,13 +1,14 @@
-//! Carry: moves the hand along the path of the present step, at the speed that the other modules tolerate.
+//! Carry: moves the hand along the path of the present step, at the speed that the other modules
+//! tolerate.
 //!
-//! The paper's robot lifts, conveys and lowers between its tactile behaviours without naming a module for it; here it
-//! is one proposal among the others, so that slip can slow it down.
+//! The paper's robot lifts, conveys and lowers without naming a module for it. As a proposal, this
+//! motion can be slowed by slip.
 
 use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::perception::Percept;
 use shm_schemas::ModuleId;
 
-/// How far along its path the hand is, s of path time.
+/// Position of the hand along its path, s of path time.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Carry {

@@ -1,16 +1,15 @@
-//! Contact guard (ours): the hand that moves freely towards an object expects to touch nothing. What it touches all the same
-//! turns it back the way it came, before the arm pushes the thing over.
-//!
-//! Only fingertips feel: what an arm or the back of a finger hits is not noticed.
+//! Contact guard (not in the paper): turns the hand back when a fingertip touches something during
+//! free approach. Contacts elsewhere on the arm or hand go undetected.
 
 use super::{Context, Module, Proposal, Verdict};
 use crate::perception::Percept;
 use shm_schemas::{Cause, ModuleId, Reason};
 
-/// Multiple of the touch threshold that turns the hand back (ours): noise that a slow approach shrugs off must not end a goal.
+/// Multiple of the touch threshold that turns the hand back (design choice: lower values let noise
+/// end a goal).
 const TOUCH_FACTOR: f64 = 2.0;
 
-/// The module has no memory: a touch is a touch.
+/// Stateless module.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ContactGuard;

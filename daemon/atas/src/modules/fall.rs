@@ -1,20 +1,20 @@
-//! Whether what hangs in the hand falls: then the hand carries less than it did just before. It needs no friction
-//! coefficient, so it holds where a poor sensor reads a wrong one.
+//! Drop detector: detects a sudden decrease of the load of a suspended object, without a friction
+//! coefficient.
 
-/// Fall of the load that means falling: share, and least, N (ours: well beyond what a trembling hand makes of it).
+/// Decrease that counts as dropping: share, and minimum in N (design choice: well above hand
+/// vibration).
 const FALL_SHARE: f64 = 0.04;
 const FALL_FLOOR_N: f64 = 0.02;
-/// How many standard deviations of its own scatter that must be besides (ours: at 3.5 the noise of light objects falls once
-/// in ten holds).
+/// Standard deviations of its scatter that the decrease must exceed (design choice: at 3.5, light
+/// objects give a false alarm in one of ten holds).
 const SCATTER_MARGIN: f64 = 4.5;
-/// Time constant over which the load is felt, s (ours: a few frames of noise).
+/// Time constant of the present load, s (design choice: a few frames of noise).
 const FELT_S: f64 = 0.02;
-/// Time constant with which another load is believed, s (ours: a fall is over by then, one way or the other).
+/// Time constant of the reference load, s (design choice: longer than a drop).
 const BELIEVED_S: f64 = 0.7;
-/// Time from when it hangs until its load is known, s (ours: what a tug shakes).
+/// Time until the load is known, s (design choice: swing after a pull-back).
 const SETTLING_S: f64 = 0.3;
 
-/// The load of a hand that carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fall {
@@ -26,16 +26,16 @@ pub(super) struct Fall {
 struct Load {
     felt_n: f64,
     believed_n: f64,
-    /// Variance of the one around the other while nothing falls, N².
+    /// Variance of the present load around the reference while nothing drops, N².
     scatter_n2: f64,
-    /// How long it has hung, s.
+    /// Time since the object is suspended, s.
     hung_s: f64,
     falling: bool,
 }
 
 impl Fall {
-    /// Takes in the vertical load, N, after so much sensor time, s; `None` while nothing hangs. True while it falls; what the
-    /// hand itself has shaken does not begin to.
+    /// Updates with the vertical load, N, and the sensor time, s; `None` without a suspended
+    /// object. Returns true while it drops; a drop cannot start while the hand shakes it.
     pub(super) fn follow(&mut self, down_n: Option<f64>, shaken: bool, step_s: f64) -> bool {
         let Some(down_n) = down_n else {
             self.load = None;
@@ -62,7 +62,7 @@ impl Load {
 
     fn follow(&mut self, down_n: f64, step_s: f64) {
         self.hung_s += step_s;
-        // As long as it has not hung for a whole time constant, all that was felt counts alike.
+        // During the first time constant, all samples count equally.
         let hung_s = self.hung_s;
         let share = |filter_s: f64| step_s / (filter_s.min(hung_s) + step_s);
         self.felt_n += (down_n - self.felt_n) * share(FELT_S);
@@ -85,7 +85,7 @@ impl Load {
 mod tests {
     use super::*;
 
-    /// After a second at 2 N, how many of the next 200 ms fall.
+    /// Returns the number of dropping ticks within 200 ms, after one second at 2 N.
     fn falls(shaken: bool, load_n: impl Fn(usize) -> f64) -> usize {
         let mut fall = Fall::default();
         for tick in 0..1000 {
@@ -113,8 +113,7 @@ mod tests {
         assert!(!Fall::default().follow(None, false, 1e-3));
     }
 
-    /// A sponge in front of fingertips of twice the usual noise: what is felt scatters by a tenth of its weight, and would
-    /// fall in one hold of ten if it had to scatter more than 3.5 times as much as usual.
+    /// Sponge at twice the usual sensor noise: the load scatters by a tenth of the weight.
     #[test]
     fn the_noise_of_a_light_object_does_not_fall() {
         let falls_in = |seed: u64| {

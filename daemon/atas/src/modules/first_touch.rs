@@ -1,17 +1,17 @@
-//! Module 1, first touch (paper II.b (1)): "if the grasping force reaches threshold of minimum grasping force F_1 when
-//! it first touches the object, the grasping force enhancement behavior is stopped (F_n > F_1)".
+//! Module 1, first touch (paper II.b (1)): "if the grasping force reaches threshold of minimum
+//! grasping force F_1 when it first touches the object, the grasping force enhancement behavior is
+//! stopped (F_n > F_1)".
 //!
-//! Transition every finger has touched, each finger closes at the approach speed (paper: 2 mm/s), stops at its own first
-//! touch and waits for the other. Then all fingers close until the weakest presses more than F_1. An object that the
-//! hand carries already is not touched for the first time: what is left to do is to keep in touch with it. The module is
-//! active while it enhances.
+//! Each side closes at the approach speed (paper: 2 mm/s), stops at its own first touch and waits
+//! for the other. Then both close until the weaker side exceeds F_1. For an object that is already
+//! carried, the module only maintains contact. It is active while it closes.
 
 use super::{Context, Module, Proposal, Roles, force_range_n};
 use crate::perception::Percept;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
-/// The module has no memory: what the fingers feel decides.
+/// Stateless module.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FirstTouch;

@@ -1,9 +1,9 @@
-//! Follow (ours, not in the paper): leads the hand after the targets that a client streams.
+//! Teleoperation (not in the paper): tracks the targets that a client streams.
 //!
-//! Between two targets the hand moves within limits of speed, acceleration and jerk ([`crate::follow`]); without one, or while
-//! the fingers take hold, it brakes. It is one proposal among the others: while it moves the hand, slip slows it down, and
-//! what the fingers do on an object is theirs to say. While they are free they open as the client wants, and what a fingertip
-//! touches is not pressed: the way into it is cut off.
+//! The hand moves within limits of speed, acceleration and jerk ([`crate::teleop`]). It brakes
+//! without a target and while the fingers close. Slip can slow it, and other modules control the
+//! grip. Free fingers open to the requested width; a touched fingertip blocks motion into the
+//! contact.
 
 use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::follow::{Follower, Speeds};
@@ -12,21 +12,21 @@ use nalgebra::Vector3;
 use robot_model::GraspFrame;
 use shm_schemas::ModuleId;
 
-/// Share of a contact's force along a coordinate from which on moving along it counts as moving into the contact (ours: 17°).
-/// Cut off coordinate by coordinate, the hand stays between where it is and its target, so within every box that has both.
+/// Share of a contact force along a coordinate that blocks this coordinate (design choice: 17°).
+/// Blocking single coordinates keeps the hand between its pose and its target, hence within every
+/// box that contains both.
 const ALONG_SHARE: f64 = 0.3;
 
-/// Rise of what is held up to which the hand moves as slowly as a lift does, m (ours: its support has let go of it by then, and
-/// the fingers have found the force that it needs).
+/// Rise at lifting speed, m (design choice: the object has then left its support and the grip is
+/// established).
 const PROVED_M: f64 = 0.005;
 
-/// How the hand moves, and how far it has proved its grip.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Follow {
-    /// `None` while the hand stands.
+    /// `None` while the hand is at rest.
     follower: Option<Follower>,
-    /// Height at which it took hold, m; `None` while the fingers are free.
+    /// Height at which the grip began, m; `None` while the fingers are free.
     held_from_m: Option<f64>,
     proved: bool,
 }
@@ -78,7 +78,7 @@ impl Module for Follow {
 }
 
 impl Follow {
-    /// Highest speed of the hand now, m/s. What was just taken hold of goes slowly until it has left its support.
+    /// Returns the highest hand speed, m/s: lifting speed until the object has left its support.
     fn speed_m_s(&mut self, free: bool, context: &Context<'_>) -> f64 {
         let settings = context.settings;
         let height_m = context.frame.centre_m.z;
@@ -97,7 +97,7 @@ impl Follow {
     }
 }
 
-/// The same pose, but not farther into what presses a fingertip.
+/// Returns the target pose without motion into touched fingertips.
 fn clear_of_contacts(wanted: GraspFrame, percept: &Percept, context: &Context<'_>) -> GraspFrame {
     let now_m = context.frame.centre_m;
     let mut centre_m = wanted.centre_m;

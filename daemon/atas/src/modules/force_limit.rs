@@ -1,8 +1,10 @@
-//! Module 3, force limit (paper II.b (1)): "if grasping force exceeds threshold of maximum grasping force F_2, grasping
-//! force enhancement is immediately stopped to prevent crushing the object (F_n > F_2)".
+//! Module 3, force limit (paper II.b (1)): "if grasping force exceeds threshold of maximum grasping
+//! force F_2, grasping force enhancement is immediately stopped to prevent crushing the object (F_n
+//! > F_2)".
 //!
-//! What counts is what the skin says or what the joints bear, whichever is more. Above `relieve_at`·F_2 of both it opens slowly, above
-//! F_2 itself where the goal has told what the object bears. What slides out of every finger although they press with F_2 is refused.
+//! The compared force is the larger of tactile and joint-estimated force. Above `relieve_at`·F_2 of
+//! both, the fingers open slowly; above F_2 if the goal sets the force limit. An object that slips
+//! on every side at F_2 is refused.
 
 use super::{Context, Module, Proposal, Verdict, force_range_n};
 use crate::filter::low_pass;
@@ -11,19 +13,18 @@ use crate::thresholds::Bound;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::{ModuleId, Reason};
 
-/// Share of F_2 below which the module becomes inactive again (ours: wider than the force noise, so it does not flicker).
+/// Share of F_2 that deactivates the module (design choice: wider than the force noise).
 pub(crate) const RELEASE_SHARE: f64 = 0.97;
-/// Time constant over which gross slip is judged, s (ours: its reading scatters by 3 % from frame to frame).
+/// Time constant of gross slip, s (design choice: the reading scatters by 3 % between frames).
 const GROSS_FILTER_S: f64 = 0.1;
 
-/// What the module remembers.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ForceLimit {
     active: bool,
-    /// Low-passed momentary utilisation of the finger that slips least.
+    /// Low-passed smallest momentary utilisation of the sides.
     gross: f64,
-    /// How long the object has slipped grossly at F_2, s.
+    /// Duration of gross slip at F_2, s.
     gross_s: f64,
 }
 
@@ -60,21 +61,20 @@ impl Module for ForceLimit {
     }
 }
 
-/// Why an object that needs more than F_2 is refused: the hand may not press harder, the object would give way, or the goal
-/// forbids it.
+/// Returns the reason to refuse an object that needs more than F_2.
 pub(super) fn too_heavy(strongest_n: f64, context: &Context<'_>) -> Reason {
     let thresholds = context.thresholds;
     Reason::limit(thresholds.exceeded(), strongest_n, thresholds.f2_n)
 }
 
-/// Whether the fingers press with more than F_2, with hysteresis.
+/// Returns whether the force exceeds F_2, with hysteresis.
 pub(super) fn exceeds_f2(strongest_n: f64, exceeded: bool, f2_n: f64) -> bool {
     strongest_n > if exceeded { RELEASE_SHARE * f2_n } else { f2_n }
 }
 
 impl ForceLimit {
-    /// True when every finger has slid at F_2 for so long that the object is on its way out of the hand; what has been proved to hang
-    /// in a grip as firm as this is not.
+    /// Returns true after every side has slipped at F_2 for `too_heavy_s`, except with a verified
+    /// grip.
     fn slides(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
         let settings = &context.settings.grasp;
         let least = percept

@@ -1,20 +1,19 @@
-//! From the list of modules to everything that must know all of them: their number, their names, their roles, their
-//! memories and their evaluation.
+//! Macro that generates the module count, names, roles, state and evaluation from one list.
 
-/// Declares the modules, each by its file and its type. The order carries no meaning.
+/// Declares the modules by file and type. The order has no effect.
 macro_rules! modules {
     ($($file:ident::$Type:ident,)*) => {
         /// Number of modules.
         pub const COUNT: usize = IDS.len();
 
-        /// The modules in the order of their proposals. The order carries no meaning.
+        /// Module names in the order of their proposals.
         pub const IDS: [shm_schemas::ModuleId; [$(stringify!($file)),*].len()] =
             [$(<$file::$Type as Module>::ID),*];
 
-        /// What the rules of tasks must know of each, in the same order.
+        /// Roles in the order of `IDS`.
         pub const ROLES: [Roles; COUNT] = [$(<$file::$Type as Module>::ROLES),*];
 
-        /// The modules of one hand, with their memories.
+        /// State of all modules of one hand.
         #[derive(Clone, Copy, Debug, Default)]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct Modules {
@@ -22,7 +21,7 @@ macro_rules! modules {
         }
 
         impl Modules {
-            /// Evaluates every selected module; the others propose nothing.
+            /// Evaluates every selected module; the others return an empty proposal.
             pub fn evaluate(
                 &mut self,
                 selection: Selection,
@@ -36,12 +35,12 @@ macro_rules! modules {
                 }),*]
             }
 
-            /// Forgets the present object.
+            /// Resets all modules.
             pub fn reset(&mut self) {
                 *self = Self::default();
             }
 
-            /// A new step begins: what moves the hand, or waits for the end of the step, starts afresh.
+            /// Resets the modules whose role is `forgets_each_step`.
             pub fn restart_step(&mut self) {
                 $(if <$file::$Type as Module>::ROLES.forgets_each_step {
                     self.$file = $file::$Type::default();
@@ -68,7 +67,7 @@ mod tests {
             IDS.iter().all(|id| id.0 < u32::BITS),
             "a selection has a bit for each"
         );
-        // What follows a stream has no path that a step could begin: it goes on from where it is, as fast as it is.
+        // Teleoperation has no path and continues its motion across steps.
         let walks =
             |id: ModuleId, roles: crate::modules::Roles| roles.moves_hand && id != ModuleId::FOLLOW;
         let movers = IDS

@@ -1,14 +1,15 @@
-//! Proof of the lift (ours, not in the paper): whether what the hand lifts hangs or still stands.
+//! Lift verification (not in the paper): detects whether a lifted object is suspended or still
+//! stands.
 //!
-//! Forces alone cannot tell: an object that slides evenly through the fingers loads them as steadily as one that hangs. So
-//! once the hand has travelled far enough for anything that it holds to have left its support, it tugs back a little. An
-//! object that hangs keeps its load; one that still stands gives it back to its support. Then the fingers press harder
-//! and the hand tries again; where they already press with F_2, the object is refused as too heavy.
+//! Forces alone do not show this: a uniformly slipping object gives the same steady load as a
+//! suspended one. After enough travel for any held object to leave its support, the hand pulls back
+//! slightly. A suspended object keeps its load; a standing one transfers it to the support. The
+//! fingers then close further and the lift is repeated. At F_2, the object is refused as too heavy.
 //!
-//! What hangs at once is tried a second time, because nothing is known of its friction but what the sensor says: there, just
-//! above its support, where a slip costs a millimetre, the hand waits until the grip is as gentle as it gets, and tugs again.
-//! What falls meanwhile, or stands then, is gripped harder. This is how a grip is found that does not depend on the reading of
-//! a friction coefficient.
+//! The friction of an object that is suspended at first is known only from the sensor. Just above
+//! the support, where a slip costs a millimetre, the hand minimises the grip and pulls back again.
+//! If the object drops or stands, the grip is increased. The resulting grip does not depend on a
+//! friction reading.
 
 use super::fall::Fall;
 use super::force_limit::too_heavy;
@@ -19,74 +20,69 @@ use crate::perception::Percept;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
-/// How far the tug goes back, m (ours: beyond what the rim of a patch stretches, well below what was lifted before).
+/// Pull-back distance, m (design choice: more than the elastic stretch of a patch rim, less than
+/// the lift).
 const TUG_M: f64 = 0.0004;
-/// Share of the load that an object must keep during the tug to count as hanging (ours).
+/// Share of the load that a suspended object keeps during the pull-back (design choice).
 const HANGING_SHARE: f64 = 0.6;
-/// Load below which a tug tells nothing, N (ours: the noise of two fingertips).
+/// Load below which a pull-back gives no result, N (design choice: noise of two fingertips).
 const LOAD_FLOOR_N: f64 = 0.03;
 
-/// Frames that must have come since the hand is back that far: the first may have been sensed before (ours).
+/// Frames required after the pull-back; the first may be older (design choice).
 const FRAMES: u32 = 2;
 
-/// Opening speed of a finger below which the grip is as gentle as it gets, m/s, and how long it must be, s (ours: longer than
-/// a grip must be steady before it is relaxed).
+/// Finger speed, m/s, and its duration, s, that end grip minimisation (design choice: longer than
+/// the steady time of grip relaxation).
 const STILL_M_S: f64 = 0.0002;
 const STILL_S: f64 = 0.3;
-/// Longest time that the gentlest grip is waited for, s (ours).
+/// Timeout of grip minimisation, s (design choice).
 const TRY_MAX_S: f64 = 3.0;
 
-/// What the module remembers of one lift.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct LoadTest {
     phase: Phase,
-    /// The gentlest grip has been tried, or will not be: the next proof is the last.
+    /// Grip minimisation is done or skipped; the next success is final.
     tried: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Phase {
-    /// The lift has not begun.
     #[default]
     Ready,
-    /// The hand travels until it has carried the object this far, m.
+    /// The hand travels until this carried distance, m.
     Travelling(f64),
-    /// The hand tugs back.
     Tugging(Tug),
-    /// It hangs: the hand waits until the grip has been relaxed.
+    /// The object is suspended; the hand waits for the minimum grip.
     Trying(Trying),
-    /// It stands: the fingers press until the weakest has this force, N.
+    /// The object stands; the fingers close until the weaker side reaches this force, N.
     Pressing(f64),
-    /// It hangs.
     Hangs,
 }
 
-/// The gentlest grip being found.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Trying {
-    /// How far the hand carries it before, m: it has sunk during the tug.
+    /// Carried distance to restore after the pull-back, m.
     from_m: f64,
-    /// How long the fingers have been still, and how long it has lasted, s.
+    /// Time without finger motion and total time, s.
     still_s: f64,
     total_s: f64,
-    /// Its load since it hangs.
+    /// Load since the object is suspended.
     fall: Fall,
 }
 
-/// One tug.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Tug {
-    /// Where it began, m of carrying.
+    /// Carried distance at its start, m.
     from_m: f64,
     /// Load before it, N.
     load_n: f64,
-    /// Least load since, N.
+    /// Smallest load since, N.
     least_n: f64,
-    /// Frames since the hand is back far enough.
+    /// Frames since the pull-back distance was reached.
     frames: u32,
 }
 
@@ -126,7 +122,7 @@ impl Module for LoadTest {
 }
 
 impl LoadTest {
-    /// Goes on to the next phase; true in the tick in which a tug finds that the object stands.
+    /// Advances the phase; true in the tick in which the object stands or drops.
     fn follow(
         &mut self,
         percept: &Percept,
@@ -182,7 +178,6 @@ impl Trying {
         self.total_s > 0.0 || carried_m > self.from_m
     }
 
-    /// Whether the fingers have found the gentlest grip.
     fn is_over(&mut self, context: &Context<'_>) -> bool {
         if !self.has_begun(context.carried_m) {
             return false;
@@ -208,7 +203,7 @@ impl Tug {
         }
     }
 
-    /// Whether the object hangs, once the hand is back far enough and has felt it there.
+    /// Returns whether the object is suspended, after enough frames.
     fn hangs(&mut self, percept: &Percept, carried_m: f64) -> Option<bool> {
         let load_n = load_n(percept);
         if load_n < self.least_n {

@@ -1,30 +1,32 @@
-//! The program modules of the paper (section II, Fig. 4): one file each, in parallel, without priority.
+//! Program modules of the paper (section II, Fig. 4): one file each, evaluated in parallel without
+//! priority.
 //!
-//! In: what the hand feels ([`crate::perception::Percept`]) and what it is about ([`Context`]). Out: one [`Proposal`] per module. Every
-//! module says from sensor information whether it is active and what it would do; none knows of another, and the order
-//! of the list means nothing ([`crate::arbitration`] merges by rules that do not depend on it). That is what separates
-//! ATAS from subsumption.
+//! Inputs: the tactile state of the hand ([`crate::perception::Percept`]) and its [`Context`].
+//! Output: one [`Proposal`] per module. Every module decides from sensor information whether it is
+//! active. No module depends on another, and the order of the list has no effect:
+//! [`crate::arbitration`] merges the proposals by order-independent rules. This distinguishes ATAS
+//! from subsumption.
 //!
-//! A new module is a file here, its name in [`ModuleId`](shm_schemas::ModuleId), its line in the list below, and the task
-//! that has it: `CONTRIBUTING.md` shows one.
+//! A new module needs a file here, its name in [`ModuleId`](shm_schemas::ModuleId), an entry in the
+//! list below, and a task that selects it. `CONTRIBUTING.md` shows an example.
 //!
 //! | file | module | paper |
 //! |---|---|---|
-//! | `first_touch` | 1: enhance until F_n > F_1 | II.b (1) |
-//! | `slip` | 2: enhance while slipping, dF_t > dr | II.b (1) |
-//! | `force_limit` | 3: never enhance above F_2 | II.b (1) |
-//! | `relax` | gives back force that friction does not need | ours |
-//! | `load_test` | tugs back once in a lift: does the object hang? | ours |
-//! | `probe` | stiffness within 100 ms of the first touch, refined while the force grows | II.b (1) |
-//! | `contact_guard` | turns back what touches something on its way | ours |
-//! | `carry` | moves the hand along the step's path | II.b (1), (3) |
-//! | `trajectory` | 0: the square trajectory, and what contact makes of it | II.b (2) |
-//! | `terminate_screw` | 4: concludes screwing at dF_t > 1.4 dF_max | II.b (2) |
+//! | `first_touch` | 1: closes until F_n > F_1 | II.b (1) |
+//! | `slip` | 2: increases force while slipping, dF_t > dr | II.b (1) |
+//! | `force_limit` | 3: stops closing above F_2 | II.b (1) |
+//! | `relax` | reduces force that friction does not need | – |
+//! | `load_test` | pulls back during a lift to detect whether the object is suspended | – |
+//! | `probe` | measures stiffness for 100 ms after first touch, then refines it | II.b (1) |
+//! | `contact_guard` | turns the hand back on unexpected contact | – |
+//! | `carry` | moves the hand along the path of the step | II.b (1), (3) |
+//! | `trajectory` | 0: square trajectory, adapted to contact | II.b (2) |
+//! | `terminate_screw` | 4: ends screwing at dF_t > 1.4 dF_max | II.b (2) |
 //! | `transfer` | 0': conveys and sets down | II.b (3) |
-//! | `release_placed` | 4: concludes placing on upward force | II.b (3) |
-//! | `follow` | leads the hand after a client's targets | ours |
-//! | `behaviour_table` | fingers and hand as the row of the task's table says | III |
-//! | `slip_reaction` | a baseline to compare with; in no built-in task | Romano et al. 2011 |
+//! | `release_placed` | 4: ends placing on upward force | II.b (3) |
+//! | `teleop` | tracks the targets that a client streams | – |
+//! | `behaviour_table` | sets closing and path speed from the task's table | III |
+//! | `slip_reaction` | comparison baseline; in no built-in task | Romano et al. 2011 |
 
 mod behaviour_table;
 mod carry;
@@ -73,7 +75,7 @@ list::modules! {
 }
 
 impl Modules {
-    /// The hand was stopped: what moves it begins from rest.
+    /// Restarts motion from rest after the hand was stopped.
     pub fn halt(&mut self) {
         self.follow = follow::Follow::default();
         self.trajectory.halt();
@@ -81,7 +83,7 @@ impl Modules {
         self.release_placed.halt();
     }
 
-    /// Forgets the present object; what leads the hand goes on.
+    /// Resets all modules after the object is released, except teleoperation.
     pub fn let_go(&mut self) {
         let follow = core::mem::take(&mut self.follow);
         self.reset();

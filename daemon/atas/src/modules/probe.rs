@@ -1,17 +1,16 @@
-//! Stiffness probe (paper II.b (1)): "After the first touch during 100 msec, the robot measures the object's hardness.
-//! Based on the hardness, threshold F_2 is specified."
+//! Stiffness probe (paper II.b (1)): "After the first touch during 100 msec, the robot measures the
+//! object's hardness. Based on the hardness, threshold F_2 is specified."
 //!
-//! All fingers close at the approach speed for the probe's duration; the verdict is the fit, or, when the forces tell
-//! nothing, no verdict at all: the fingers stop and the step times out rather than guess. What 100 ms of light touch
-//! say of a hard object is uncertain, so the probe goes on listening: whenever the fingers press harder than ever
-//! before, the fit is refined and F_2 with it. What slips tells nothing: its faces move by more than they give.
+//! Both sides close at the approach speed. The verdict is the fit. Without usable forces there is
+//! none, so the fingers stop and the step times out. For a hard object the estimate is uncertain
+//! after 100 ms of light touch. Every later force maximum therefore refines the fit and F_2. Frames
+//! with slip are ignored: faces then move by more than their compression.
 
 use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
 use crate::perception::{Bearing, Percept, StiffnessEstimate, StiffnessFit};
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
-/// The samples so far.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Probe {
@@ -32,7 +31,7 @@ impl Module for Probe {
         self.elapsed_s += context.step_s;
         let done = self.elapsed_s >= settings.probe_s;
         self.listen(percept, context);
-        // An object that turns out rock-hard must not be pressed beyond F_2 while it is still being judged.
+        // Rigid objects must not be pressed beyond F_2 during the probe.
         let (_, strongest_n) = force_range_n(percept);
         let pressing = !done && strongest_n < context.thresholds.most_n(settings);
         Proposal {
@@ -48,7 +47,7 @@ impl Module for Probe {
 }
 
 impl Probe {
-    /// Takes in this tick's frame, and refines the fit if it tells something new.
+    /// Adds this tick's frame.
     fn listen(&mut self, percept: &Percept, context: &Context<'_>) {
         let slips = percept
             .virtual_fingers

@@ -1,4 +1,4 @@
-//! What a module is: what it may know, what it may propose, and what the rules of tasks must know of it.
+//! Interface of a module: its inputs, its proposal, and its roles in the rules of tasks.
 
 use crate::follow::Lead;
 use crate::path::Path;
@@ -10,101 +10,103 @@ use nalgebra::{Matrix3, Vector3};
 use robot_model::{Compression, GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{ModuleId, Reason};
 
-/// What a module may know besides what the hand feels.
+/// Inputs of a module other than the percept.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
-    /// Every tunable number.
+    /// Tunable parameters.
     pub settings: &'a Settings,
-    /// Time since the tick before, s.
+    /// Time since the previous tick, s.
     pub step_s: f64,
     /// F_1 and F_2 for the present object.
     pub thresholds: Thresholds,
-    /// Least force that each finger shall press with, N: F_1 at first touch, less once the object is carried.
+    /// Minimum normal force per grasp side, N: F_1 at first touch, less once the object is carried.
     pub least_n: f64,
-    /// Whether every finger has touched since the approach began.
+    /// Every side has touched since the approach began.
     pub all_touched: bool,
-    /// Total measured closing of the fingers since every finger touched, m.
+    /// Total measured closing since every side touched, m.
     pub closing_m: f64,
-    /// How far the fingertips give way to what presses them.
+    /// Compression of the fingertips under force.
     pub tips: Compression,
-    /// How far the hand has carried the object, m.
+    /// Distance over which the object was carried, m.
     pub carried_m: f64,
-    /// Whether nothing but the hand carries the object, as far as anybody has tested.
+    /// Only the hand carries the object, as far as verified.
     pub hangs: bool,
-    /// Whether it is tried how gently the object can be held: it hangs just above its support, where a slip costs nothing and
-    /// a test follows.
+    /// Lift verification minimises the grip, just above the support, where a slip is harmless.
     pub tries: bool,
-    /// Whether a test has proved that the object hangs, and the hand grips it no less firmly for its load than it did then: what the
-    /// pattern of forces says of slipping is no evidence against that.
+    /// The present ratio of grip force to load has passed lift verification. The force pattern is
+    /// then no evidence of slip.
     pub proved: bool,
-    /// The behaviour table of the task, if it has one.
+    /// Behaviour table of the task.
     pub table: Option<&'a BehaviourTable>,
-    /// The path of the present step.
+    /// Path of the present step.
     pub path: &'a Path,
-    /// Factor on the hand's speed along its path that arbitration allows now, −1 (back) to 1.
+    /// Arbitrated factor on the path speed, −1 (back) to 1.
     pub carry_scale: f64,
-    /// Closing speed of each virtual finger that arbitration made of the tick before, m/s.
+    /// Arbitrated closing speed of each grasp side in the previous tick, m/s.
     pub closing_m_s: [f64; VIRTUAL_FINGERS],
-    /// The commanded pose.
+    /// Commanded grasp pose.
     pub frame: &'a GraspFrame,
-    /// The closing axis as the hand stands, base frame, unit length: that of the pose, turned by what the wrist does for the fingertips.
+    /// Present closing axis, base frame, unit length, including the rotation of the wrist.
     pub closing_axis: Vector3<f64>,
-    /// Sense of turning, seen from above: 1 anticlockwise, −1 clockwise.
+    /// Direction of rotation, seen from above: 1 anticlockwise, −1 clockwise.
     pub turning: f64,
-    /// Whether the hand turns as a whole, by its wrist, where fingertips would pass each other.
+    /// The wrist rotates the whole hand, where fingertips would pass each other.
     pub turns_by_wrist: bool,
-    /// How far a step that lowers may go down from the end of its path, m; `None` in other steps.
+    /// Depth of a lowering step below the end of its path, m; `None` in other steps.
     pub lowering_m: Option<f64>,
-    /// What a client that leads the hand wants of it in this step; `None` to brake, and in every task that nobody leads.
+    /// Teleoperation target; `None` brakes.
     pub lead: Option<&'a Lead>,
-    /// Measured orientation of each fingertip: turns tip-frame forces into the base frame.
+    /// Rotation of each fingertip's frame into the base frame, measured.
     pub base_from_tip: &'a [Matrix3<f64>],
-    /// What the skin reports more than the joints bear, as a factor, at least 1. What opens the fingers must not trust the skin alone.
+    /// Ratio of tactile to joint-estimated force, ≥ 1. Limits opening when the skin reports too
+    /// much.
     pub overread: f64,
-    /// What the joints bear more than the skin reports, the same way. What presses must not trust the skin alone.
+    /// Ratio of joint-estimated to tactile force, ≥ 1. Limits closing when the skin reports too
+    /// little.
     pub underread: f64,
 }
 
-/// What one module would do now.
+/// Output of one module in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proposal {
-    /// Whether the module's condition holds.
+    /// The condition of the module holds.
     pub active: bool,
-    /// Closing speed that the module wants of each virtual finger, m/s; 0 for no wish, negative to open if nobody closes.
+    /// Requested closing speed of each grasp side, m/s; 0 for none, negative to open unless a
+    /// module closes.
     pub closing_m_s: [f64; VIRTUAL_FINGERS],
-    /// Highest closing speed that the module tolerates on each virtual finger, m/s; negative demands opening.
+    /// Highest tolerated closing speed of each grasp side, m/s; negative demands opening.
     pub closing_ceiling_m_s: [f64; VIRTUAL_FINGERS],
-    /// Highest factor on the hand's speed along its path that the module tolerates, −1 (back) to 1.
+    /// Highest tolerated factor on the path speed, −1 (back) to 1.
     pub carry_ceiling: f64,
-    /// Where the module wants the hand to be.
+    /// Requested pose of the hand.
     pub pose: Option<PoseCommand>,
-    /// What the module concludes.
+    /// Conclusion about the task.
     pub verdict: Verdict,
-    /// What it has found out about the object, for those who must know.
+    /// Evidence about the object.
     pub finding: Finding,
 }
 
-/// What a module has found out about the object in the hand, by evidence that needs no friction coefficient.
+/// Evidence about the held object, independent of friction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
-    /// It slides through the fingers.
+    /// It slips through the fingers.
     pub slides: bool,
-    /// Nothing but the hand carries it.
+    /// Only the hand carries it.
     pub hangs: bool,
-    /// It is to be held as gently as it can be now; whether that was too gentle is tested afterwards.
+    /// The grip is to be minimised, before a verification.
     pub tries: bool,
 }
 
-/// A wanted pose of the hand.
+/// Requested hand pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PoseCommand {
-    /// The pose.
+    /// Grasp pose.
     pub frame: GraspFrame,
-    /// Whether the pose includes the opening of the fingers; otherwise they keep what the closing speeds made.
+    /// The pose includes the finger opening, instead of the closing speeds.
     pub with_fingers: bool,
-    /// Whether the path has ended.
+    /// The path has ended.
     pub arrived: bool,
 }
 
@@ -112,14 +114,14 @@ pub struct PoseCommand {
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Verdict {
-    /// Nothing to conclude.
+    /// No conclusion.
     #[default]
     None,
-    /// The stiffness of the object.
+    /// Stiffness of the object.
     Stiffness(StiffnessFit),
-    /// What the step is for has happened.
+    /// The step has achieved its purpose.
     Done,
-    /// The object cannot be handled, because of this.
+    /// The object cannot be handled.
     Refuse(Reason),
 }
 
@@ -137,21 +139,21 @@ impl Default for Proposal {
     }
 }
 
-/// What a module does besides proposing speeds: what the rules of a task must know of it.
+/// Properties of a module that the rules of tasks check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Roles {
-    /// Says where the hand goes: a step that moves has exactly one such module.
+    /// Determines the hand pose. A step that moves has exactly one such module.
     pub moves_hand: bool,
-    /// Closes fingers by itself: a step that has it needs Module 3 as well.
+    /// Closes the fingers. The step then requires Module 3.
     pub closes_fingers: bool,
-    /// Ends a step by its verdict: Module 4.
+    /// Ends a step by its verdict (Module 4).
     pub concludes: bool,
-    /// Begins anew with every step; the others remember until the object is let go.
+    /// Resets at every step, not only after the release of the object.
     pub forgets_each_step: bool,
 }
 
 impl Roles {
-    /// None of them.
+    /// No roles.
     pub const NONE: Self = Self {
         moves_hand: false,
         closes_fingers: false,
@@ -162,16 +164,16 @@ impl Roles {
 
 /// One behaviour of the paper.
 pub trait Module {
-    /// Its name on the bus, in tasks and in events.
+    /// Name on the bus, in tasks and in events.
     const ID: ModuleId;
-    /// What the rules of a task must know of it.
+    /// Properties that the rules of tasks check.
     const ROLES: Roles = Roles::NONE;
 
-    /// Says from sensor information whether it is active and what it would do.
+    /// Evaluates the module from sensor information.
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal;
 }
 
-/// Smallest and largest normal force over the virtual fingers, N.
+/// Returns the smallest and largest normal force over the grasp sides, N.
 #[must_use]
 pub fn force_range_n(percept: &Percept) -> (f64, f64) {
     percept.virtual_fingers.iter().fold(
@@ -193,13 +195,14 @@ pub fn force_range_n(percept: &Percept) -> (f64, f64) {
     )
 }
 
-/// Tangential force that the virtual fingers carry together, N.
+/// Returns the total tangential force of the grasp sides, N.
 #[must_use]
 pub fn load_n(percept: &Percept) -> f64 {
     percept.virtual_fingers.iter().map(|f| f.tangential_n).sum()
 }
 
-/// Vertical force of the object on all fingers that grip, base frame, N; negative while the object hangs.
+/// Returns the vertical force of the object on all gripping fingertips, base frame, N; negative for
+/// a suspended object.
 #[must_use]
 pub fn force_up_n(percept: &Percept, base_from_tip: &[Matrix3<f64>]) -> f64 {
     percept

@@ -1,13 +1,13 @@
-//! Relax (ours, not in the paper): lets go of force that friction does not need.
+//! Grip relaxation (not in the paper): reduces force that friction does not need.
 //!
-//! The paper's grasp ends with a "suitable normal force that generated maximum static friction force"; modules 1 to 3
-//! alone can only ever add force. While the object hangs, its load is steady (dF_t < dr) and every finger uses less than
-//! `relax_below` of its friction, the fingers open slowly, the more slowly the nearer they are to it, and never below the
-//! least force of a grip, nor below the force, for the present load, at which opening made it necessary to press again.
+//! The paper's grasp ends with a "suitable normal force that generated maximum static friction
+//! force", but modules 1 to 3 only add force. The fingers open slowly while the object is
+//! suspended, its load is steady (dF_t < dr) and every side's utilisation is below `relax_below`.
+//! The force stays above the minimum grip force, and above the force-to-load ratio at which opening
+//! last caused closing.
 //!
-//! What a poor sensor says of friction may be wrong by more than a grip has to spare. So while the load test tries how gently
-//! what hangs just above its support can be held, the fingers open further, down to `TRY_BELOW`; the force that the test has
-//! proved is then the least.
+//! A poor sensor may misread friction by more than the grip's margin. In grip minimisation, the
+//! fingers therefore open down to `TRY_BELOW`. The verified force is then the minimum.
 
 use super::slip::STEADY_SHARE;
 use super::{Context, Module, Proposal, force_range_n, load_n};
@@ -17,71 +17,67 @@ use crate::perception::{FingerPercept, Percept};
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
-/// Multiple of the least force down to which the module relaxes: a little above, so that Module 1 need not answer (ours).
+/// Factor above the minimum force at which opening stops (design choice: keeps Module 1 inactive).
 const LEAST_MARGIN: f64 = 1.1;
-/// Spare utilisation from which on it opens at full speed (ours: a tenth of the friction is a tenth of the force).
+/// Utilisation margin above which opening runs at full speed (design choice).
 const SPARE_FULL: f64 = 0.1;
-/// How many standard deviations noise may have added to the remembered friction (ours): it is the highest of many
-/// readings, each of the elements that read highest.
+/// Standard deviations of sensor noise subtracted from the remembered friction, which is a maximum
+/// of many readings (design choice).
 const DOUBT: f64 = 2.2;
-/// Share of the elements' disagreement that may have been added to the remembered friction (ours): it is read from those
-/// that report most. At 0.3 objects slip out of a skin with 5 % crosstalk.
+/// Share of the element scatter subtracted from the remembered friction, for the same reason
+/// (design choice). At 0.3, objects slip with 5 % crosstalk.
 const SCATTER_SHARE: f64 = 0.8;
-/// Time constant over which the utilisation is judged, s (ours: it only ever opens, so it must not follow single readings).
+/// Time constant of the utilisation, s (design choice: rejects single readings).
 const FILTER_S: f64 = 0.1;
 const FORCE_FILTER_S: f64 = 0.03;
-/// How long everything must have been steady before it opens, s (ours: two windows of dF_t are not).
+/// Time without disturbance before opening, s (design choice: longer than two windows of dF_t).
 const SETTLE_S: f64 = 0.1;
-/// Utilisation down to which a grip is relaxed where a slip costs nothing and a test follows (ours).
+/// Utilisation limit of grip minimisation (design choice).
 const TRY_BELOW: f64 = 0.96;
-/// Share of the moment that friction could carry beyond which it is not (ours: below where Module 2 answers; at 0.42 objects
-/// have turned by 12°).
+/// Torsion ratio that ends opening in grip minimisation (design choice: below the threshold of
+/// Module 2; at 0.42 objects have turned by 12°).
 const TRY_TORSION: f64 = 0.35;
-/// Share of it below which it begins to open (ours): like the two that follow, less by more than a trembling hand changes it, so
-/// that what has ended does not begin again.
+/// Torsion ratio below which opening starts (design choice: hysteresis against hand vibration).
 const BEGIN_TORSION: f64 = 0.33;
-/// Spare utilisation, and low-passed share of the force that is more than the least, above which it begins to open (ours).
+/// Utilisation margin and filtered excess force above which opening starts (design choice:
+/// hysteresis).
 const BEGIN_SPARE: f64 = 0.025;
 const BEGIN_ABOVE: f64 = 0.05;
-/// How long after it opened pressing is blamed on it, s (ours).
+/// Time after opening in which closing is attributed to it, s (design choice).
 const BLAME_S: f64 = 0.5;
-/// Momentary utilisation above which a patch is sheared so much alike that it does not open (ours).
+/// Momentary utilisation above which the shear is too uniform to open (design choice).
 const ALIKE_BELOW: f64 = 0.9;
-/// Multiple of the force, for the load of then, at which pressing was last necessary: never below (ours).
+/// Margin factor on the force-to-load ratio at the last slip (design choice).
 const REMEMBERED_MARGIN: f64 = 1.04;
-/// Time constant over which the disagreement of elements is felt, s (ours: most of a lift's pressing).
+/// Time constant of the element scatter, s (design choice: most of the closing during a lift).
 const SCATTER_S: f64 = 0.3;
-/// Load below which nothing hangs, N (ours: the noise of two fingertips).
+/// Load below which no object is suspended, N (design choice: noise of two fingertips).
 const LOAD_FLOOR_N: f64 = 0.03;
 
-/// What the module remembers.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Relax {
-    /// Low-passed utilisation of the finger that uses most of its friction; `None` while it is unknown.
+    /// Low-passed largest utilisation of the sides; `None` while unknown.
     utilisation: Option<f64>,
-    /// Low-passed share of the weakest finger's force that is more than the least.
+    /// Low-passed excess force of the weakest side, as a share.
     above: f64,
-    /// Low-passed share of the moment of the finger that carries most of its own.
+    /// Low-passed largest torsion ratio of the sides.
     torsion: f64,
-    /// How long everything has been steady, s.
+    /// Time without disturbance, s.
     steady_s: f64,
-    /// Whether it opened in the tick before.
     active: bool,
-    /// Time for which pressing is still blamed on its opening, s.
+    /// Remaining attribution time, s.
     blame_s: f64,
-    /// Whether the fingers closed in the tick before.
     pressing: bool,
-    /// Largest force over load at which they began to, while the object hung: there it slipped, whatever a poor sensor says of
-    /// its friction.
+    /// Largest force-to-load ratio at which closing restarted on a suspended object: it slipped
+    /// there, regardless of the friction reading.
     slipped_at: f64,
-    /// Force over load of the gentlest grip that a test has proved, and whether one is being tried.
+    /// Gentlest verified force-to-load ratio, and whether a minimisation awaits verification.
     proved_at: f64,
     tries: bool,
-    /// How far elements disagree, low-passed, as it was before it opened: what lets go of a patch at its rim makes them
-    /// disagree as well.
+    /// Low-passed element scatter before the first opening; opening unloads the rim of the patch
+    /// and adds scatter.
     scatter: f64,
-    /// Whether it has ever opened.
     opened: bool,
 }
 
@@ -119,7 +115,6 @@ impl Module for Relax {
 }
 
 impl Relax {
-    /// Notes the force, for its load, that a test has just proved.
     fn prove(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
         self.tries |= context.tries;
         if context.hangs && self.tries && load_n > LOAD_FLOOR_N {
@@ -127,7 +122,7 @@ impl Relax {
         }
     }
 
-    /// Notes the force, for its load, at which the fingers begin to press although the object hangs.
+    /// Stores the force-to-load ratio when closing starts on a suspended object.
     fn remember(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
         let pressing = context.closing_m_s.iter().any(|closing| *closing > 0.0);
         let begins = pressing && !self.pressing;
@@ -143,7 +138,7 @@ impl Relax {
         }
     }
 
-    /// Counts how long the load has not changed, nothing has slid and nobody has pressed.
+    /// Updates the time without load change, slip or closing.
     fn settle(&mut self, percept: &Percept, context: &Context<'_>) {
         let dr_n = context.settings.grasp.dr_n;
         let calm = |finger: &FingerPercept| {
@@ -162,7 +157,7 @@ impl Relax {
         };
     }
 
-    /// Share of the force that is more than a grip needs at least, for all that is known without friction; low-passed as well.
+    /// Returns the low-passed share of the force above the minimum known without friction.
     fn above_least(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) -> f64 {
         let remembered_n = (REMEMBERED_MARGIN * self.slipped_at).max(self.proved_at) * load_n;
         let least_n = (LEAST_MARGIN * context.least_n).max(remembered_n);
@@ -175,7 +170,7 @@ impl Relax {
         self.above
     }
 
-    /// Share of the utilisation that may still be used up; nothing while it is unknown.
+    /// Returns the margin to the utilisation limit; zero if unknown.
     fn spare(&mut self, percept: &Percept, context: &Context<'_>) -> f64 {
         let below = if context.tries {
             TRY_BELOW
@@ -188,7 +183,7 @@ impl Relax {
         })
     }
 
-    /// Whether a patch carries so much of the moment that friction could that what is tried would turn.
+    /// Returns whether further opening would turn the object.
     fn turns(&mut self, percept: &Percept) -> bool {
         let fingers = &percept.virtual_fingers;
         let most = fingers.iter().fold(0.0, |most: f64, f| most.max(f.torsion));
@@ -201,7 +196,6 @@ impl Relax {
         self.torsion > limit
     }
 
-    /// Low-passes what the elements disagree about.
     fn listen(&mut self, percept: &Percept) {
         let fingers = &percept.virtual_fingers;
         let squares: f64 = fingers.iter().map(|f| f.scatter * f.scatter).sum();
@@ -209,7 +203,7 @@ impl Relax {
         self.scatter = low_pass(self.scatter, now, percept.step_s, SCATTER_S);
     }
 
-    /// The low-passed utilisation, while every finger knows its own.
+    /// Returns the low-passed utilisation, if known for every side.
     fn watch(&mut self, percept: &Percept, context: &Context<'_>) -> Option<f64> {
         let step_s = context.step_s;
         let fingers = &percept.virtual_fingers;
@@ -233,8 +227,8 @@ impl Relax {
     }
 }
 
-/// Utilisation if the friction is as much less than remembered as noise may have added to it. A patch that is sheared and
-/// turned at once has the friction of an ellipse of both (limit surface of R. D. Howe and M. R. Cutkosky, 1996).
+/// Returns the utilisation with the friction reduced by its possible error. Shear and rotation
+/// combine on an elliptic limit surface (R. D. Howe and M. R. Cutkosky, 1996).
 fn doubtful_utilisation(finger: &FingerPercept, scatter: f64) -> f64 {
     let friction = finger.friction.max(FRICTION_FLOOR);
     let least =

@@ -1,13 +1,15 @@
-//! Module 4, placing (paper II.b (3)): "releases the object when the tactile sensors catch the upward tangential force.
-//! If the robotic hand feels upward tangential force while moving down, the object's bottom has touched a table or a
-//! floor. In this module, the upward tangential force induces opening the hand."
+//! Module 4, placing (paper II.b (3)): "releases the object when the tactile sensors catch the
+//! upward tangential force. If the robotic hand feels upward tangential force while moving down,
+//! the object's bottom has touched a table or a floor. In this module, the upward tangential force
+//! induces opening the hand."
 //!
-//! The vertical force of the object on all fingertips, in the base frame, is held against a reference that follows it
-//! slowly. After the descent has settled, a rise of `place.rise_n`, of `place.rise_share` of the held weight, or of what
-//! noise and tremble have been seen to do, whichever is most, concludes the step when it lasts for `place.rise_s`: three
-//! frames of a fast sensor, one of a slow one.
+//! The vertical force of the object on all fingertips, base frame, is compared with a slowly
+//! adapting reference. After the descent has settled, a rise above the limit for `place.rise_s`
+//! ends the step: three frames of a fast sensor, or one of a slow one. The limit is the largest of
+//! `place.rise_n`, `place.rise_share` of the held weight, and a multiple of the measured scatter.
 //!
-//! What was stopped on its way swings, which feels like a support and hides one: the hand waits until that is over.
+//! A stop makes the object swing, which imitates or hides a support. The hand waits until the swing
+//! has ended.
 
 use super::{Context, Module, Proposal, Roles, Verdict, force_up_n};
 use crate::perception::Percept;
@@ -15,16 +17,17 @@ use shm_schemas::ModuleId;
 
 /// Time constant of the reference while the descent settles, s (prototype: 50 ms).
 const SETTLING_FILTER_S: f64 = 0.05;
-/// Time constant of the reference afterwards, s (prototype: 500 ms; faster would follow a slow landing).
+/// Time constant of the reference afterwards, s (prototype: 500 ms). A shorter one would follow a
+/// slow landing.
 const REFERENCE_FILTER_S: f64 = 0.5;
-/// Time constant over which the scatter is measured, s (ours: several periods of a hand's tremble).
+/// Time constant of the scatter, s (design choice: several periods of hand vibration).
 const SCATTER_FILTER_S: f64 = 0.5;
-/// How many standard deviations of that scatter are no rise yet (ours: once in some ten thousand frames).
+/// Standard deviations of the scatter that are ignored (design choice: one false alarm in about ten
+/// thousand frames).
 const SCATTER_MARGIN: f64 = 4.0;
-/// How long a load swings after the hand was stopped on its way, s (ours).
+/// Swing time of a load after a stop, s (design choice).
 const SHAKEN_S: f64 = 0.15;
 
-/// What the module remembers of one descent.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ReleasePlaced {
@@ -32,9 +35,9 @@ pub(super) struct ReleasePlaced {
     reference_n: Option<f64>,
     /// Variance of the force around its reference, N².
     scatter_n2: f64,
-    /// Sensor time for which the force has been above its limit, s.
+    /// Sensor time above the limit, s.
     rising_s: f64,
-    /// Time for which what was held on its way still swings, s.
+    /// Remaining swing time, s.
     shaken_s: f64,
 }
 
@@ -91,12 +94,11 @@ impl Module for ReleasePlaced {
 }
 
 impl ReleasePlaced {
-    /// The hand was stopped on its way down, which shakes what it holds.
+    /// Starts the swing time after a stop.
     pub(super) fn halt(&mut self) {
         (self.shaken_s, self.rising_s) = (SHAKEN_S, 0.0);
     }
 
-    /// Measures how far the force scatters around its reference, frame by frame.
     fn listen(&mut self, off_n: f64, step_s: f64) {
         let share = step_s / (SCATTER_FILTER_S + step_s);
         self.scatter_n2 += (off_n * off_n - self.scatter_n2) * share;

@@ -2,13 +2,13 @@
 
 use shm_schemas::ModuleId;
 
-/// Which modules a step of a task consists of.
+/// Modules that a step of a task selects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Selection(u32);
 
 impl Selection {
-    /// The modules with these names.
+    /// Creates a selection from module names.
     #[must_use]
     pub const fn of(modules: &[ModuleId]) -> Self {
         let mut bits = 0;
@@ -23,13 +23,13 @@ impl Selection {
     /// No modules.
     pub const NONE: Self = Self(0);
 
-    /// These modules and those.
+    /// Returns the union of both selections.
     #[must_use]
     pub const fn and(self, more: Self) -> Self {
         Self(self.0 | more.0)
     }
 
-    /// Whether a module is among them.
+    /// Returns whether the selection contains a module.
     #[must_use]
     pub const fn contains(self, module: ModuleId) -> bool {
         self.0 >> module.0 & 1 == 1

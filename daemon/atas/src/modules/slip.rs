@@ -1,23 +1,25 @@
-//! Module 2, slip (paper II.b (1)): "if partial slippage occurs, grasping force increasing behavior continues, and
-//! otherwise the behavior is stopped (slippage is estimated by whether tangential force increment dF_t exceeds
-//! threshold dr)".
+//! Module 2, slip (paper II.b (1)): "if partial slippage occurs, grasping force increasing behavior
+//! continues, and otherwise the behavior is stopped (slippage is estimated by whether tangential
+//! force increment dF_t exceeds threshold dr)".
 //!
-//! The bare rule dF_t > dr fails: smooth sliding has dF_t = 0, and pressing on a sliding contact only just sustains
-//! itself. Partial slip shows in the distribution of forces instead, as the friction utilisation S. The module is
-//! active while any finger
-//!   (a) uses more than `slip_on` of its friction, until less than `slip_off` (in a hand that a client leads, 0.84 of both),
-//!   (b) slips grossly,
-//!   (c) uses more than `slip_loading` while its load grows, dF_t > dr: the paper's rule, gated by S where anything is known of friction,
-//!   (d) carries half of the moment about the closing axis that friction could: what hangs beside its centre of mass turns in
-//!       the hand before it slips out of it, or
-//!   (e) while what hangs in the hand weighs less than just before: then it falls. This needs no friction coefficient.
-//! While the load test tries how gently what hangs just above its support can be held, (a) and (c) say nothing: a slip costs
-//! nothing there. In a grip as firm as the one that the test has proved, nothing that is read from the pattern of forces does, (a) to
-//! (c): faces askew shear a patch alike all over, and a poor sensor reads a wrong friction, but what was tugged at has hung.
+//! The rule dF_t > dr alone fails: smooth sliding has dF_t = 0, and closing on a sliding contact
+//! raises dF_t itself. Partial slip appears in the force distribution, as the friction utilisation
+//! S. The module is active while
 //!
-//! Nor do they while pressing brings no load to what is lifted and has not been tested yet.
+//! * (a) S exceeds `slip_on`, until it falls below `slip_off` (0.84 of both in teleoperation),
+//! * (b) gross slip is detected,
+//! * (c) S exceeds `slip_loading` and dF_t > dr (the paper's rule, gated by S where friction is
+//!   known),
+//! * (d) the torsion ratio exceeds one half: an object held off-centre turns before it slips out,
+//!   or
+//! * (e) the load of a suspended object drops; this needs no friction coefficient.
 //!
-//! It stays active for `slip_latch_s` after the last cause. While pressing can still help it slows the hand down.
+//! Grip minimisation disables (a) and (c), because a slip is harmless there. A verified grip
+//! disables (a) to (c): misaligned faces cause uniform shear, and a poor sensor misreads friction.
+//! Before verification, a missing load response disables the same three.
+//!
+//! The module stays active for `slip_latch_s` after the last cause. It slows the hand while closing
+//! can still help.
 
 use super::fall::Fall;
 use super::vain::Vain;
@@ -26,45 +28,46 @@ use crate::perception::{FingerPercept, Percept};
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
-/// Share of the moment that friction could carry at which an object is about to turn in the hand, and below which it is not
-/// (ours: at 0.6 the first have turned by 10°).
+/// Torsion ratios at which turning begins and ends (design choice: at 0.6 the first objects have
+/// turned by 10°).
 const TORSION_ON: f64 = 0.5;
 const TORSION_OFF: f64 = 0.45;
-/// Momentary utilisation of what hangs at which its patch is sheared alike everywhere, and utilisation without which it is only
-/// lightly loaded (ours).
+/// Momentary utilisation of uniform shear in a suspended object, and utilisation below which the
+/// contact is only lightly loaded (design choice).
 const ALIKE: f64 = 0.935;
 const ALIKE_ABOVE: f64 = 0.8;
-/// How far aside the end of the way must be for a hand to be conveying, m (ours).
+/// Horizontal distance to the end of the path that counts as conveying, m (design choice).
 const CONVEYS_M: f64 = 0.001;
-/// How long a load swings after the hand has changed its speed, s (ours).
+/// Swing time of a load after a change of speed, s (design choice).
 const BRAKING_S: f64 = 0.15;
-/// Multiple of the pressing speed while it falls (ours): it falls by millimetres otherwise.
+/// Factor on the closing speed while the object drops (design choice: at 1 it drops by
+/// millimetres).
 const HURRY: f64 = 3.0;
-/// Share of `slip_on` and `slip_off` at which a hand that a client leads presses harder (ours: what slides bears a tenth less than what
-/// sticks, so S falls below `slip_on` once it does; and dragged around a curved face, elements that lean into the way read up to a fifth
-/// more friction than there is. A grasp finds either out by its load test; a client moves as it likes. It costs a hundredth of over-grip).
+/// Factor on `slip_on` and `slip_off` in teleoperation (design choice), which has no lift
+/// verification. Kinetic friction is a tenth lower than static, so S falls below `slip_on` during a
+/// slide. Drag around a curved face raises the friction reading by up to a fifth. Cost: one
+/// hundredth more over-grip.
 const LED_SHARE: f64 = 0.84;
-/// How far the hand must have carried its object, so that nothing but the hand holds it, m (ours).
+/// Carried distance above which only the hand holds the object, m (design choice).
 const HANGS_M: f64 = 0.001;
-/// Share of the tangential force that a trembling hand changes within the window of dF_t, usually and at most (ours).
+/// Usual and largest share of the tangential force that vibration changes within the window of dF_t
+/// (design choice).
 pub(super) const STEADY_SHARE: f64 = 0.06;
 const TREMBLE_SHARE: f64 = 0.1;
 
-/// What the module remembers.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slip {
-    /// Per finger, whether cause (a) holds.
+    /// Per side: cause (a) holds.
     slipping: [bool; VIRTUAL_FINGERS],
-    /// Per finger, whether cause (d) holds.
+    /// Per side: cause (d) holds.
     turning: [bool; VIRTUAL_FINGERS],
-    /// The load, while it hangs and is not being set down.
+    /// Load while the object is suspended and not being set down.
     fall: Fall,
-    /// What pressing brings, while it is not yet known whether what is lifted hangs.
     vain: Vain,
-    /// Time until the latch opens, s.
+    /// Remaining latch time, s.
     latch_s: f64,
-    /// Factor on the hand's speed a tick before, and time until what its change shook is over, s.
+    /// Factor on the hand speed in the previous tick, and remaining swing time, s.
     carry_scale: f64,
     braking_s: f64,
 }
@@ -101,8 +104,8 @@ impl Module for Slip {
         };
         let active = cause || self.latch_s > 0.0;
         let (_, strongest_n) = force_range_n(percept);
-        // Setting down ends the slipping sooner than waiting would. What is lifted off weighs the same at any speed: a hand
-        // that brakes would only shake it.
+        // Setting down ends the slip sooner than braking. The load of a lifted object does not
+        // depend on speed, so braking only makes it swing.
         let loads = !hangs(context) || conveys(context);
         let helps = loads && strongest_n < context.thresholds.f2_n && context.lowering_m.is_none();
         let closing_m_s = match (active, falls) {
@@ -128,7 +131,7 @@ impl Module for Slip {
 }
 
 impl Slip {
-    /// Whether what is lifted bears no more on the fingers although they press harder.
+    /// Returns whether closing does not increase the load of the lifted object.
     fn press_in_vain(&mut self, percept: &Percept, down_n: f64, context: &Context<'_>) -> bool {
         let lifts = context.carried_m > 0.0 && !context.hangs;
         let normal_n: f64 = percept.virtual_fingers.iter().map(|f| f.normal_n).sum();
@@ -136,7 +139,7 @@ impl Slip {
             .follow(lifts.then_some((normal_n, down_n)), percept.step_s)
     }
 
-    /// Whether the hand that carries has just changed its speed: that shakes its load.
+    /// Returns whether a change of speed makes the carried object swing.
     fn brakes(&mut self, context: &Context<'_>) -> bool {
         let before = core::mem::replace(&mut self.carry_scale, context.carry_scale);
         self.braking_s = if before == context.carry_scale {
@@ -148,18 +151,18 @@ impl Slip {
     }
 }
 
-/// Whether the hand alone carries, and is not about to set down.
+/// Returns whether only the hand carries the object, outside lowering.
 fn hangs(context: &Context<'_>) -> bool {
     context.hangs && context.carried_m > HANGS_M && context.lowering_m.is_none()
 }
 
-/// Whether the hand is on its way to another place, where its own motion may shake the grip loose.
+/// Returns whether the hand moves sideways, where its acceleration loads the grip.
 fn conveys(context: &Context<'_>) -> bool {
     let ahead_m = context.path.end().centre_m - context.frame.centre_m;
     ahead_m.xy().norm() > CONVEYS_M
 }
 
-/// Whether a finger uses up its friction, with hysteresis; of a hand that is led, sooner.
+/// Returns whether the friction utilisation exceeds its limit, with hysteresis.
 pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, context: &Context<'_>) -> bool {
     let settings = &context.settings.grasp;
     let share = if context.lead.is_some() {
@@ -175,12 +178,13 @@ pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, context: &Context<'
     finger.utilisation > share * limit
 }
 
-/// Whether what is lifted is about to turn in the hand, with hysteresis.
+/// Returns whether the lifted object is about to turn in the hand, with hysteresis.
 pub(super) fn turns(finger: &FingerPercept, turned: bool, context: &Context<'_>) -> bool {
     context.carried_m > 0.0 && finger.torsion > if turned { TORSION_OFF } else { TORSION_ON }
 }
 
-/// A patch that is sheared everywhere alike slides, or was loaded and pressed together. Under a steady load it slides.
+/// Returns whether the contact slips grossly. Under a steady load, uniform shear is gross slip;
+/// otherwise it may result from loading and closing at once.
 pub(super) fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bool {
     let alike = finger.utilisation_now > ALIKE && finger.utilisation > ALIKE_ABOVE;
     finger.gross_slip_s > context.settings.grasp.slip_gross_s || (hangs(context) && alike)

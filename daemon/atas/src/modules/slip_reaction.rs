@@ -1,10 +1,12 @@
-//! Slip reaction, a baseline to compare the paper's modules with: the force target rises by a fixed share whenever the
-//! object slips, after J. M. Romano, K. Hsiao, G. Niemeyer, S. Chitta and K. J. Kuchenbecker, "Human-inspired robotic grasp
-//! control with tactile sensing", IEEE Transactions on Robotics 27(6), 2011.
+//! Slip reaction, a baseline for comparison with the paper's modules: the force target rises by a
+//! fixed share whenever the object slips, after J. M. Romano, K. Hsiao, G. Niemeyer, S. Chitta and
+//! K. J. Kuchenbecker, "Human-inspired robotic grasp control with tactile sensing", IEEE
+//! Transactions on Robotics 27(6), 2011.
 //!
-//! It knows no stiffness, no F_2 and no way back: it starts at F_1 and never gives force back. No built-in task has it.
-//! It is told of slip by the same friction utilisation as Module 2, not by the high-pass filtered forces and the
-//! accelerometer of the published one: what is compared is the law, not the sense.
+//! It uses neither stiffness nor F_2, starts at F_1 and never reduces force. No built-in task
+//! selects it. Slip is detected by the friction utilisation of Module 2 instead of the published
+//! high-pass filtered forces and accelerometer. The comparison therefore covers the control law
+//! only.
 
 use super::{Context, Module, Proposal, Roles, force_range_n};
 use crate::perception::{FingerPercept, Percept};
@@ -12,19 +14,19 @@ use crate::settings::Grasp;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
-/// Share by which the target rises per sample that shows slip: 8 %, as 0.2 % per millisecond for the 41 ms of a sample of
-/// its pressure sensors in the authors' controller for the PR2.
+/// Rise of the target per sample with slip: 8 %, that is 0.2 % per millisecond over the 41 ms
+/// sample of the pressure sensors in the authors' PR2 controller.
 const RAISE_SHARE: f64 = 0.08;
-/// Time of one sample, s.
+/// Duration of one sample, s.
 const SAMPLE_S: f64 = 0.041;
 
-/// What the module remembers.
+/// State of the module.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SlipReaction {
-    /// The force target over F_1, minus one.
+    /// Force target relative to F_1, minus one.
     raised: f64,
-    /// Time since the target rose last, s.
+    /// Time since the last rise of the target, s.
     since_s: f64,
 }
 

@@ -1,10 +1,10 @@
-//! Module 4, screwing (paper II.b (2)): "Empirically, we know that much slippage occurs when the cap is tightened. If
-//! increment of shearing force dF_t exceeds 1.4 times of dF_max, which is the maximum of dF_t during the first touch, the
-//! finger motion is terminated."
+//! Module 4, screwing (paper II.b (2)): "Empirically, we know that much slippage occurs when the
+//! cap is tightened. If increment of shearing force dF_t exceeds 1.4 times of dF_max, which is the
+//! maximum of dF_t during the first touch, the finger motion is terminated."
 //!
-//! dF_t here is the shearing force with which the cap resists being turned, mean of the fingers, minus its value when the
-//! turn began (but not what the closing fingers dragged the cap back with); "the first touch" is the first turn. A short
-//! window instead of the turn stops early or never (prototype).
+//! Here, dF_t is the mean shear force against the turn, minus its value at the start of the turn if
+//! positive (closing may drag the cap back). "The first touch" is the first turn. A shorter window
+//! stops early or never (prototype).
 
 use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::perception::Percept;
@@ -12,19 +12,17 @@ use nalgebra::Vector3;
 use robot_model::VIRTUAL_FINGERS;
 use shm_schemas::ModuleId;
 
-/// What the module remembers.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TerminateScrew {
-    /// Filtered shearing force, N.
+    /// Filtered shear force, N.
     shear_n: f64,
-    /// The same when the turn began, N.
+    /// Filtered shear force at the start of the turn, N.
     at_grip_n: f64,
     /// dF_max, N.
     most_n: f64,
-    /// Whether the first turn is over.
     turned_before: bool,
-    /// How far finger 1 was ahead one tick ago, m.
+    /// Previous position of the first side along the turn, m.
     last_m: Option<f64>,
 }
 
@@ -61,13 +59,13 @@ impl Module for TerminateScrew {
     }
 }
 
-/// Tangential force against the turn, in the patch frame so that the dome's geometry does not leak in, mean of the
-/// fingers, N.
+/// Returns the mean tangential force against the turn, N, in the patch frame, which excludes the
+/// curvature of the fingertip.
 fn shear_n(percept: &Percept, context: &Context<'_>) -> f64 {
     let n = context.closing_axis;
     let ahead = Vector3::new(-n.y, n.x, 0.0) * context.turning;
     let fingers = percept.fingers.iter().zip(context.base_from_tip);
-    // The first side turns ahead, the second back.
+    // The first side moves ahead, the second back.
     let against = fingers
         .zip(percept.presses_from)
         .map(|((finger, base_from_tip), side)| {

@@ -1,17 +1,23 @@
-//! Module 0 (paper II.b (2)): "provides an initial cap screwing task in which the fingers follow the square trajectories in
-//! Fig. 5. This behavior is repeated until the behavior provided by Module 4 is defined."
+//! Module 0 (paper II.b (2)): "provides an initial cap screwing task in which the fingers follow
+//! the square trajectories in Fig. 5. This behavior is repeated until the behavior provided by
+//! Module 4 is defined."
 //!
 //! ```text
-//!            turn →               Seen from one finger: in until modules 1 to 3 have a grip, turn, out, return.
-//!        ┌────────────┐ cap       Along the turn the finger's distance is a straight line minus a learnt offset e(s).
-//!     in │            │ out       Whatever the other modules make the fingers do there is learnt into e(s), spread
-//!        └────────────┘           forwards, and kept between turns: the straight line becomes the cap's contour (Fig. 6).
+//!            turn →
+//!        ┌────────────┐ cap
+//!     in │            │ out
+//!        └────────────┘
 //!           ← return
 //! ```
 //!
-//! Two reflexes keep the square on the cap: a finger that presses harder than the other gives way, and the hand presses
-//! lightly down, so that it follows the cap along its thread. Where the wrist turns the hand, what is pressed too hard is relieved
-//! before the turn goes on.
+//! Seen from one side: in until modules 1 to 3 have a grip, turn, out, return. During the turn, the
+//! distance of the side is a straight line minus an offset e(s). Closing by other modules there is
+//! added to e(s), propagated forwards, and kept between turns. The line becomes the contour of the
+//! cap (Fig. 6).
+//!
+//! Two reflexes keep the square on the cap: the side with the larger force opens, and the hand
+//! presses lightly down to follow the thread. When the wrist rotates the hand, excessive force
+//! slows the turn.
 
 use super::{Context, Module, PoseCommand, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::Percept;
@@ -19,61 +25,53 @@ use crate::thresholds::Thresholds;
 use robot_model::{GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::ModuleId;
 
-/// Samples of the learnt offset along the turn (prototype: 29, one per half millimetre).
+/// Samples of the offset along the turn (prototype: one per 0.5 mm).
 const BINS: usize = 29;
-/// Share of a correction that the bins at hand take (prototype).
+/// Share of a correction that the two nearest bins receive (prototype).
 const GAIN: f64 = 1.5;
-/// Share of a correction that each further bin takes of the one before (prototype); where the wrist turns the hand, all take the
-/// same, because then what the fingertips hold stays between them.
+/// Ratio of the correction between consecutive bins ahead (prototype); 1 for wrist rotation, where
+/// the object stays between the fingertips.
 const DECAY: f64 = 0.75;
-/// Share of F_2 with which a hand grips before its wrist turns it (ours: fingertips that go straight past a cap are pressed on it half
-/// as hard by the time they have passed; a hand that turns as a whole is not).
+/// Share of F_2 reached before wrist rotation (design choice). Straight fingertip paths reach it
+/// while they pass a cap; wrist rotation does not raise the force.
 const WRIST_GRIP_SHARE: f64 = 0.5;
-/// Largest learnt offset, m (prototype).
+/// Largest offset, m (prototype).
 const OFFSET_MAX_M: f64 = 0.003;
-/// Distance from the last grip at which Module 1 takes over the closing, m (ours).
+/// Distance from the last grip at which Module 1 takes over closing, m (design choice).
 const GRIP_GAP_M: f64 = 0.0005;
-/// Time in which the speed along an edge builds up, s (ours: half a millimetre at 10 mm/s).
+/// Acceleration time along an edge, s (design choice: 0.5 mm at 10 mm/s).
 const RAMP_S: f64 = 0.1;
-/// Speed at which the hand follows a vertical force, m/s per newton (ours).
+/// Vertical compliance of the hand, m/s per newton (design choice).
 const FOLLOW_M_S_N: f64 = 0.003;
-/// Force with which the hand presses the cap down, N (ours: a few times a cap's weight).
+/// Downward force on the cap, N (design choice: a few times the weight of a cap).
 const PRESS_N: f64 = 0.3;
-/// Farthest that the hand follows the cap, m (ours: more than any cap travels).
+/// Largest vertical travel, m (design choice: more than any cap travels).
 const FOLLOW_MAX_M: f64 = 0.008;
 
-/// The edges of the square.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Edge {
-    /// Towards the cap.
     In,
-    /// At the cap, until the grip is firm.
     #[default]
     Grip,
-    /// With the cap.
     Turn,
-    /// Away from the cap.
     Out,
-    /// Back to where the turn began.
     Return,
 }
 
-/// Where on its square the hand is, and what it has learnt.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Trajectory {
     edge: Edge,
-    /// Way along the edge, m, and speed, m/s.
+    /// Position on the edge, m, and speed, m/s.
     way_m: f64,
     speed_m_s: f64,
-    /// The pose of the first grip.
     anchor: Option<GraspFrame>,
-    /// e(s) of each finger, m, inwards.
+    /// Offset e(s) of each side, m, positive inwards.
     inward_m: [[f64; BINS]; VIRTUAL_FINGERS],
-    /// How long the grip has been firm, s.
+    /// Time for which the grip force has been sufficient, s.
     gripped_s: f64,
-    /// How far the hand has followed the cap down, m, negative.
+    /// Vertical travel with the cap, m; negative is down.
     followed_m: f64,
 }
 
@@ -138,12 +136,12 @@ impl Module for Trajectory {
 }
 
 impl Trajectory {
-    /// Goes on from where it is, from rest.
+    /// Restarts from rest.
     pub(super) fn halt(&mut self) {
         self.speed_m_s = 0.0;
     }
 
-    /// Waits until the weakest finger has pressed hard enough for a while.
+    /// Measures how long the weaker side has pressed with the required force.
     fn grip(&mut self, percept: &Percept, context: &Context<'_>) {
         let (weakest_n, strongest_n) = force_range_n(percept);
         let Thresholds { f1_n, f2_n, .. } = context.thresholds;
@@ -161,12 +159,12 @@ impl Trajectory {
         self.follow(percept, context);
     }
 
-    /// Takes what arbitration made the fingers do, and the two reflexes, into the trajectory.
+    /// Adds the arbitrated closing and the centring reflex to the offset.
     fn learn(&mut self, percept: &Percept, context: &Context<'_>) {
         let settings = &context.settings.screw;
         let place = self.way_m / (2.0 * settings.travel_m) * (BINS - 1) as f64;
         let normal_n = percept.virtual_fingers.map(|finger| finger.normal_n);
-        // Where both give way, the softer one does not press on.
+        // While both sides open, the weaker one must not close.
         let centring_m_s_n = if is_relieved(percept, context) {
             0.0
         } else {
@@ -185,7 +183,7 @@ impl Trajectory {
         self.follow(percept, context);
     }
 
-    /// Presses lightly down on the cap: follows it along its thread, and never pulls it off before the thread holds it.
+    /// Follows the cap along its thread with a light downward force.
     fn follow(&mut self, percept: &Percept, context: &Context<'_>) {
         if !percept.virtual_fingers.iter().all(|f| f.in_contact) {
             return;
@@ -195,7 +193,7 @@ impl Trajectory {
         self.followed_m = followed_m.clamp(-FOLLOW_MAX_M, FOLLOW_MAX_M);
     }
 
-    /// Moves along the edge; true at its end. Only the turn waits for slip and too much force to be answered.
+    /// Advances along the edge; true at its end. Slip and excessive force slow only the turn.
     fn advance(&mut self, context: &Context<'_>) -> bool {
         let settings = &context.settings.screw;
         let (length_m, top_m_s) = match self.edge {
@@ -212,7 +210,7 @@ impl Trajectory {
         };
         let ramp_m_s2 = top_m_s / RAMP_S;
         let left_m = (length_m - self.way_m).max(0.0);
-        // Slow enough to stop at the end, and never so slow as not to get there.
+        // Keeps a minimum speed to reach the end.
         let braking_m_s =
             libm::sqrt(2.0 * ramp_m_s2 * left_m).max(top_m_s * context.step_s / RAMP_S);
         self.speed_m_s = (self.speed_m_s + ramp_m_s2 * context.step_s)
@@ -236,7 +234,7 @@ impl Trajectory {
         (self.way_m, self.speed_m_s, self.gripped_s) = (0.0, 0.0, 0.0);
     }
 
-    /// The turn begins where the grip was found firm.
+    /// Starts the turn at the opening at which the grip was reached.
     fn adopt_grip(&mut self, now: &GraspFrame, decay: f64) {
         let Some(anchor) = self.anchor else { return };
         for finger in 0..VIRTUAL_FINGERS {
@@ -250,7 +248,6 @@ impl Trajectory {
         }
     }
 
-    /// The pose on the square.
     fn frame(&self, context: &Context<'_>) -> GraspFrame {
         let settings = &context.settings.screw;
         let mut frame = self.anchor.unwrap_or(*context.frame);
@@ -281,20 +278,18 @@ impl Trajectory {
     }
 }
 
-/// Share of a correction that each further bin takes of the one before.
 fn decay(context: &Context<'_>) -> f64 {
     if context.turns_by_wrist { 1.0 } else { DECAY }
 }
 
-/// Whether Module 3 opens fingers that press with more than F_2, of a hand that turns as a whole: nothing but that ends their pressing,
-/// where fingertips that go past a cap leave it by themselves.
+/// Returns whether Module 3 opens fingers above F_2 during wrist rotation. On straight paths the
+/// fingertips leave the cap by themselves.
 fn is_relieved(percept: &Percept, context: &Context<'_>) -> bool {
     let (_, strongest_n) = force_range_n(percept);
     let opens = context.closing_m_s.iter().any(|closing| *closing < 0.0);
     context.turns_by_wrist && opens && strongest_n > context.thresholds.f2_n
 }
 
-/// The offset at a place between two bins.
 fn at(inward_m: &[f64; BINS], place: f64) -> f64 {
     let bin = (place as usize).min(BINS - 2);
     mix(inward_m[bin], inward_m[bin + 1], place - bin as f64)
@@ -304,7 +299,7 @@ fn mix(a: f64, b: f64, share: f64) -> f64 {
     a + (b - a) * share
 }
 
-/// Adds a correction at a place between two bins, and less and less of it to the bins ahead.
+/// Adds a correction between two bins and decreasing shares of it to the bins ahead.
 fn correct(inward_m: &mut [f64; BINS], place: f64, by_m: f64, decay: f64) {
     let bin = (place as usize).min(BINS - 2);
     let beyond = place - bin as f64;

@@ -1,9 +1,10 @@
-//! Module 0' (paper II.b (3)): "conveys and sets an object down to a specified plane position after it picks the object
-//! up from a specified position. Laying down is terminated by the activation of module 4."
+//! Module 0' (paper II.b (3)): "conveys and sets an object down to a specified plane position after
+//! it picks the object up from a specified position. Laying down is terminated by the activation of
+//! module 4."
 //!
-//! Conveys along the step's path, which keeps a safe height. In a step that lowers, it moves straight down at
-//! `place.lower_m_s` from where the path ends. It does not know how high the support lies: it stops when Module 4 ends
-//! the step, or, having arrived, at the step's bound.
+//! Conveys along the step's path at a safe height. A lowering step then moves straight down at
+//! `place.lower_m_s` towards a support of unknown height, until Module 4 ends the step or its depth
+//! limit is reached.
 
 use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::limits::LOWERING_ACCELERATION_M_S2;
@@ -11,15 +12,14 @@ use crate::perception::Percept;
 use nalgebra::Vector3;
 use shm_schemas::ModuleId;
 
-/// How far along its way the hand is.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Transfer {
     /// Path time, s.
     path_s: f64,
-    /// Speed of lowering, m/s.
+    /// Lowering speed, m/s.
     lowering_m_s: f64,
-    /// How far it has lowered, m.
+    /// Lowered distance, m.
     lowered_m: f64,
 }
 
@@ -57,7 +57,7 @@ impl Module for Transfer {
 }
 
 impl Transfer {
-    /// Goes on from where it is, from rest.
+    /// Restarts from rest.
     pub(super) fn halt(&mut self) {
         self.lowering_m_s = 0.0;
     }

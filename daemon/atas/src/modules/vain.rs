@@ -1,18 +1,17 @@
-//! Whether pressing is in vain: what is lifted bears no more of its weight on the fingers although they press harder.
+//! Load response: detects closing that does not increase the load of a lifted object.
 //!
-//! What slides through the fingers while they lift it loads them by as much more as they press more. What does not slide keeps
-//! its load; then neither the shear of faces that stand askew, which grows with the pressing, nor a wrong reading of friction is a
-//! cause to press on. This needs no friction coefficient.
+//! The load of a slipping object grows with the grip force; that of a held object does not. Without
+//! a load response, neither shear from misaligned faces nor a wrong friction reading justifies more
+//! force. The method needs no friction coefficient.
 
-/// Growth of the normal force, as a factor, after which pressing must have brought load (ours).
+/// Growth factor of the normal force that requires a load response (design choice).
 const PRESSED: f64 = 1.25;
-/// Change of the load that counts as one: share, and least, N (ours: well above what noise makes of it).
+/// Smallest load response: share, and minimum in N (design choice: well above noise).
 const LOAD_SHARE: f64 = 0.1;
 const LOAD_FLOOR_N: f64 = 0.02;
-/// Time constant over which both are felt, s (ours: a few frames of noise).
+/// Time constant of both forces, s (design choice: a few frames of noise).
 const FELT_S: f64 = 0.03;
 
-/// What the fingers have pressed with since the load changed last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Vain {
@@ -22,17 +21,17 @@ pub(super) struct Vain {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Felt {
-    /// Normal force and load, low-passed, N.
+    /// Low-passed normal force and load, N.
     normal_n: f64,
     load_n: f64,
-    /// What they were when the load changed last; the least normal force since.
+    /// Smallest normal force since the last change of load, and load at that change, N.
     from_normal_n: f64,
     from_load_n: f64,
 }
 
 impl Vain {
-    /// Takes in what the fingers press with together and the load that they bear, N, after so much sensor time, s; `None` while
-    /// nothing is lifted. True while pressing is in vain.
+    /// Updates with total normal force and load, N, and the sensor time, s; `None` while nothing is
+    /// lifted. Returns true while the load does not respond.
     pub(super) fn follow(&mut self, forces_n: Option<(f64, f64)>, step_s: f64) -> bool {
         let Some((normal_n, load_n)) = forces_n else {
             self.felt = None;

@@ -1,4 +1,4 @@
-//! One fingertip: filter, patch, touch, tangential increment, friction.
+//! Perception of one fingertip: filter, contact, tangential increment, friction.
 
 use super::friction::Friction;
 use super::increment::Increment;
@@ -12,50 +12,53 @@ use nalgebra::Vector3;
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
 
-/// How many standard deviations of a silent fingertip's force are no touch (ours: once in some million frames).
+/// Standard deviations of the unloaded force that are no contact (design choice: one false contact
+/// in about a million frames).
 const NOISE_MARGIN: f64 = 5.0;
 
-/// What one fingertip feels.
+/// Tactile state of one fingertip or grasp side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FingerPercept {
-    /// Filtered force of the object on the tip, tip frame, N.
+    /// Filtered force of the object on the fingertip, tip frame, N.
     pub force_tip_n: Vector3<f64>,
     /// Outward normal of the contact patch, unit vector, tip frame.
     pub patch_normal: Vector3<f64>,
     /// F_n: force along the inward patch normal, N, positive when pressed.
     pub normal_n: f64,
-    /// F_t: size of the force in the patch plane, N.
+    /// F_t: magnitude of the force in the patch plane, N.
     pub tangential_n: f64,
-    /// dF_t: size of the change of the tangential force vector over the window, N.
+    /// dF_t: magnitude of the tangential force change over the window, N.
     pub increment_n: f64,
-    /// S: F_t/F_n over the remembered friction; 1 means gross slip.
+    /// S: F_t/F_n relative to the remembered friction; 1 means gross slip.
     pub utilisation: f64,
-    /// S with the present friction reading, without memory.
+    /// S relative to the present friction reading.
     pub utilisation_now: f64,
-    /// μ̂: remembered friction coefficient since the first touch; 0 while unknown.
+    /// μ̂: largest friction coefficient since first touch; 0 while unknown.
     pub friction: f64,
-    /// Whether the face shows incipient slip. If not, S comes from slides seen otherwise, and is 0 before.
+    /// The face shows incipient slip. Otherwise S is 0 until a slip is observed.
     pub shows_slip: bool,
-    /// How far the sensor's noise scatters a friction coefficient that is read from a few elements now, standard deviation.
+    /// Standard deviation of a few-element friction reading due to noise.
     pub friction_error: f64,
-    /// How far elements disagree about which way the patch is sheared, standard deviation over their normal force: crosstalk.
+    /// Scatter of the shear direction between elements, standard deviation over their normal force:
+    /// crosstalk.
     pub scatter: f64,
-    /// Share of the face that presses, above 0; 1 for faces that bend, whose compression says how their contact grows.
+    /// Loaded share of the face, above 0; 1 for curved faces, whose compression includes the growth
+    /// of the contact.
     pub pressed_share: f64,
-    /// How many fingertips bear the force, counted by how evenly they do; 1 for a fingertip.
+    /// Effective number of loaded fingertips; 1 for a fingertip.
     pub bearing_tips: f64,
-    /// M: moment of the shear about the outward normal of the patch, N·m.
+    /// Moment of the shear about the outward normal of the patch, N·m.
     pub moment_n_m: f64,
-    /// Moment about the patch's normal over what friction could carry.
+    /// Torsion ratio: moment about the patch normal relative to its friction limit.
     pub torsion: f64,
-    /// How long gross slip has lasted, s.
+    /// Duration of gross slip, s.
     pub gross_slip_s: f64,
-    /// Whether the fingertip touches something, with hysteresis.
+    /// The fingertip is in contact, with hysteresis.
     pub in_contact: bool,
-    /// Touches since the start.
+    /// Number of contacts since the start.
     pub touches: u64,
-    /// Whether the pattern of readings goes on moving.
+    /// Persistence of changes in the readings.
     pub motion: MotionPercept,
 }
 
@@ -85,14 +88,14 @@ impl Default for FingerPercept {
     }
 }
 
-/// The state of one fingertip's perception.
+/// State of one fingertip.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finger {
     axes: ElementAxes,
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     filtered_n: [[f64; 3]; ELEMENTS],
-    /// The same after the friction filter besides.
+    /// Readings after the friction filter.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     steady_n: [[f64; 3]; ELEMENTS],
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
@@ -105,7 +108,7 @@ pub struct Finger {
 }
 
 impl Finger {
-    /// A fingertip with this layout that feels nothing yet.
+    /// Creates an unloaded fingertip with this layout.
     #[must_use]
     pub fn new(layout: &Layout) -> Self {
         Self {
@@ -121,7 +124,7 @@ impl Finger {
         }
     }
 
-    /// Takes in this finger's part of one frame.
+    /// Adds one frame.
     pub fn update(
         &mut self,
         finger: usize,
@@ -184,7 +187,7 @@ impl Finger {
         self.percept
     }
 
-    /// Takes the present filtered reading of every element as zero.
+    /// Zeroes the filtered readings of all elements.
     pub fn bias(&mut self) {
         for (bias, filtered) in self.bias_n.iter_mut().zip(&mut self.filtered_n) {
             for axis in 0..3 {
@@ -196,8 +199,7 @@ impl Finger {
         self.noise.pause();
     }
 
-    /// First-order low-pass on every element; a masked element loses its last value over time. Returns
-    /// the share of a reading that it takes over.
+    /// Low-passes every element; a masked element decays. Returns the filter gain.
     fn filter(&mut self, finger: usize, frame: &CheckedFrame<'_>, settings: &Settings) -> f64 {
         let step_s = frame.step_s();
         let share = if settings.filter_s > 0.0 {
@@ -221,8 +223,8 @@ impl Finger {
         share
     }
 
-    /// The friction filter on every element; returns what noise it lets through, variance, N². `share` is how much of a reading
-    /// the first filter takes over.
+    /// Applies the friction filter. Returns the variance of the remaining noise, N². `share` is the
+    /// gain of the first filter.
     fn steady(&mut self, share: f64, step_s: f64, settings: &Settings) -> f64 {
         let slow = step_s / (settings.friction_filter_s + step_s);
         for (steady, filtered) in self.steady_n.iter_mut().zip(&self.filtered_n) {
@@ -230,14 +232,14 @@ impl Finger {
                 *steady += (filtered - *steady) * slow;
             }
         }
-        // Variance of white noise after both filters, over that after the first.
+        // Variance ratio of white noise after both filters to that after the first.
         let kept = (1.0 - share) * (1.0 - slow);
         let quieter = slow / (2.0 - slow) * (1.0 + kept) / (1.0 - kept);
         quieter * self.noise.variance_n2()
     }
 
-    /// Touch with hysteresis: bare crossings of one threshold flicker on real data. A sensor whose own noise would cross
-    /// the thresholds needs higher ones.
+    /// Updates the contact with hysteresis; a single threshold flickers on real data. Sensor noise
+    /// raises the thresholds.
     fn touch(&mut self, patch: &Patch, settings: &Settings) {
         let noise_n = NOISE_MARGIN * patch.noise_n * libm::sqrt(self.axes.count as f64);
         let raise = (noise_n / settings.touch_on_n).max(1.0);
@@ -252,7 +254,7 @@ impl Finger {
     }
 }
 
-/// Share of the moment about its normal that friction could carry if the whole patch slid around its centre.
+/// Returns the moment about the patch normal relative to its friction limit.
 fn torsion(patch: &Patch, friction: f64) -> f64 {
     let most_n_m = friction.max(FRICTION_FLOOR) * patch.arm_n_m;
     if friction > 0.0 && most_n_m > 0.0 {

@@ -1,16 +1,17 @@
-//! Friction utilisation S: how much of the available friction the contact uses, from the distribution of forces over
-//! the patch.
+//! Friction utilisation S: share of the available friction that the contact uses, from the force
+//! distribution over the patch.
 //!
-//! At the rim of a patch elements slip before the contact as a whole does (incipient slip). Their ratio of tangential
-//! to normal force reads the friction coefficient; S compares the whole contact's ratio with it. Unlike `dF_t > dr`
-//! this sees an object that is about to slip while every force still stands still (source: ours, prototype). Both are
-//! summed along the way that the patch is sheared, torsion included: what noise and crosstalk mix in is then as often
-//! less as more. What was seen to slide by other evidence corrects the estimate for as long as the contact lasts.
+//! Elements at the rim slip before the whole contact does (incipient slip). Their ratio of
+//! tangential to normal force gives the friction coefficient, to which S relates the ratio of the
+//! contact. Unlike `dF_t > dr`, S also detects imminent slip under constant forces (source:
+//! prototype). Both ratios use forces along the shear direction, torsion included, so that noise
+//! and crosstalk average out. Slip observed by other evidence corrects the estimate for the rest of
+//! the contact.
 //!
-//! Only a face that is round both ways shows incipient slip whatever it touches. A flat one presses evenly, or with an edge where it
-//! is not quite parallel; a cylinder presses along a line; a single element has no pattern at all. Of these nothing is known of
-//! friction until other evidence has told at which ratio the object slid (read from the pattern all the same, flat pads refused 11
-//! to 20 % of what they can hold, and cylinders 17 to 25 %).
+//! Only a face curved in both directions shows incipient slip on every object. A flat face presses
+//! evenly or with an edge, a cylinder along a line, and a single element has no pattern. For these,
+//! friction is unknown until other evidence gives the ratio at slip. With the pattern instead, flat
+//! pads refused 11 to 20 % of the objects that they can hold, and cylinders 17 to 25 %.
 
 use super::patch::Patch;
 use crate::filter::low_pass;
@@ -20,25 +21,24 @@ use crate::limits::{
 use crate::settings::Perception as Settings;
 use shm_schemas::capacity::ELEMENTS;
 
-/// Momentary utilisation above which the remembered friction relaxes to F_t/F_n (prototype: 0.955).
+/// Momentary utilisation above which the remembered friction relaxes (prototype: 0.955).
 const GROSS_UTILISATION: f64 = 0.955;
-/// How long it must last, s (prototype: 10 ms).
+/// Time that it must last, s (prototype: 10 ms).
 const GROSS_AFTER_S: f64 = 0.01;
-/// Utilisation is clipped here: beyond gross slip it means nothing more.
+/// Upper limit of the utilisation.
 const UTILISATION_CLIP: f64 = 1.2;
-/// Smallest present friction reading that is divided by (prototype: 0.03).
+/// Smallest friction reading used as a divisor (prototype: 0.03).
 const READING_FLOOR: f64 = 0.03;
-/// Time constant with which the largest ratio of late is forgotten, s (ours: a slide is noticed within it).
+/// Decay time constant of the recent maximum, s (design choice: detection time of slip).
 const LATELY_S: f64 = 0.3;
-/// Momentary utilisation below which a bout of gross slip has ended (ours: well below what begins one).
+/// Momentary utilisation that ends gross slip (design choice: well below its start).
 const GROSS_OVER: f64 = 0.9;
-/// Share of the largest F_t/F_n of a bout below which what slid sticks (ours: once a patch is sheared alike all over it bears what kinetic
-/// friction does, and that scatters by less).
+/// Share of the largest F_t/F_n of an episode below which the object sticks again (design choice:
+/// more than the scatter of kinetic friction).
 const SLIDING_SHARE: f64 = 0.96;
-/// Time constant over which that ratio is felt, s (ours: a few frames of noise).
+/// Time constant of that ratio, s (design choice: a few frames of noise).
 const FELT_S: f64 = 0.03;
 
-/// What the friction estimate says.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slipping {
     pub(super) utilisation: f64,
@@ -48,27 +48,28 @@ pub(super) struct Slipping {
     pub(super) error: f64,
 }
 
-/// Memory of one contact, from first touch to letting go.
+/// State of one contact, from first touch to release.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Friction {
-    /// μ̂: largest reading since the first touch.
+    /// μ̂: largest reading since first touch.
     remembered: f64,
-    /// S_inst: low-passed utilisation against the present reading.
+    /// S_inst: low-passed utilisation relative to the present reading.
     utilisation_now: f64,
     gross_s: f64,
-    /// F_t/F_n, low-passed, and the largest of it since the patch was first sheared alike all over in this bout; 0 between bouts.
+    /// Low-passed F_t/F_n, and its maximum since uniform shear began; 0 between episodes.
     felt: f64,
     slid_from: f64,
-    /// Largest F_t/F_n of late.
+    /// Recent maximum of F_t/F_n.
     lately: f64,
-    /// F_t/F_n at which the object was seen to slide, if it was: there is no more friction than that.
+    /// F_t/F_n at an observed slip, the upper limit of friction.
     slid_at: Option<f64>,
 }
 
 impl Friction {
-    /// `steady` makes the patch as it was over the friction filter: the elements that use most friction are chosen from it, so that
-    /// noise does not choose them. It is not asked for before the patch is sheared. `slides` tells of an object that was seen to slide by other evidence.
+    /// Adds one patch. `steady` computes the patch after the friction filter, under shear only; the
+    /// most loaded elements are chosen from it, unaffected by noise. `slips` reports slip detected
+    /// by other evidence.
     pub(super) fn update(
         &mut self,
         patch: &Patch,
@@ -99,7 +100,7 @@ impl Friction {
             };
         };
         let share = step_s / (settings.friction_filter_s + step_s);
-        // m_raw: the ratio of the most loaded elements, low-passed because they are.
+        // m_raw: ratio of the most loaded elements; low-passed, because their forces are.
         let reading = loaded.ratio.min(FRICTION_CLIP);
         self.remembered = if reading > self.remembered {
             reading
@@ -118,7 +119,7 @@ impl Friction {
         }
     }
 
-    /// What can be said without the pattern of forces.
+    /// Returns the estimate without the force pattern.
     fn known_from_slides(&self, ratio: f64) -> Slipping {
         let Some(slid_at) = self.slid_at else {
             return Slipping::default();
@@ -132,7 +133,7 @@ impl Friction {
         }
     }
 
-    /// Evidence that needs no friction estimate corrects the estimate for as long as the contact lasts.
+    /// Lowers the remembered friction to the ratio at an observed slip.
     fn remember_slide(&mut self, ratio: f64, slides: bool, step_s: f64, settings: &Settings) {
         let filter_s = if ratio > self.lately {
             settings.friction_filter_s
@@ -148,9 +149,9 @@ impl Friction {
         }
     }
 
-    /// While everything slides, F_t/F_n itself is the friction: the memory must not insist on more. A patch that was sheared alike all
-    /// over stays so when it sticks again, until it is loaded anew: only while it bears as much for its pressing as when it slid, does it
-    /// slide.
+    /// Relaxes the remembered friction to F_t/F_n during gross slip. A patch stays uniformly
+    /// sheared after it sticks again, until it is reloaded. Therefore only a ratio near the maximum
+    /// of the episode counts as sliding.
     fn watch_gross(&mut self, ratio: f64, step_s: f64) {
         self.felt = low_pass(self.felt, ratio, step_s, FELT_S);
         let alike = self.utilisation_now > GROSS_UTILISATION;
@@ -171,15 +172,14 @@ impl Friction {
     }
 }
 
-/// The elements that use most friction.
 struct Loaded {
     /// Mean ratio of tangential to normal force, weighted by normal force.
     ratio: f64,
-    /// What the sensor's noise adds to the ratio of one of them, standard deviation.
+    /// Standard deviation of the ratio due to sensor noise.
     error: f64,
 }
 
-/// The third of the pressed elements (at least two) that use most friction.
+/// Evaluates the third of the loaded elements (at least two) with the highest ratio.
 fn most_loaded(patch: &Patch) -> Option<Loaded> {
     let mut ratios = [(0.0, 0.0); ELEMENTS];
     for (ratio, element) in ratios.iter_mut().zip(&patch.elements) {
@@ -190,7 +190,7 @@ fn most_loaded(patch: &Patch) -> Option<Loaded> {
         return None;
     }
     let top = (pressed.len() / 3).max(2);
-    // All ratios are finite: intake refused everything else, and the normal force that divides is above its floor.
+    // All ratios are finite: intake rejects other readings.
     pressed.select_nth_unstable_by(top - 1, |a, b| b.0.total_cmp(&a.0));
     let (weighted, weight) = pressed[..top]
         .iter()

@@ -1,13 +1,13 @@
-//! dF_t: how far the tangential force vector has moved within the last W seconds (paper II.b (1): "tangential force
-//! increment dF_t").
+//! dF_t: change of the tangential force vector within the last W seconds (paper II.b (1):
+//! "tangential force increment dF_t").
 //!
-//! Computed per sensor frame over a window, never per tick: single-sample differences are noise on real sensors.
+//! Computed per frame over a window; single-sample differences are noise on real sensors.
 
 use crate::intake::CheckedFrame;
 use crate::limits::INCREMENT_SAMPLES;
 use nalgebra::Vector3;
 
-/// A ring of past tangential forces, thinned out so that it always spans the window.
+/// Ring buffer of past tangential forces, thinned out to span the window.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Increment {
@@ -28,7 +28,7 @@ impl Default for Increment {
 }
 
 impl Increment {
-    /// Size of the change against the oldest sample of the window, N; 0 until the window holds two samples.
+    /// Magnitude of the change since the oldest sample of the window, N; 0 without one.
     pub(super) fn update(
         &mut self,
         tangential_n: &Vector3<f64>,

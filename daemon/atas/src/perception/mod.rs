@@ -1,11 +1,11 @@
-//! Perception: from believed frames to what each fingertip feels.
+//! Perception: computes the tactile state of a hand from validated frames.
 //!
-//! In: [`CheckedFrame`]s of one hand, in order, each sensor frame exactly once (never a held sample twice: a tick-wise
-//! difference of held samples spikes). Out: one [`Percept`] per tick. All windows and filters are in seconds of sensor
-//! time, so a 30 Hz sensor and a 10 kHz tick mean the same.
+//! Inputs: the [`CheckedFrame`]s of one hand in order, each exactly once (differences of repeated
+//! samples would spike). Output: one [`Percept`] per tick. Windows and filters use sensor time, so
+//! results do not depend on sensor or tick rate.
 //!
-//! The contact-patch frame: the dome's own geometry would leak F_n·sin θ into the tangential force, so every element's
-//! force is rotated into tip coordinates first and split along the patch normal.
+//! The curvature of a fingertip would leak F_n·sin θ into the tangential force. Every element's
+//! force is therefore rotated into the tip frame and split along the patch normal.
 
 mod finger;
 mod friction;
@@ -30,23 +30,23 @@ use crate::wiring::HandWiring;
 use robot_model::{HandModel, VIRTUAL_FINGERS};
 use shm_schemas::capacity::FINGERS;
 
-/// What one hand feels.
+/// Tactile state of one hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Percept {
-    /// Per fingertip; those without a sensor feel nothing.
+    /// Per fingertip; zero forces without a sensor.
     pub fingers: [FingerPercept; FINGERS],
-    /// The side from which each fingertip presses, 0 or 1.
+    /// Grasp side of each fingertip, 0 or 1.
     pub presses_from: [usize; FINGERS],
-    /// Per side, what its fingertips feel together: what modules mean by a finger.
+    /// Per grasp side, the combined percept of its fingertips.
     pub virtual_fingers: [FingerPercept; VIRTUAL_FINGERS],
     /// Sensor time of the newest frame, ns.
     pub captured_ns: u64,
-    /// Sensor time that the newest frames of this tick cover, s; 0 when none arrived.
+    /// Sensor time that the newest frames of this tick cover, s; 0 without a frame.
     pub step_s: f64,
 }
 
-/// One hand's perception.
+/// Perception of one hand.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Perception {
@@ -56,7 +56,7 @@ pub struct Perception {
 }
 
 impl Perception {
-    /// Perception for a hand that is wired like this; a sensor by itself feels for the fingers of an absent hand.
+    /// Creates the perception of a hand; also works for a sensor without a hand.
     #[must_use]
     pub fn new(wiring: &HandWiring, hand: &HandModel) -> Self {
         let mut percept = Percept::default();
@@ -73,12 +73,12 @@ impl Perception {
         }
     }
 
-    /// Begins a tick: no new frame yet.
+    /// Begins a tick without a new frame.
     pub fn begin(&mut self) {
         self.percept.step_s = 0.0;
     }
 
-    /// Takes in one frame. `slides` tells of an object that was seen to slide by other evidence than friction.
+    /// Adds one frame. `slips` reports slip detected without friction.
     pub fn update(&mut self, frame: &CheckedFrame<'_>, slides: bool, settings: &Settings) {
         for (index, finger) in self.fingers[..self.count].iter_mut().enumerate() {
             self.percept.fingers[index] = finger.update(index, frame, slides, settings);
@@ -93,13 +93,13 @@ impl Perception {
         self.percept.step_s += frame.step_s();
     }
 
-    /// What the hand feels now.
+    /// Returns the present percept.
     #[must_use]
     pub fn percept(&self) -> &Percept {
         &self.percept
     }
 
-    /// Takes the present filtered reading of every element as zero.
+    /// Zeroes the filtered readings of all elements.
     pub fn bias(&mut self) {
         for finger in &mut self.fingers[..self.count] {
             finger.bias();

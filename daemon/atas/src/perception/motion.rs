@@ -1,12 +1,13 @@
-//! Motion: whether the pattern of readings goes on moving. What real sensors show of slip.
+//! Motion: persistence of changes in the readings, a sign of slip on real sensors.
 //!
-//! On recordings of real fingertips the paper's rule dF_t > dr raises false alarms, because a stable touch also moves now and
-//! then: skin creeps, an object settles. Slip moves *most of the time*. So the means of two adjacent windows are compared
-//! element by element; how far they differ is told in multiples of what the sensor's own noise would do to them; and a share
-//! of the last comparisons says how persistent that is. Offsets, units and the meaning of an element do not matter, so it
-//! works for one element, and for a skin that knows no newtons, where nothing can be said about friction.
+//! On real fingertips, dF_t > dr gives false alarms: skin creeps and objects settle, so stable
+//! contacts also change now and then. Slip changes readings *most of the time*. The means of two
+//! adjacent windows are compared by element, relative to the noise. The share of recent comparisons
+//! above a threshold is the persistence. Offsets, units and element meaning have no effect. It
+//! works for single elements and for skins without force calibration, where friction cannot be
+//! estimated.
 //!
-//! It costs time: a window, and then most of the comparisons that count (settings: `motion_window_s`, `motion_at`).
+//! Delay: one window plus most of the counted comparisons (`motion_window_s`, `motion_at`).
 
 use crate::intake::CheckedFrame;
 use crate::settings::Perception as Settings;
@@ -14,40 +15,40 @@ use shm_schemas::capacity::ELEMENTS;
 
 /// Values of one fingertip.
 const VALUES: usize = ELEMENTS * 3;
-/// Half windows that are kept: two windows.
+/// Stored half windows: two windows.
 const HALVES: usize = 4;
-/// Comparisons that the share is taken of (ours: 1.2 s of a window of 0.15 s).
+/// Comparisons in the share (design choice: 1.2 s for a window of 0.15 s).
 const COMPARISONS: u32 = 16;
-/// Time over which the noise is averaged, s (ours: long beside a window, short beside what warms a sensor up).
+/// Averaging time of the noise, s (design choice: long against a window, short against sensor
+/// warm-up).
 const NOISE_S: f64 = 1.0;
 
-/// What the comparison of windows says.
+/// Result of the window comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MotionPercept {
-    /// How far the pattern has moved from one window to the next, in multiples of what the sensor's noise alone would do;
-    /// 0 before there are two windows, and for a sensor without any noise.
+    /// Change between windows in multiples of that from noise; 0 before two windows and without
+    /// noise.
     pub level: f64,
-    /// Share of the last 16 comparisons that found more than `motion_at`.
+    /// Share of the last 16 comparisons above `motion_at`.
     pub share: f64,
     /// Comparisons since the start.
     pub comparisons: u32,
 }
 
-/// The memory of one fingertip.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Motion {
-    /// Sums over half windows, N; `sums[newest]` grows.
+    /// Sums over half windows, N; `sums[newest]` is being filled.
     #[cfg_attr(feature = "serde", serde(with = "crate::large::each"))]
     sums: [[f32; VALUES]; HALVES],
     frames: [u32; HALVES],
     newest: usize,
     covered_s: f64,
-    /// The readings of the frame before, N.
+    /// Readings of the previous frame, N.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     before: [f32; VALUES],
-    /// Sum of the variances of all values, N², from the differences between frames.
+    /// Sum of the variances of all values, N², from frame differences.
     noise_n2: f64,
     heard_s: f64,
     has_begun: bool,
@@ -73,7 +74,7 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// Takes in this finger's part of one frame, as the sensor said it: a low-pass would make its noise look smaller.
+    /// Adds one unfiltered frame: a low-pass would reduce the measured noise.
     pub(super) fn update(
         &mut self,
         finger: usize,
@@ -84,7 +85,7 @@ impl Motion {
         let mut now = self.before;
         let (readings, mask) = frame.readings_n(finger);
         for (element, reading) in readings.iter().enumerate().take(count) {
-            // What an element does not say now is taken to be as before.
+            // Missing elements keep their previous reading.
             if mask >> element & 1 == 1 {
                 now[3 * element..3 * element + 3].copy_from_slice(reading);
             }
@@ -98,14 +99,14 @@ impl Motion {
         self.frames[self.newest] += 1;
         self.covered_s += step_s;
         self.before = now;
-        // A frame belongs to the window in which most of its time lies.
+        // A frame belongs to the window that contains most of its time.
         if self.covered_s + 0.5 * step_s >= 0.5 * settings.motion_window_s {
             self.close(3 * count, settings.motion_at);
         }
         self.percept
     }
 
-    /// Half the mean square of differences is the variance of white noise, whatever the readings do slowly.
+    /// Updates the noise: half the mean square difference is the variance of white noise.
     fn listen(&mut self, now: &[f32], step_s: f64) {
         if !self.has_begun {
             self.has_begun = true;
@@ -121,7 +122,7 @@ impl Motion {
         self.noise_n2 += (0.5 * f64::from(sum) - self.noise_n2) * share.min(1.0);
     }
 
-    /// Ends a half window: the last two are compared with the two before them.
+    /// Ends a half window and compares the two newest with the two oldest.
     fn close(&mut self, values: usize, motion_at: f64) {
         let half = |age: usize| (self.newest + HALVES - age) % HALVES;
         let [a, b, c, d] = [half(0), half(1), half(2), half(3)];

@@ -1,14 +1,13 @@
-//! How noisy the elements are, measured while the fingertip touches nothing.
+//! Noise of the elements, measured while the fingertip is unloaded.
 //!
-//! Lengths of noisy vectors are overrated, and so would be the friction that is read from them. What the sensor's own
-//! silence says about its noise, after the same filter, takes that bias out again, whatever the sensor and its rate.
-//! Silence is never complete: an offset or a slow load below the touch threshold is no noise, so it is what changes from
-//! frame to frame that counts.
+//! Noise increases vector lengths and hence the friction reading; the measured noise corrects this
+//! bias. Only changes between frames count: an offset or a slow load below the contact threshold is
+//! not noise.
 
 use crate::filter::low_pass;
 use shm_schemas::capacity::ELEMENTS;
 
-/// Time constant of the measurement, s (ours: a fraction of the slowest approach).
+/// Time constant of the measurement, s (design choice: a fraction of the slowest approach).
 const FILTER_S: f64 = 0.3;
 
 /// Running variance of the filtered tangential readings.
@@ -16,20 +15,19 @@ const FILTER_S: f64 = 0.3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Noise {
     variance_n2: Option<f64>,
-    /// The readings of the frame before, N; `None` after a touch.
+    /// Readings of the previous frame, N; `None` after contact.
     #[cfg_attr(feature = "serde", serde(with = "crate::large::maybe"))]
     before_n: Option<[[f64; 3]; ELEMENTS]>,
 }
 
 impl Noise {
-    /// Variance of one tangential axis of one element, N²; 0 before anything was heard.
+    /// Variance of one tangential axis of one element, N²; 0 before the first measurement.
     pub(super) fn variance_n2(&self) -> f64 {
         self.variance_n2.unwrap_or(0.0)
     }
 
-    /// Listens to the filtered elements of a fingertip that touches nothing, N. `share` is how much of a reading the filter
-    /// takes over per frame: of white noise it lets through so much that differences between frames have 2·share times its
-    /// variance.
+    /// Adds filtered elements of an unloaded fingertip, N. `share` is the filter gain; differences
+    /// of filtered white noise have 2·share times its variance.
     pub(super) fn listen(
         &mut self,
         elements_n: &[[f64; 3]; ELEMENTS],
@@ -51,7 +49,7 @@ impl Noise {
         self.before_n = Some(*elements_n);
     }
 
-    /// The fingertip touches something: what changes now is no noise.
+    /// Interrupts the measurement during contact.
     pub(super) fn pause(&mut self) {
         self.before_n = None;
     }
@@ -64,7 +62,7 @@ mod tests {
     /// Share of a 5 ms filter at 1 kHz.
     const SHARE: f64 = 1.0 / 6.0;
 
-    /// Standard deviation that is heard in a second of readings, N, given by their index.
+    /// Standard deviation measured in one second of readings, N.
     fn heard_n(reading_n: impl Fn(usize) -> f64) -> f64 {
         let mut noise = Noise::default();
         for index in 0..1000 {
@@ -74,7 +72,8 @@ mod tests {
         noise.variance_n2().sqrt()
     }
 
-    /// Regression: a real dome that leans on something below its touch threshold counted as so noisy that it heard no touch.
+    /// Regression: a light load below the contact threshold of a real fingertip counted as noise
+    /// and hid contacts.
     #[test]
     fn offsets_and_slow_loads_are_no_noise() {
         assert_eq!(heard_n(|_| 5.0), 0.0);
@@ -86,7 +85,7 @@ mod tests {
     fn what_flickers_is_noise() {
         let flicker = |index: usize| if index.is_multiple_of(2) { 0.01 } else { -0.01 };
         let heard = heard_n(flicker);
-        // Differences of 20 mN, each axis, over 2·share.
+        // Differences of 20 mN per axis, over 2·share.
         assert!(
             (heard - 0.02 / (2.0 * SHARE).sqrt()).abs() < 1e-3,
             "{heard}"

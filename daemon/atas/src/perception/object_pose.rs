@@ -1,39 +1,44 @@
-//! Where what a hand presses on stands: felt by the fingertips, not told by anybody.
+//! Object pose relative to the hand, estimated from the fingertip contacts.
 //!
 //! ```text
-//!      c_1 ●──n_1──▶        ◀──n_2──● c_2     Every fingertip presses at a contact c and feels the face's normal n there,
-//!                    ✕                        into the object. The object's middle is met from each contact by going as far
-//!                 middle                      along its normal; that distance follows from the contacts themselves.
+//!      c_1 ●──n_1──▶        ◀──n_2──● c_2
+//!                    ✕
+//!                 centre
 //! ```
 //!
-//! On two parallel faces the middle lies between the contacts, and the normals tell how the object is turned; along the faces
-//! nothing tells where it ends. On a round object the normals meet in its axis. Fingertips whose normal is always that of their own
-//! face (flat pads, single elements) feel the middle between the sides and no turn.
+//! Every fingertip has a contact c and an inward face normal n. The centre lies at the same
+//! distance along each normal; the contacts determine this distance.
+//!
+//! On two parallel faces, the centre lies between the contacts, the normals give the yaw, and the
+//! position along the faces is unknown. On a round object the normals meet in its axis. Fingertips
+//! with a fixed patch normal (flat pads, single elements) give the centre between the sides and no
+//! yaw.
 
 use super::Percept;
 use crate::limits::PATCH_FLOOR_N;
 use nalgebra::Vector2;
 use robot_model::{HandModel, HandPose, VIRTUAL_FINGERS};
 
-/// Least square of the distance between the normals of both sides, of unit vectors, by which a distance can be told (ours: the
-/// sides then still face each other within 90°).
+/// Smallest squared distance between the unit normals of both sides (design choice: the sides face
+/// each other within 90°).
 const FACING: f64 = 2.0;
 
-/// Where an object stands against the hand that presses on it, in the horizontal plane.
+/// Horizontal pose of an object relative to the pressing hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ObjectPose {
-    /// From the middle between the sides' fingertips to the middle of the object, base frame, m.
+    /// Offset from the midpoint of both sides to the object's centre, base frame, m.
     pub off_m: Vector2<f64>,
-    /// Direction of the line through both sides' fingertips, from the second side to the first, base frame, unit length.
+    /// Direction from the second side to the first, base frame, unit length.
     pub closing_axis: Vector2<f64>,
-    /// From the line through both sides' fingertips to the normal of the object's faces, anticlockwise seen from above, rad.
+    /// Angle from `closing_axis` to the normal of the object's faces, anticlockwise from above,
+    /// rad.
     pub turn_rad: f64,
 }
 
 impl ObjectPose {
-    /// What the fingertips of a hand at `measured` feel; `None` unless both sides press clearly. Where not
-    /// every fingertip of a side does, nothing is known of the place along the faces.
+    /// Estimates the pose at the measured hand pose; `None` unless both sides press clearly. Unless
+    /// every fingertip presses, the offset along the faces is zero.
     #[must_use]
     pub fn felt(hand: &HandModel, measured: &HandPose, percept: &Percept) -> Option<Self> {
         let mut sides = [Contacts::default(); VIRTUAL_FINGERS];
@@ -70,7 +75,7 @@ impl ObjectPose {
     }
 }
 
-/// Sums over the fingertips of one side that press.
+/// Sums over the pressing fingertips of one side.
 #[derive(Clone, Copy, Default)]
 struct Contacts {
     contact_m: Vector2<f64>,
@@ -85,7 +90,6 @@ impl Contacts {
         self.count += 1.0;
     }
 
-    /// Their middle, m, and their mean normal; `None` if none presses.
     fn mean(self) -> Option<(Vector2<f64>, Vector2<f64>)> {
         (self.count > 0.0).then(|| (self.contact_m / self.count, self.normal / self.count))
     }

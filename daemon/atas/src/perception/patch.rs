@@ -1,4 +1,4 @@
-//! The contact patch: the sum of all elements, split along the patch's own normal, and how its parts are sheared.
+//! Contact patch of one fingertip: total force, normal, and shear statistics of its elements.
 
 use crate::limits::{NORMAL_FLOOR_N, PATCH_FLOOR_N};
 use arrayvec::ArrayVec;
@@ -6,16 +6,16 @@ use nalgebra::{Matrix3, Vector3};
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
 
-/// How far an element's normal force must stand out of the noise to take part in the friction estimate (ours).
+/// Multiple of the sensor noise that an element needs for the friction estimate (design choice).
 const NOISE_CLEARANCE: f64 = 6.0;
-/// Determinant of the mean of n·nᵀ of all elements' normals above which a face is round both ways (that of `dome-41` is 0.006).
+/// Determinant of the mean n·nᵀ of element normals above which a face is curved in both directions
+/// (`dome-41`: 0.006).
 const ROUND: f64 = 1e-6;
-/// Smallest cosine between two elements' normals on a flat face.
+/// Smallest cosine between element normals of a flat face.
 const FLAT_COS: f64 = 0.999;
-/// (Σf)²/(n·Σf²) of n elements whose force rises evenly from nothing, as under a face at an angle.
+/// Evenness (Σf)²/(n·Σf²) of n forces that rise linearly from zero, as under an inclined face.
 const WEDGE: f64 = 0.75;
 
-/// The axes of every element in tip coordinates.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct ElementAxes {
@@ -26,12 +26,10 @@ pub(super) struct ElementAxes {
     tangent1: [Vector3<f64>; ELEMENTS],
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     tangent2: [Vector3<f64>; ELEMENTS],
-    /// Whether the face is round both ways: then a patch presses less and less towards its rim, and slips there before the whole
-    /// does.
+    /// Curved in both directions: the pressure decreases towards the rim, which slips first.
     pub(super) is_round: bool,
-    /// Whether all elements lie in one plane: then an edge may press alone.
+    /// All elements lie in one plane: an edge may press alone.
     is_flat: bool,
-    /// Where they are, m.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
     position_m: [Vector3<f64>; ELEMENTS],
 }
@@ -50,8 +48,8 @@ impl ElementAxes {
         }
     }
 
-    /// Share of a flat face that presses, from one element to all: how evenly its elements share the force (ours). Of a wedge of
-    /// pressure this is three quarters, so a face that presses everywhere, evenly or not, has 1.
+    /// Returns the loaded share of a flat face, from one element to 1 (derived from the evenness of
+    /// the forces). A linear pressure wedge counts as 1.
     pub(super) fn pressed_share(&self, elements_n: &[[f64; 3]; ELEMENTS], noise_n2: f64) -> f64 {
         if !self.is_flat {
             return 1.0;
@@ -75,7 +73,6 @@ impl ElementAxes {
     }
 }
 
-/// Whether normals point in all three directions of space.
 fn is_round(normals: &[[f64; 3]]) -> bool {
     let spread = normals.iter().fold(Matrix3::zeros(), |sum, normal| {
         let normal = Vector3::from(*normal);
@@ -92,27 +89,26 @@ fn is_flat(normals: &[[f64; 3]]) -> bool {
         })
 }
 
-/// An element that presses clearly, in the plane of the patch.
+/// Clearly loaded element, in the plane of the patch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pressed {
     /// Force along the patch's inward normal, N.
     pub(super) normal_n: f64,
-    /// Force in the plane, along its two axes, N.
+    /// Force along the two axes of the plane, N.
     shear_n: [f64; 2],
-    /// Place in the plane, from the centre of pressure, m.
+    /// Position in the plane relative to the centre of pressure, m.
     place_m: [f64; 2],
-    /// Force along the way that the patch as a whole is sheared here, N.
+    /// Force along the local shear direction of the whole patch, N.
     pub(super) along_n: f64,
 }
 
-/// One patch.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
-    /// Sum over all elements, tip frame, N. Weak elements are not clipped: their noise averages out.
+    /// Sum over all elements, tip frame, N. Weak elements are included; their noise averages out.
     pub(super) force_n: Vector3<f64>,
-    /// Outward normal, unit vector, tip frame; the dome axis while the contact is too weak to tell.
+    /// Outward unit normal, tip frame; the fingertip axis for weak contacts.
     pub(super) normal: Vector3<f64>,
-    /// Two axes that complete it to a right-handed frame.
+    /// Axes that complete the normal to a right-handed frame.
     plane: [Vector3<f64>; 2],
     /// Force along the inward normal, N.
     pub(super) normal_n: f64,
@@ -122,9 +118,8 @@ pub(super) struct Patch {
     pub(super) moment_n_m: f64,
     /// Sum of the normal forces times their distance from the centre of pressure, N·m.
     pub(super) arm_n_m: f64,
-    /// How far elements disagree about which way the patch is sheared, standard deviation over their normal force.
+    /// Scatter of the shear direction between elements, standard deviation over their normal force.
     pub(super) scatter: f64,
-    /// Elements that press clearly.
     pub(super) elements: ArrayVec<Pressed, ELEMENTS>,
     /// Standard deviation of one tangential axis of an element, N.
     pub(super) noise_n: f64,
@@ -190,7 +185,8 @@ impl Patch {
         }
     }
 
-    /// How the patch as a whole is sheared: straight, and about its normal, as force per element and per metre of distance.
+    /// Computes the shear of the patch: translation per element, and rotation per metre from the
+    /// centre of pressure.
     fn find_shear(&mut self) {
         let elements = &mut self.elements;
         let (mut pressure_n, mut centre_n_m) = (0.0, [0.0; 2]);
@@ -225,9 +221,9 @@ impl Patch {
         self.project(straight_n, spin_n_m);
     }
 
-    /// An element's force counts along the way that the whole moves there: what noise and a poor sensor mix into it is as
-    /// often forward as backward, where its length would only ever grow. What remains across that way, but for what a
-    /// curved surface makes of it (the same everywhere, or growing evenly with the place), is the sensor's.
+    /// Projects each element's force onto the local shear direction. Noise and crosstalk then
+    /// average out, whereas vector lengths would only grow. The surface curvature explains a cross
+    /// component that is constant or linear in position; the rest is sensor error.
     fn project(&mut self, straight_n: [f64; 2], spin_n_m: f64) {
         let elements = &mut self.elements;
         let mut across = Across::default();
@@ -247,7 +243,7 @@ impl Patch {
     }
 }
 
-/// Sums of a least-squares plane through what elements feel across the way of the shear, over their normal force.
+/// Sums of a least-squares plane through the cross components over normal force.
 #[derive(Default)]
 struct Across {
     square_n2: f64,
@@ -266,7 +262,7 @@ impl Across {
         }
     }
 
-    /// Standard deviation of what the plane does not explain, over the normal force.
+    /// Returns the standard deviation that the plane does not explain, over the normal force.
     fn scatter(&self, count: f64, noise_n2: f64) -> f64 {
         let spare = count - self.with_n2.len() as f64 - 1.0;
         let terms = self.with_n2.iter().zip(self.normal_n2);
@@ -282,7 +278,7 @@ impl Across {
     }
 }
 
-/// Two unit vectors that complete a unit vector to a right-handed frame (T. Duff et al., "Building an orthonormal basis,
+/// Completes a unit vector to a right-handed frame (T. Duff et al., "Building an orthonormal basis,
 /// revisited", 2017).
 fn plane_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let sign = if normal.z < 0.0 { -1.0 } else { 1.0 };
@@ -298,7 +294,7 @@ fn plane_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     ]
 }
 
-/// The normal of a patch that is too weak to tell: the pole for a dome, the element's own axis for a single element.
+/// Normal of a weak contact: the fingertip axis, or that of a single element.
 fn resting_normal(axes: &ElementAxes) -> Vector3<f64> {
     if axes.count == 1 {
         axes.normal[0]

@@ -1,32 +1,34 @@
-//! StiffnessEstimate: how stiff the object is, from 100 ms of pressing after the first touch (paper II.b (1)).
+//! Stiffness estimate (the paper: hardness), from 100 ms of closing after first touch (paper II.b
+//! (1)).
 //!
-//! While both fingers close, the total closing is x = x₀ + 2·(δ(F) + F/k): two fingertips, whose compression
-//! δ(F) = a·F^p is known from pressing a rigid block, and two faces of the object. Taking the fingertips out leaves a
-//! straight line of x − 2·δ(F) over F, whose least-squares slope is 2/k. Unlike the slope of F over x it does not depend
-//! on the force at which the probe began.
+//! The total closing is x = x₀ + 2·(δ(F) + F/k) for two fingertips and two faces of the object. The
+//! fingertip compression δ(F) = a·F^p is calibrated on a rigid block. Then x − 2·δ(F) is linear in
+//! F, with a least-squares slope of 2/k, independent of the force at which the probe begins.
 //!
-//! A flat face that meets another at an angle presses with an edge first (what follows is ours). While only a share s of it
-//! presses, more force compresses it by dδ/s, as parallel springs; and the object turns until it lies against the faces,
-//! which closes the fingers as if it gave way. So what was learnt while much less of the faces pressed is forgotten.
+//! A flat face that meets another at an angle first presses with an edge (not in the paper). While
+//! a share s is loaded, more force compresses it by dδ/s, as parallel springs. The object also
+//! turns until aligned with the faces, which adds closing. Samples from a much smaller contact area
+//! are therefore discarded.
 
 use crate::settings::Perception as Settings;
 use robot_model::{Compression, Skin, VIRTUAL_FINGERS};
 
-/// Fewest samples that make a slope: what a 30 Hz sensor gives within the paper's 100 ms.
+/// Smallest number of samples of a slope, that of a 30 Hz sensor in 100 ms.
 const SAMPLES_MIN: f64 = 3.0;
-/// Faces, and fingertips, that the total closing compresses.
+/// Compressed faces, and fingertips.
 const FACES: f64 = 2.0;
-/// Growth of the share that presses by which a contact is another one, and what an answer of the new one needs instead of the
-/// old one's: the fewest samples, and confidence (ours). Of a rigid object, whose compliance is nearly nothing, that is never
-/// certain; but that it is certainly less than the old one's is, this many standard errors above what was found (ours).
+/// Growth of the loaded share that starts a new contact, and the samples and confidence that its
+/// fit needs (design choice). A rigid object never reaches that confidence, because its compliance
+/// is near zero. Instead, an upper bound at this many standard errors must be below the previous
+/// compliance.
 const CONTACT_GROWTH: f64 = 1.5;
 const NEW_SAMPLES_MIN: f64 = 6.0;
 const NEW_CONFIDENCE: f64 = 0.9;
 const CERTAIN_ERRORS: f64 = 3.0;
-/// Smallest compliance of one face that is told apart from rigid, m/N (1 MN/m).
+/// Smallest resolvable compliance of one face, m/N (1 MN/m).
 const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
 
-/// How the fingertips give way: as they were calibrated, else as the robot file says of their skin.
+/// Returns the fingertip compression: the calibration, or else the skin data of the robot file.
 #[must_use]
 pub fn compression(settings: &Settings, skin: &Skin) -> Compression {
     if settings.tip_compression_m > 0.0 {
@@ -39,18 +41,18 @@ pub fn compression(settings: &Settings, skin: &Skin) -> Compression {
     }
 }
 
-/// Running sums of a least-squares line of closing over force.
+/// Least-squares line of closing over force.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StiffnessEstimate {
     filtered_closing_m: Option<f64>,
     hardest_n: f64,
-    /// δ(F) of both fingertips, m, and by how much more they gave way because parts of them pressed.
+    /// δ(F) of both fingertips, and the additional compression from partial contact, m.
     tips_m: f64,
     beyond_m: f64,
-    /// Least of each side that has pressed in the present contact: fingertips times the share of their faces.
+    /// Smallest loaded area of each side in the present contact.
     least_bearing: Option<[f64; VIRTUAL_FINGERS]>,
-    /// Compliance that the contact before this one showed, m/N, if there was one: infinite if it showed none.
+    /// Compliance from the previous contact, m/N; infinite if it gave no fit.
     before_m_n: Option<f64>,
     sums: Sums,
 }
@@ -66,39 +68,41 @@ struct Sums {
     yy: f64,
 }
 
-/// What of one side bears its force.
+/// Loaded contact area of one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
-    /// How many fingertips do, counted by how evenly.
+    /// Effective number of loaded fingertips.
     pub tips: f64,
-    /// Share of their faces that presses, above 0.
+    /// Loaded share of their faces, above 0.
     pub face_share: f64,
 }
 
 impl Bearing {
-    /// One fingertip, with its whole face.
+    /// One fingertip with its whole face.
     pub const WHOLE: Self = Self {
         tips: 1.0,
         face_share: 1.0,
     };
 }
 
-/// What the probe found.
+/// Result of the stiffness probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StiffnessFit {
     /// k: stiffness of one face of the object, N/m.
     pub object_n_m: f64,
-    /// How far the figure may be trusted, 0 to 1: 1/(1 + ε²) with ε the relative standard error of the compliance.
+    /// 1/(1 + ε²), 0 to 1, with ε the relative standard error of the compliance.
     pub confidence: f64,
-    /// See [`StiffnessEstimate::has_settled`].
+    /// A new contact has replaced the first.
     pub settled: bool,
 }
 
 impl StiffnessEstimate {
-    /// Takes in one frame: the total closing since first touch, m, the mean normal force, N, and the sensor time since
-    /// the frame before, s, of fingertips that each give way like `tips`, of which on each side so much bears the force. Only a
-    /// force beyond every force before is new; it gives a refined fit, if there is one.
+    /// Adds one frame and returns a refined fit. Only a force above all previous ones adds a
+    /// sample.
+    ///
+    /// Inputs: total closing since first touch, m; mean normal force, N; sensor time since the
+    /// previous frame, s; compression of a fingertip; loaded area of each side.
     pub fn add(
         &mut self,
         closing_m: f64,
@@ -127,13 +131,13 @@ impl StiffnessEstimate {
         self.of_new_contact(&line, before_m_n)
     }
 
-    /// Whether the contact became another one: the object may have turned against the fingertips.
+    /// Returns whether a new contact has replaced the first: the object may have turned.
     #[must_use]
     pub fn has_settled(&self) -> bool {
         self.before_m_n.is_some()
     }
 
-    /// What is certain of a contact that took the place of one with this compliance, m/N.
+    /// Fits a new contact, given the previous compliance, m/N.
     fn of_new_contact(&self, line: &Line, before_m_n: f64) -> Option<StiffnessFit> {
         if self.sums.n < NEW_SAMPLES_MIN {
             return None;
@@ -150,7 +154,7 @@ impl StiffnessEstimate {
         }
     }
 
-    /// Forgets what was learnt while much less of a side pressed: of its faces, or of its fingertips.
+    /// Discards samples from a much smaller loaded area.
     fn meet(&mut self, bearing: [f64; VIRTUAL_FINGERS]) {
         let least = self.least_bearing.unwrap_or(bearing);
         let grows = |(now, least): (&f64, &f64)| *now > CONTACT_GROWTH * least;
@@ -171,7 +175,7 @@ impl StiffnessEstimate {
         }
     }
 
-    /// The forces come through a low-pass; the closing must be as late as they are.
+    /// Delays the closing by the low-pass of the forces.
     fn delayed(&mut self, closing_m: f64, step_s: f64, filter_s: f64) -> f64 {
         let before_m = self.filtered_closing_m.unwrap_or(closing_m);
         let share = if filter_s > 0.0 {
@@ -195,7 +199,6 @@ impl Sums {
         self.yy += y * y;
     }
 
-    /// The line of closing over force; `None` when there are too few samples or the force did not change.
     fn line(&self) -> Option<Line> {
         let spread_x = self.n * self.xx - self.x * self.x;
         if self.n < SAMPLES_MIN || spread_x <= 0.0 {
@@ -216,7 +219,7 @@ impl Sums {
     }
 }
 
-/// The line that fits best: its slope, and the standard error of that, m/N.
+/// Fitted line: slope and its standard error, m/N.
 #[derive(Clone, Copy)]
 struct Line {
     slope_m_n: f64,

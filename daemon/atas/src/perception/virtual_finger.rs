@@ -1,12 +1,12 @@
-//! What the fingertips of one side feel together: a virtual finger.
+//! Combined percept of one grasp side (the literature's virtual finger).
 //!
-//! Forces add up. Friction is used as far as it is on average, each fingertip counted by how hard it presses; the side slides when
-//! every one of its fingertips that touch slides, and touches when one of them does. What cannot be added (the pattern of
-//! readings, the patch) is that of the fingertip that presses hardest. One fingertip feels for its side what it feels.
+//! Forces are summed, friction quantities averaged by normal force. The side slips when all its
+//! touching fingertips slip, and is in contact when one of them is. Other quantities come from the
+//! fingertip with the largest force. A single fingertip is returned unchanged.
 
 use super::finger::FingerPercept;
 
-/// The fingertips of one side as one; none feel nothing.
+/// Combines the fingertips of one side.
 pub(super) fn together<'a>(
     fingers: impl Iterator<Item = &'a FingerPercept> + Clone,
 ) -> FingerPercept {
@@ -49,7 +49,7 @@ pub(super) fn together<'a>(
     }
 }
 
-/// How many fingertips press, counted by how evenly they do: n if n press alike; 1 where one does, or none.
+/// Returns the effective number of pressing fingertips: n for equal forces, 1 for one or none.
 fn bearing_tips<'a>(fingers: impl Iterator<Item = &'a FingerPercept>) -> f64 {
     let (mut sum_n, mut squares_n2) = (0.0, 0.0);
     for finger in fingers {

@@ -1,30 +1,29 @@
-//! Yielding: whether what is pressed gives way.
+//! Yield detection: detects that a pressed object gives way.
 //!
-//! Flesh that is about to rupture loses its stiffness first. The stiffness is read over the last window of *force*, not of
-//! time, so that it means the same at every closing speed and sensor rate. Once it has fallen below a share of the stiffest
-//! that was felt, the object yields, and the greatest force before tells how much it could bear.
-//!
-//! It costs force: it is known only after the object has begun to give way (`atas eval recording` says how far beyond).
+//! Fruit flesh loses stiffness before it ruptures. The stiffness is computed over the last window
+//! of *force*, not time, so it does not depend on closing speed or sensor rate. Below a share of
+//! its maximum, the object yields; the peak force until then is the tolerated force. Detection
+//! requires some yield, so it costs force (`atas eval recording` prints how much).
 
 /// Levels of force within the window.
 const LEVELS: usize = 20;
-/// Least closing that a stiffness is divided by, m (ours: what a position sensor resolves).
+/// Smallest divisor of a force difference, m (design choice: resolution of a position sensor).
 const CLOSING_MIN_M: f64 = 2e-5;
 
-/// When something counts as giving way.
+/// Parameters of yield detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct YieldRule {
-    /// Force at which watching begins, N: a touch.
+    /// Force at which detection starts, N: a touch.
     pub from_n: f64,
-    /// Window of force over which the stiffness is read, N. Too small: the roughness of a skin looks like a rupture. Too
-    /// large: what ruptures within it is missed.
+    /// Window of force for the stiffness, N. Too small: skin roughness looks like rupture. Too
+    /// large: a rupture within it is missed.
     pub window_n: f64,
-    /// Share of the stiffest below which the object yields.
+    /// Share of the largest stiffness that means yielding.
     pub share: f64,
 }
 
 impl Default for YieldRule {
-    /// Fitted on recorded presses of kiwis and mangos; what they share (`clients/evaluation/models/`).
+    /// Common fit to recorded presses of kiwis and mangos (`clients/evaluation/models/`).
     fn default() -> Self {
         Self {
             from_n: 0.3,
@@ -34,23 +33,23 @@ impl Default for YieldRule {
     }
 }
 
-/// What an object bore before it gave way.
+/// Largest force and stiffness of one press.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Yielded {
-    /// Greatest force until then, N.
+    /// Peak force, N.
     pub peak_n: f64,
-    /// The stiffest that was felt, N/m.
+    /// Largest stiffness, N/m.
     pub stiffest_n_m: f64,
 }
 
-/// The memory of one press, from touch to letting go.
+/// Yield detector for one press, from touch to release.
 #[derive(Clone, Copy, Debug)]
 pub struct YieldWatch {
     rule: YieldRule,
-    /// Closing at which each level of force was passed first, m; a ring.
+    /// Closing at which each force level was first passed, m; a ring buffer.
     passed_m: [f64; LEVELS + 1],
     levels: usize,
-    /// Force of the newest level, N.
+    /// Newest force level, N.
     level_n: f64,
     peak_n: f64,
     stiffest_n_m: f64,
@@ -58,7 +57,7 @@ pub struct YieldWatch {
 }
 
 impl YieldWatch {
-    /// Nothing is pressed yet.
+    /// Creates a detector without samples.
     #[must_use]
     pub fn new(rule: YieldRule) -> Self {
         Self {
@@ -72,7 +71,8 @@ impl YieldWatch {
         }
     }
 
-    /// Takes in one frame: total closing, m, and normal force, N, both as late as each other. What is not finite is left out.
+    /// Adds total closing, m, and normal force, N, with equal delay. Values that are not finite are
+    /// ignored.
     pub fn add(&mut self, closing_m: f64, force_n: f64) -> Option<Yielded> {
         let is_finite = closing_m.is_finite() && force_n.is_finite();
         if self.yielded.is_some() || !is_finite || force_n < self.rule.from_n {
@@ -92,7 +92,7 @@ impl YieldWatch {
         self.yielded
     }
 
-    /// What it bore so far, whether it gave way or not.
+    /// Returns the maxima so far, with or without yield.
     #[must_use]
     pub fn borne(&self) -> Yielded {
         Yielded {
@@ -103,7 +103,7 @@ impl YieldWatch {
 
     fn pass_levels(&mut self, closing_m: f64, force_n: f64) {
         let step_n = self.rule.window_n / LEVELS as f64;
-        // A jump beyond the whole window says nothing about stiffness: the window begins anew.
+        // A jump beyond the window has no usable stiffness.
         if self.levels == 0 || force_n - self.level_n > self.rule.window_n {
             self.levels = 0;
             self.level_n = force_n - step_n;

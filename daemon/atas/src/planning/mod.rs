@@ -1,10 +1,8 @@
-//! Planning: where the steps of a goal take a hand.
+//! Planning: grasp poses of a goal's waypoints ([`Waypoints`]) and paths of its motions
+//! (`path_of`).
 //!
-//! In: a checked goal and the pose in which a hand stands. Out: the poses that its waypoints stand for ([`Waypoints`]) and
-//! the path of each motion (`path_of`). The runner asks when a step begins; the check of a goal asks before anything
-//! moves, so both see the same way.
-//!
-//! Absent on purpose: forces, time and obstacles.
+//! Inputs: a validated goal and the current grasp pose. Shared by task executor and goal check. Not
+//! covered: forces, time, obstacles.
 
 mod motion;
 mod waypoints;

@@ -1,4 +1,4 @@
-//! From a step's motion to a path.
+//! Conversion of a step's motion into a path.
 
 use super::waypoints::Waypoints;
 use crate::path::{Path, Speeds};
@@ -6,16 +6,16 @@ use crate::settings::Settings;
 use crate::tasks::Motion;
 use robot_model::GraspFrame;
 
-/// How far each finger opens when letting go, if the hand opens so far, m (ours: clear of a bulging soft object).
+/// Opening travel of each grasp side on release, m (design choice: clears a bulging soft object).
 const OPEN_BY_M: f64 = 0.012;
-/// The same at the moment an object stands, m, and how long it takes, s (ours: as fast as the gate lets the joints
-/// accelerate, 50 rad/s² of its 60; what asks for more swings back and grips the object again).
+/// Opening travel, m, and duration, s, of the fast release (design choice: 50 rad/s² of the gate's
+/// 60). A faster release swings back and grips the object again.
 const LET_GO_BY_M: f64 = 0.003;
 const LET_GO_S: f64 = 0.085;
-/// How far each finger is then from what it held, if the hand opens so far, m.
+/// Distance of each grasp side from the released object, m, if the hand opens that far.
 pub(crate) const FREED_BY_M: f64 = LET_GO_BY_M + OPEN_BY_M;
 
-/// The path of a motion for a hand that is at `now` and whose path was `before`.
+/// Returns the path of a motion that starts at `now`, where `before` is the previous path.
 pub(crate) fn path_of(
     motion: Motion,
     now: &GraspFrame,

@@ -1,4 +1,4 @@
-//! The poses that a goal's steps refer to by name.
+//! Grasp poses of the named waypoints of a goal.
 
 use crate::goal::Goal;
 use crate::path::{PEAK_OF_MEAN, at_height, reachable_yaw_rad};
@@ -9,30 +9,31 @@ use nalgebra::{Vector2, Vector3};
 use robot_model::{GraspFrame, HandModel};
 use shm_schemas::{GoalRequest, Turn};
 
-/// Lowest centre of a grasp, m (ours: the dome's radius and 3 mm of air).
+/// Minimum height of a grasp centre, m (design choice: fingertip radius plus 3 mm).
 const LOWEST_M: f64 = 0.018;
 
-/// Air between fingertips and the top of what they come over, m (ours: what places and heights may be wrong by).
+/// Vertical clearance between fingertips and object top, m (design choice: covers errors of the
+/// commanded place and height).
 pub(crate) const OVER_TOP_M: f64 = 0.010;
 
-/// How far two arms may disagree about where one place is, m (ours: links that are not as long as their model's, by up to 1 mm each).
-/// What one hand feels to be displaced by less stands for the other where it was told.
+/// Position disagreement between two arms, m (design choice: link length errors of up to 1 mm
+/// each). Smaller target shifts are ignored.
 const ARMS_AGREE_M: f64 = 0.0015;
 
-/// Share of the fingers' speed that a path may take (ours: the rest is for what the modules correct).
+/// Share of the finger speed available to a path (design choice: modules use the rest).
 const FINGER_SPEED_SHARE: f64 = 0.8;
 
-/// Height of a grasp from the side, m; pitch of the hand below the horizontal and angle of the finger roots, rad (robot
-/// design: proved free of collisions with the hand that screws).
+/// Height, m, pitch below the horizontal and finger root angle, rad, of a side grasp (robot design:
+/// free of collisions with the screwing hand).
 const SIDE_HEIGHT_M: f64 = 0.045;
 const SIDE_PITCH_RAD: f64 = core::f64::consts::FRAC_PI_4;
 const SIDE_ROOT_RAD: f64 = -27.5 * core::f64::consts::PI / 180.0;
-/// Opening of each finger before a grasp from the side, and how far behind and above it begins, m (robot design).
+/// Opening before a side grasp, and start position behind and above it, m (robot design).
 const SIDE_OPENING_M: f64 = 0.020;
 const SIDE_BEHIND_M: f64 = 0.10;
 const SIDE_ABOVE_M: f64 = 0.03;
 
-/// The poses of one goal.
+/// Grasp poses of one goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Waypoints {
@@ -48,31 +49,32 @@ pub struct Waypoints {
     lowering_m: f64,
     expected_m: f64,
     turning: f64,
-    /// How far each finger can open, m.
+    /// Maximum opening of each grasp side, m.
     widest_half_m: f64,
-    /// How fast its joints let each finger open and close, m/s.
+    /// Maximum closing and opening speed of each grasp side, m/s.
     finger_m_s: f64,
-    /// Where the object was told to stand, base frame, m.
+    /// Commanded object position, base frame, m.
     told_m: Vector2<f64>,
     corrections: Corrections,
 }
 
-/// What touch may change of where a goal leads the hand, and has.
+/// Corrections of the waypoints from tactile measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Corrections {
-    /// How far the hand may grasp beside where it was told, m.
+    /// Permitted deviation from the commanded grasp, m.
     spare_m: f64,
-    /// The other hand takes part: what this one holds goes onto what that one does.
+    /// The object is joined to the object of the other hand.
     joins: bool,
-    /// From the middle of the hand to that of what it holds, along its closing axis and 90° anticlockwise of that, m.
+    /// Offset from the hand centre to the held object, along the closing axis and 90° anticlockwise
+    /// of it, m.
     held_off_m: Vector2<f64>,
-    /// From where the target was told to where it stands, base frame, m.
+    /// Offset from the commanded to the actual target, base frame, m.
     target_off_m: Vector2<f64>,
 }
 
 impl Waypoints {
-    /// The poses of a goal for one of its hands, and the width of what that hand grasps, m.
+    /// Returns the waypoints of a goal for one hand, and the width of its object, m.
     #[must_use]
     pub fn of(hand: &HandModel, now: &GraspFrame, goal: &Goal, settings: &Settings) -> (Self, f64) {
         let (request, home) = (goal.request(), home(hand, now));
@@ -98,7 +100,7 @@ impl Waypoints {
         (within(waypoints), request.width_m)
     }
 
-    /// The poses of a checked goal for a hand that is at `now` and rests at `home`.
+    /// Returns the waypoints of the acting hand at `now` with rest pose `home`.
     #[must_use]
     pub fn new(
         hand: &HandModel,
@@ -140,7 +142,7 @@ impl Waypoints {
         }
     }
 
-    /// The poses of the hand that holds the bottle of a checked assembly, from the side.
+    /// Returns the waypoints of the hand that holds the bottle from the side during an assembly.
     #[must_use]
     pub fn helping(
         hand: &HandModel,
@@ -168,7 +170,7 @@ impl Waypoints {
         }
     }
 
-    /// The poses of a hand that only opens and goes home.
+    /// Returns the waypoints of a hand that only opens and goes home.
     #[must_use]
     pub fn resting(
         hand: &HandModel,
@@ -196,7 +198,7 @@ impl Waypoints {
         }
     }
 
-    /// The pose of a waypoint, for a hand that is at `now`.
+    /// Returns the grasp pose of a waypoint for a hand at `now`.
     #[must_use]
     pub fn pose(&self, waypoint: Waypoint, now: &GraspFrame) -> GraspFrame {
         match waypoint {
@@ -216,7 +218,7 @@ impl Waypoints {
         }
     }
 
-    /// The hand opened by so much on each side, m, as far as it opens; never closed.
+    /// Returns the pose opened by `by_m` per grasp side, m, limited to the maximum opening.
     #[must_use]
     pub fn opened(&self, now: &GraspFrame, by_m: f64) -> GraspFrame {
         let widest_m = self.widest_half_m;
@@ -228,14 +230,14 @@ impl Waypoints {
         }
     }
 
-    /// Mean speed of a path on which the fingers keep up with what is commanded: what a drive that lags behind leaves undone, the
-    /// arm would try to do.
+    /// Returns the mean path speed that the fingers can track, m/s. Otherwise the arm would
+    /// compensate for their lag.
     #[must_use]
     pub fn finger_speed_m_s(&self, wanted_m_s: f64) -> f64 {
         wanted_m_s.min(FINGER_SPEED_SHARE * self.finger_m_s / PEAK_OF_MEAN)
     }
 
-    /// Over where the target stands, with the middle of the object above its middle.
+    /// Returns the pose that centres the held object above the target.
     fn over_target(&self) -> GraspFrame {
         let axis = self.over_target.closing_axis().xy();
         let across = Vector2::new(-axis.y, axis.x);
@@ -248,7 +250,8 @@ impl Waypoints {
         moved(&self.over_target, &off_m)
     }
 
-    /// The object was felt to stand there, base frame, m, its faces turned, rad: it is grasped there.
+    /// Moves the grasp to the measured object position, base frame, m, and turns it by `turn_rad`,
+    /// rad.
     pub fn grasp_at(&mut self, at_m: &Vector2<f64>, turn_rad: f64) {
         self.shift_source(&(at_m - self.source.centre_m.xy()));
         self.corrections.held_off_m = Vector2::zeros();
@@ -257,7 +260,7 @@ impl Waypoints {
         }
     }
 
-    /// The object is grasped that far aside, m: 90° anticlockwise of the closing axis.
+    /// Shifts the grasp by `by_m`, m, 90° anticlockwise of the closing axis.
     pub fn grasp_aside(&mut self, by_m: f64, axis: &Vector2<f64>) {
         self.shift_source(&(Vector2::new(-axis.y, axis.x) * by_m));
         self.corrections.held_off_m.y -= by_m;
@@ -269,12 +272,12 @@ impl Waypoints {
         }
     }
 
-    /// What the hand holds was felt to be beside its middle, along its closing axis, m.
+    /// Sets the measured offset of the held object along the closing axis, m.
     pub fn hold_beside(&mut self, off_m: f64) {
         self.corrections.held_off_m.x = off_m;
     }
 
-    /// What the other hand holds stands beside where it was told, base frame, m: so does the target, if it is that.
+    /// Shifts the target with the other hand's object, base frame, m, if both objects are joined.
     pub fn displace_target(&mut self, off_m: Vector2<f64>) {
         if self.corrections.joins {
             let is_known = off_m.norm() > ARMS_AGREE_M;
@@ -282,25 +285,25 @@ impl Waypoints {
         }
     }
 
-    /// How far the hand may grasp beside where it was told, m.
+    /// Permitted deviation from the commanded grasp, m.
     #[must_use]
     pub fn spare_m(&self) -> f64 {
         self.corrections.spare_m
     }
 
-    /// Whether what the hand holds goes onto what the other one holds.
+    /// Returns true if the held object is joined to the object of the other hand.
     #[must_use]
     pub fn joins(&self) -> bool {
         self.corrections.joins
     }
 
-    /// Where the object was told to stand, base frame, m.
+    /// Commanded object position, base frame, m.
     #[must_use]
     pub fn told_m(&self) -> Vector2<f64> {
         self.told_m
     }
 
-    /// How far the hand may go down from over the target, m.
+    /// Maximum lowering distance at the target, m.
     #[must_use]
     pub fn lowering_m(&self) -> f64 {
         self.lowering_m
@@ -312,14 +315,15 @@ impl Waypoints {
         self.turning
     }
 
-    /// Height of the grasp at which the object is expected to stand at the target, m.
+    /// Expected grasp height when the object stands at the target, m.
     #[must_use]
     pub fn expected_m(&self) -> f64 {
         self.expected_m
     }
 }
 
-/// How far above its grasp a hand comes from, m: over the object's top, as far as the goal tells it.
+/// Returns the approach height above the grasp, m, which clears the object top if the goal gives
+/// it.
 #[must_use]
 pub(crate) fn descent_m(hand: &HandModel, goal: &GoalRequest, settings: &Settings) -> f64 {
     if goal.top_m <= 0.0 {
@@ -329,7 +333,7 @@ pub(crate) fn descent_m(hand: &HandModel, goal: &GoalRequest, settings: &Setting
     (goal.top_m + dome_m + OVER_TOP_M).max(settings.motion.descend_m)
 }
 
-/// Where an arm rests, for a hand that is at `now`: before its own shoulder, out of the other arm's way.
+/// Returns the rest pose of an arm, clear of the other arm.
 #[must_use]
 pub fn home(hand: &HandModel, now: &GraspFrame) -> GraspFrame {
     from_above(
@@ -341,7 +345,7 @@ pub fn home(hand: &HandModel, now: &GraspFrame) -> GraspFrame {
     )
 }
 
-/// The helping hand's grasp of the bottle: from the side, coming from its own shoulder.
+/// Returns the helping hand's side grasp of the bottle.
 #[must_use]
 pub fn from_the_side(hand: &HandModel, goal: &GoalRequest, clearance_m: f64) -> GraspFrame {
     let centre_m = Vector3::new(goal.to_m[0], goal.to_m[1], SIDE_HEIGHT_M);
@@ -354,7 +358,7 @@ pub fn from_the_side(hand: &HandModel, goal: &GoalRequest, clearance_m: f64) -> 
     pointing(hand, grasp)
 }
 
-/// The same pose with the hand pointing straight away from its shoulder, fingers to its left and right.
+/// Returns the pose with the hand pointing away from its shoulder.
 fn pointing(hand: &HandModel, frame: GraspFrame) -> GraspFrame {
     let azimuth_rad = hand.bearing_rad(&frame.centre_m);
     GraspFrame {
@@ -364,7 +368,7 @@ fn pointing(hand: &HandModel, frame: GraspFrame) -> GraspFrame {
     }
 }
 
-/// A grasp from straight above, with the yaw that the hand reaches from `now`.
+/// Returns a vertical grasp with the yaw reachable from `now`.
 fn from_above(
     hand: &HandModel,
     now: &GraspFrame,

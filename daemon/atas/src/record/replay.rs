@@ -1,4 +1,4 @@
-//! The controller on recorded inputs.
+//! Replay of a recording through the controller.
 
 use super::{Unreadable, read_order};
 use crate::controller::Controller;
@@ -8,36 +8,36 @@ use shm_schemas::capacity::HANDS;
 use shm_schemas::{GraspTarget, HandFrame, Mode, TickInputs};
 use zerocopy::IntoBytes;
 
-/// Why a replay cannot go on.
+/// Error that ends a replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReplayError {
-    /// The recording does not begin with the run's first tick.
+    /// Recording without the start of the run.
     NoBeginning {
-        /// Parts that are missing before the first one.
+        /// Missing parts.
         missing: u64,
     },
-    /// Parts are missing in the middle.
+    /// Recording with a gap.
     Gap {
         /// Tick after the gap.
         tick: u64,
-        /// Parts that are missing.
+        /// Missing parts.
         missing: u64,
     },
-    /// The daemon's controller panicked; from here on the daemon held without it.
+    /// Panic of the controller; afterwards the daemon held without it.
     Panicked {
         /// First tick without the controller.
         tick: u64,
     },
-    /// A tick has more frames or targets than the storage of the replay, or its parts contradict each other.
+    /// Too many frames or targets in a tick, or contradictory parts.
     Malformed {
-        /// The tick.
+        /// Tick index.
         tick: u64,
     },
-    /// An order cannot be read.
+    /// Invalid request.
     Order {
-        /// The tick.
+        /// Tick index.
         tick: u64,
-        /// Why.
+        /// Reason.
         why: Unreadable,
     },
 }
@@ -75,16 +75,16 @@ impl core::fmt::Display for ReplayError {
 
 impl core::error::Error for ReplayError {}
 
-/// One tick, replayed.
+/// One replayed tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Replayed<'a> {
-    /// What the controller gave out now.
+    /// Outputs of the replay.
     pub outputs: &'a Outputs,
-    /// Whether its command equals the recorded one in every bit.
+    /// Whether the replayed command equals the recorded one bit for bit.
     pub is_equal: bool,
 }
 
-/// A controller that is fed a recording.
+/// Controller driven by recorded inputs.
 #[derive(Debug)]
 pub struct Replay<F> {
     controller: Controller,
@@ -97,14 +97,14 @@ pub struct Replay<F> {
 }
 
 impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
-    /// A replay from the beginning, with room for the frames of one tick per hand: 64 are enough for any recording of
-    /// the daemon. `controller` comes from [`super::read_origin`].
+    /// Creates a replay of a [`super::read_origin`] controller, with storage for one tick's frames
+    /// per hand; 64 suffice for any recording.
     #[must_use]
     pub fn new(controller: Controller, frames: [F; HANDS]) -> Self {
         Self::resume(controller, 0, frames)
     }
 
-    /// A replay that goes on where another one was ([`Replay::state`]).
+    /// Continues from a [`Replay::state`].
     #[must_use]
     pub fn resume(controller: Controller, next_sequence: u64, frames: [F; HANDS]) -> Self {
         Self {
@@ -118,16 +118,16 @@ impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
         }
     }
 
-    /// The controller after the last tick, and the sequence of the part that comes next; `None` within a tick.
+    /// Returns the controller and the next sequence number; `None` within a tick.
     #[must_use]
     pub fn state(&self) -> Option<(&Controller, u64)> {
         (self.next_part == 0).then_some((&self.controller, self.next_sequence))
     }
 
-    /// Takes the next part; when a tick is complete, runs it and compares its command.
+    /// Processes the next part; runs a complete tick and compares its command.
     ///
     /// # Errors
-    /// [`ReplayError`]; the replay cannot go on after it.
+    /// [`ReplayError`]; the replay cannot continue.
     pub fn feed(&mut self, part: &TickInputs) -> Result<Option<Replayed<'_>>, ReplayError> {
         self.check(part)?;
         self.collect(part)?;

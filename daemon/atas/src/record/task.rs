@@ -1,4 +1,4 @@
-//! A task as words for the bus, and back.
+//! Conversion of a task to a bus record and back.
 
 use crate::modules::{IDS, Selection};
 use crate::tasks::{
@@ -6,7 +6,7 @@ use crate::tasks::{
 };
 use shm_schemas::{StepRecord, TableRecord, TaskRecord, Text, TrackRecord};
 
-/// A task as a record.
+/// Converts a task to a record.
 pub(super) fn write(task: &Task) -> TaskRecord {
     TaskRecord {
         name: Text::new(&task.name),
@@ -18,7 +18,7 @@ pub(super) fn write(task: &Task) -> TaskRecord {
     }
 }
 
-/// The task of a record; `None` if this version does not know one of its words.
+/// Converts a record to a task; `None` if it contains an unknown code.
 pub(super) fn read(record: &TaskRecord) -> Option<Task> {
     let helping = &record.helping;
     Some(Task {

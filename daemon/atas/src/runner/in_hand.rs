@@ -1,12 +1,11 @@
-//! What has become of the object in the hand, as far as fingertips can tell: how far it slipped, whether it turned, and
-//! whether it is still there. A task that ends without these answers would claim what nobody has looked at.
+//! In-hand monitor: detects slip, rotation and loss of the carried object from tactile data.
 //!
-//! * **Slip**: what falls accelerates by as much as the fingers carry too little; integrated twice that is a distance. What
-//!   still stands slides by as much as the hand travels.
-//! * **Turn**: an object whose centre of mass lies beside the grip loads both fingertips with a moment about the closing axis.
-//!   While friction carries it, the lever (moment over weight) stays; an object that turns swings its centre of mass below
-//!   the grip, and the lever gets shorter.
-//! * **Loss**: what is gone has no weight, whatever a drifting sensor says of the grip.
+//! * **Slip**: the missing load accelerates a suspended object; integrated twice, it gives the slip
+//!   distance. A supported object slips by the hand travel.
+//! * **Rotation**: an off-centre mass loads the fingertips with a moment about the closing axis.
+//!   The lever (moment over weight) shrinks when the object rotates and its centre of mass swings
+//!   below the grip.
+//! * **Loss**: a lost object has no weight, even if a drifting sensor still reports grip force.
 
 use crate::filter::low_pass;
 use crate::modules::{Finding, load_n};
@@ -15,55 +14,55 @@ use shm_schemas::{Cause, Reason};
 
 /// Standard gravity, m/s².
 const GRAVITY_M_S2: f64 = 9.81;
-/// Slip beyond which a task has not succeeded, m (ours: 3 mm, less what the estimate may be wrong by).
+/// Slip beyond which a task fails, m (design choice: 3 mm minus the estimation error).
 const SLIP_MAX_M: f64 = 0.0028;
-/// Time constant over which moment and lever are felt, s (ours: a period of a hand's tremble).
+/// Filter time constant of moment and lever, s (design choice: one period of hand tremor).
 const FILTER_S: f64 = 0.05;
-/// Load of both fingers below which they are felt for longer, because the sensors' noise counts more, N (ours).
+/// Total load below which noise requires a slower filter, N (design choice).
 const LIGHT_N: f64 = 0.3;
-/// Time constant of the weight, s (ours).
+/// Filter time constant of the weight, s (design choice).
 const WEIGHT_S: f64 = 0.7;
-/// Load of both fingers from which on a lever can be told, N (ours: several times the noise of two fingertips).
+/// Minimum total load for a lever estimate, N (design choice: several times the sensor noise).
 const LOAD_MIN_N: f64 = 0.05;
-/// Share of the moment that friction could carry from which on an object may have turned, and the share of its lever that
-/// then must be left (ours, measured on objects with their centre of mass up to 5 mm aside).
+/// Pairs of minimum torsion ratio and maximum remaining lever share of a rotated object (design
+/// choice, measured with centres of mass up to 5 mm off-centre).
 const TURNING: [[f64; 2]; 2] = [[0.6, 0.9], [0.5, 0.7]];
-/// How long it must have felt so to be believed, s (ours: a swing of it is none).
+/// Minimum duration of a rotation, s (design choice: longer than one swing).
 const TURNED_S: f64 = 0.3;
-/// Share of its weight below which an object is gone, and how long it must be, s (ours).
+/// Share of its weight below which an object counts as lost, and the minimum duration, s (design
+/// choice).
 const GONE_SHARE: f64 = 0.3;
 const GONE_S: f64 = 0.2;
-/// Time constant with which the most that it has weighed is forgotten, s (ours: longer than a lift).
+/// Decay time constant of the maximum weight, s (design choice: longer than a lift).
 const MOST_S: f64 = 10.0;
 
-/// One hold, from the beginning of the lift.
+/// State of one hold, from the start of the lift.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct InHand {
-    /// Moment about the closing axis over load, m, and share of friction that it takes, low-passed; the most of each.
+    /// Filtered lever about the closing axis, m.
     lever_m: f64,
-    /// The lever with its sign: positive where the weight hangs 90° anticlockwise of the closing axis, seen from above.
+    /// Signed lever, m: positive 90° anticlockwise of the closing axis, seen from above.
     beside_m: f64,
     torsion: f64,
     lever_most_m: f64,
     torsion_most: f64,
-    /// How long it has felt as if it had turned, s.
     turned_s: f64,
-    /// Weight as it was before anything fell, N; 0 while unknown. How long it has been felt, s.
+    /// Weight before any slip, N (0: unknown), and its measuring time, s.
     weight_n: f64,
     weighed_s: f64,
-    /// The most that it has weighed, forgotten slowly, N: what slides away slowly gets lighter slowly.
+    /// Slowly decaying maximum weight, N; detects objects that slide out slowly.
     most_n: f64,
     falling_m_s: f64,
     slid_m: f64,
-    /// How far the hand had carried it when a test found last that it still stands, m.
+    /// Carried distance at which the object was last verified as supported, m.
     stood_at_m: f64,
     gone_s: f64,
 }
 
 impl InHand {
-    /// Takes in one tick: what the hand feels, the vertical load on it, N, how far it has carried, m, and what the modules
-    /// have found out. Where no test tells whether it stands, nothing is known of how far it slides while it does.
+    /// Processes one tick: percept, vertical load, N, carried distance, m, and module findings.
+    /// Without lift verification, the slip of a supported object is unknown.
     pub(super) fn follow(
         &mut self,
         percept: &Percept,
@@ -91,7 +90,7 @@ impl InHand {
             return;
         }
         let share = step_s / (FILTER_S * (1.0 + LIGHT_N / load_n) + step_s);
-        // The fingertips face each other, so a moment about the closing axis has opposite signs about their normals.
+        // The fingertips face each other, so the moments about their normals have opposite signs.
         let signs = fingers.iter().zip([1.0, -1.0]);
         let moment_n_m: f64 = signs.map(|(f, sign)| sign * f.moment_n_m).sum();
         let beside_m = moment_n_m / load_n;
@@ -125,7 +124,7 @@ impl InHand {
             self.falling_m_s = (self.falling_m_s + GRAVITY_M_S2 * missing * step_s).max(0.0);
             self.slid_m += self.falling_m_s * step_s;
         } else {
-            // At first all that was felt counts alike: one reading of a light object tells little.
+            // Averages all samples at first: single readings of a light object are too noisy.
             self.weighed_s += step_s;
             let filter_s = self.weighed_s.min(WEIGHT_S);
             self.weight_n = low_pass(self.weight_n, down_n, step_s, filter_s);
@@ -138,18 +137,18 @@ impl InHand {
         };
     }
 
-    /// How far beside the grip the object's weight hangs, at least, m: positive 90° anticlockwise of the closing axis.
+    /// Returns the largest lever so far, m; positive 90° anticlockwise of the closing axis.
     pub(super) fn lever_m(&self) -> f64 {
         libm::copysign(self.lever_most_m, self.beside_m)
     }
 
-    /// Why the object is no longer in the hand, if so.
+    /// Returns the reason if the object is lost.
     pub(super) fn lost(&self) -> Option<Reason> {
         (self.gone_s > GONE_S)
             .then(|| Reason::limit(Cause::LOST_OBJECT, 0.0, GONE_SHARE * self.most_n))
     }
 
-    /// Why the task has not succeeded although it came to its end.
+    /// Returns the reason if the completed task failed by slip or rotation.
     pub(super) fn objection(&self) -> Option<Reason> {
         if self.slid_m > SLIP_MAX_M {
             let reason = Reason::limit(Cause::SLIPPED_IN_HAND, self.slid_m, SLIP_MAX_M);
@@ -158,7 +157,7 @@ impl InHand {
         self.has_turned().then(|| self.turn())
     }
 
-    /// Why the object, which goes on turning in the hand, is to be carried no further.
+    /// Returns the reason if the object keeps rotating in the hand.
     pub(super) fn turned(&self) -> Option<Reason> {
         (self.turned_s > TURNED_S).then(|| self.turn())
     }
@@ -176,7 +175,8 @@ fn larger(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Regression: a bottle that slid out of the hand within two seconds got lighter so slowly that it was not missed.
+    /// Regression: the weight of a bottle that slid out within two seconds fell too slowly to be
+    /// detected.
     #[test]
     fn what_gets_lighter_within_seconds_is_lost() {
         let percept = Percept {
@@ -196,8 +196,7 @@ mod tests {
         assert_eq!(lost_after_ticks(0.5), None, "half of it poured out");
     }
 
-    /// Regression: an object that a task without a load test had set down again had slipped, it was said, by the whole way
-    /// that the hand had carried it.
+    /// Regression: without lift verification, the whole carried distance was reported as slip.
     #[test]
     fn without_a_test_nothing_has_slipped_by_the_way_it_was_carried() {
         let percept = Percept {

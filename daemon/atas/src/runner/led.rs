@@ -1,4 +1,4 @@
-//! What the runner does for a hand that a client leads.
+//! Executor functions of a teleoperated hand.
 
 use super::{MEET_M, Runner};
 use crate::follow::Lead;
@@ -10,33 +10,34 @@ use crate::tasks::{Motion, Transition};
 use robot_model::GraspFrame;
 use shm_schemas::{GripOrder, ModuleId};
 
-/// Opening beyond the one at which an object was touched that means letting go of it, m (ours: more than a policy's widths
-/// scatter).
+/// Opening beyond the first-contact opening that requests a release, m (design choice: exceeds the
+/// scatter of policy widths).
 const WIDER_M: f64 = 0.002;
-/// Opening below the present one that means closing, m (ours: what the fingers lag behind while they stand).
+/// Opening below the current one that requests closing, m (design choice: exceeds the finger lag at
+/// rest).
 const CLOSING_M: f64 = 0.0002;
-/// Half opening below which nothing can be between the fingertips, m (ours: the search ends there).
+/// Half opening below which the hand is empty, m (design choice: the search ends there).
 const EMPTY_M: f64 = 0.0025;
-/// Drop of the target below the hand that means setting down, m (ours).
+/// Target depth below the hand that requests lowering, m (design choice).
 const DOWN_M: f64 = 0.0002;
 
 impl Runner {
-    /// Takes in what the client that leads the hand wants; `None` while it is silent.
+    /// Sets the client's target; `None` while the client sends none.
     pub fn receive_lead(&mut self, lead: Option<Lead>) {
         self.lead = lead;
         if let Some(lead) = lead {
-            // Modules may ask where the way leads.
+            // Modules may use the path direction.
             self.path = Path::stay(lead.frame);
         }
     }
 
-    /// Whether a client leads this hand, or has led it until now.
+    /// Returns true if the present step is teleoperated, even if the client stopped sending.
     #[must_use]
     pub fn is_led(&self) -> bool {
         self.step().modules.contains(ModuleId::FOLLOW)
     }
 
-    /// Whether the client wants something held, or its fingers have met something while closing.
+    /// Returns true if the client requests a grip, or the fingers touch something while closing.
     pub(super) fn wants_grip(&self, percept: &Percept, now: &GraspFrame) -> bool {
         let Some(lead) = &self.lead else {
             return false;
@@ -49,7 +50,7 @@ impl Runner {
         touches && lead.opening_m() < open_m - CLOSING_M
     }
 
-    /// Whether the client wants the hand wider than what it holds, or is about to hold.
+    /// Returns true if the client requests an opening wider than the object.
     pub(super) fn wants_opening(&self) -> bool {
         let holds = self.is_led()
             && self.step().transition != Transition::GripWanted
@@ -60,13 +61,13 @@ impl Runner {
         holds && self.lead.as_ref().is_some_and(wider)
     }
 
-    /// Whether the fingers of a led hand have met without anything between them.
+    /// Returns true if the fingertips of a teleoperated hand met without an object between them.
     pub(super) fn found_nothing(&self, now: &GraspFrame) -> bool {
         let searches = self.is_led() && self.step().transition == Transition::AllTouched;
         searches && now.half_opening_m.iter().any(|half_m| *half_m < MEET_M)
     }
 
-    /// Lets go: the client's widths count again.
+    /// Releases the object and follows the client's opening again.
     pub(super) fn begin_again(
         &mut self,
         now: &GraspFrame,
@@ -80,7 +81,7 @@ impl Runner {
         self.receive_lead(lead);
     }
 
-    /// How far the client leads the hand down, m; `None` if it does not.
+    /// Returns how far the target is below the hand, m, if the client requests lowering.
     pub(super) fn led_down_m(&self, now: &GraspFrame) -> Option<f64> {
         let lead = self.lead.as_ref()?;
         let down_m = now.centre_m.z - lead.frame.centre_m.z;

@@ -1,4 +1,4 @@
-//! The runner walks one hand through the steps of its task and remembers what it learnt on the way.
+//! Task executor: runs the steps of one hand's task and stores its measurements.
 
 mod in_hand;
 mod led;
@@ -24,82 +24,86 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 use robot_model::{Compression, GraspFrame, VIRTUAL_FINGERS};
 use shm_schemas::{Cause, ModuleId, Reason};
 
-/// How long a gripped object may be out of touch before it counts as lost, s (ours: longer than any contact bounce).
+/// Contact loss of a gripped object until it counts as lost, s (design choice: longer than contact
+/// bounce).
 const LOST_AFTER_S: f64 = 0.05;
-/// How long a held object may slip on a finger before a warning, s (ours: several times what Module 2 takes to answer).
+/// Slip duration on one side before a warning, s (design choice: several times the response time of
+/// Module 2).
 const SLIDES_AFTER_S: f64 = 0.1;
-/// How long it may slip on every finger, or fall, at F_2 before it is set down, s (ours).
+/// Slip duration on both sides, or drop duration, at F_2 before the object is put back, s (design
+/// choice).
 const SPENT_AFTER_S: f64 = 0.03;
-/// Utilisation of the remembered friction without which nothing slides (ours): a light load on a firm grip reads as noise.
+/// Friction utilisation below which slip is ignored (design choice): a light load on a firm grip is
+/// noise.
 const SLIDES_ABOVE: f64 = 0.9;
-/// Half opening at which the search ends whatever the width, m (ours): beyond it the fingertips touch each other.
+/// Half opening at which any search ends, m (design choice): the fingertips meet below it.
 const MEET_M: f64 = 0.001;
 
-/// How the hand moves at the start of a tick.
+/// Motion of the hand at the start of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct HandMotion<'a> {
-    /// Factor on its speed along its path that arbitration made of the tick before.
+    /// Path speed factor arbitrated in the previous tick.
     pub carry_scale: f64,
-    /// Closing speed of each finger that arbitration made of the tick before, m/s.
+    /// Closing speed per grasp side arbitrated in the previous tick, m/s.
     pub closing_m_s: [f64; VIRTUAL_FINGERS],
-    /// The commanded pose.
+    /// Commanded grasp pose.
     pub frame: &'a GraspFrame,
-    /// The closing axis as the hand stands, base frame, unit length.
+    /// Current closing axis, base frame, unit length.
     pub closing_axis: Vector3<f64>,
     /// See [`Context::turns_by_wrist`].
     pub turns_by_wrist: bool,
     /// Measured orientation of each fingertip.
     pub base_from_tip: &'a [Matrix3<f64>],
-    /// How far the fingertips give way to what presses them.
+    /// Compression of the fingertips under load.
     pub tips: Compression,
-    /// What the skin reports more than the joints bear, as a factor, at least 1.
+    /// Ratio of tactile to torque-estimated force, ≥ 1.
     pub overread: f64,
-    /// What the joints bear more than the skin reports, the same way.
+    /// Ratio of torque-estimated to tactile force, ≥ 1.
     pub underread: f64,
 }
 
-/// What became of the task in this tick.
+/// Result of the task in this tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// It goes on.
+    /// The task continues.
     Running,
-    /// The next step has begun.
+    /// The next step began.
     NextStep,
-    /// It is done; the last step stays in force.
+    /// The task succeeded; the last step stays active.
     Succeeded,
-    /// It has backed out of an object that it cannot handle.
+    /// The task ended with a recovery from an object that cannot be handled.
     Refused(Reason),
-    /// It has ended without success; the hand stays as it is.
+    /// The task failed; the hand stays as it is.
     Failed(Reason),
 }
 
-/// What a goal says of what a hand shall hold.
+/// Parameters of a grasp from the goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Wishes {
     /// Expected width along the closing axis, m.
     pub width_m: f64,
-    /// How long to hold it, s.
+    /// Hold time, s.
     pub hold_s: f64,
-    /// What it may be pressed with at most, N; zero if the goal does not say.
+    /// Maximum grip force, N; zero if not given.
     pub max_force_n: f64,
 }
 
 impl Wishes {
-    /// Of what was found in the hand.
+    /// Parameters for an object found in the hand.
     const FOUND: Self = Self {
         width_m: 0.0,
         hold_s: f64::INFINITY,
         max_force_n: 0.0,
     };
 
-    /// F_1 and F_2 for an object that nobody has felt yet.
+    /// Returns F_1 and F_2 before the first touch.
     fn thresholds_before_touch(&self, settings: &Settings) -> Thresholds {
         Thresholds::unknown(&settings.grasp).told(self.max_force_n, &settings.grasp)
     }
 }
 
-/// One hand's task.
+/// Task state of one hand.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Runner {
@@ -121,43 +125,40 @@ pub struct Runner {
     tries: bool,
     proof: Proof,
     in_hand: InHand,
-    /// How long the modules have seen it fall, s.
+    /// Duration of dropping, s.
     sinks_s: f64,
-    /// The task has come to its end; its last step stays in force.
     ended: bool,
     out_of_touch_s: f64,
     slides: Option<Reason>,
     holds: bool,
-    /// The object was found in the hand: where it came from is not known, so it is never set down without a goal.
+    /// The object was found in the hand. Its origin is unknown, so it is never put back.
     found: bool,
     reached: u8,
     peer_reached: u8,
-    /// Where the object stands, as the fingertips feel it now.
     felt: Option<ObjectPose>,
     regrasp: Regrasp,
-    /// How far the object stood from where it was told, base frame, m.
+    /// Displacement of the object from its commanded place, base frame, m.
     displaced_m: Vector2<f64>,
-    /// What the client that leads the hand wants now.
     lead: Option<Lead>,
-    /// Opening at which a led hand began to take hold, and then the one at which every finger touched, m.
+    /// Opening at the start of a teleoperated grip, later at the touch of all sides, m.
     touched_opening_m: f64,
     retreat: Option<(Retreat, Reason)>,
 }
 
-/// What the hand does about a task that it cannot go on with.
+/// Recovery from a task that cannot continue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum Retreat {
-    /// Puts the object back where it was.
+    /// Puts the object back at its source.
     PutBack,
-    /// Lifts the object again and keeps it.
+    /// Lifts the object again and holds it.
     Raise,
-    /// Goes back the way it came, off what is in the way.
+    /// Withdraws from an obstacle.
     Withdraw,
 }
 
 impl Runner {
-    /// Starts a task from where the hand is.
+    /// Starts a task at the present pose.
     #[must_use]
     pub fn start(
         track: Track,
@@ -205,13 +206,13 @@ impl Runner {
         runner
     }
 
-    /// The same with what the module "behaviour table" reads.
+    /// Returns the executor with a table for the behaviour table module.
     #[must_use]
     pub fn with_table(self, table: Option<BehaviourTable>) -> Self {
         Self { table, ..self }
     }
 
-    /// Goes on with what the hand was found gripping, of which F_2 is told, N; zero if it is not.
+    /// Holds an object found in the hand, with its reported F_2, N, or zero if unknown.
     #[must_use]
     pub fn keep(
         waypoints: Waypoints,
@@ -249,49 +250,49 @@ impl Runner {
         self.index as f64 / self.steps().len() as f64
     }
 
-    /// F_1 and F_2.
+    /// Grip thresholds F_1 and F_2.
     #[must_use]
     pub fn thresholds(&self) -> Thresholds {
         self.thresholds
     }
 
-    /// The stiffness, once known.
+    /// Estimated stiffness, once known.
     #[must_use]
     pub fn stiffness(&self) -> Option<StiffnessFit> {
         self.stiffness
     }
 
-    /// How far the object has been carried, m.
+    /// Carried distance, m.
     #[must_use]
     pub fn carried_m(&self) -> f64 {
         self.carried_m
     }
 
-    /// Why to warn of the object in the hand, if it slides.
+    /// Warning reason if the object in the hand slips.
     #[must_use]
     pub fn slides(&self) -> Option<Reason> {
         self.slides
     }
 
-    /// Why the hand is giving up, while it puts back, raises or withdraws.
+    /// Reason of the recovery in progress.
     #[must_use]
     pub fn retreats(&self) -> Option<Reason> {
         self.retreat.map(|(_, reason)| reason)
     }
 
-    /// The meeting point that the hand has come to.
+    /// Last meeting point reached.
     #[must_use]
     pub fn reached(&self) -> u8 {
         self.reached
     }
 
-    /// Whether the hand has an object in its grip.
+    /// Returns true if the hand grips an object.
     #[must_use]
     pub fn grips(&self) -> bool {
         self.holds && self.out_of_touch_s <= LOST_AFTER_S
     }
 
-    /// What the modules may know.
+    /// Context for the modules.
     #[must_use]
     pub fn context<'a>(
         &'a self,
@@ -334,7 +335,7 @@ impl Runner {
         }
     }
 
-    /// F_1 is for the first touch; what is carried may be gripped as gently as the fingertips can feel it.
+    /// Returns the minimum grip force, N: F_1 at first touch, lower for a carried object.
     fn least_n(&self, settings: &Settings) -> f64 {
         let carries = self.holds && self.lifted_from_m.is_some();
         let keep_n = settings.grasp.keep_n;
@@ -345,8 +346,7 @@ impl Runner {
         }
     }
 
-    /// Takes in what the modules have found out.
-    /// `down_n` is the vertical load on the fingers.
+    /// Processes the module findings; `down_n` is the vertical load on the fingers, N.
     pub fn learn(&mut self, percept: &Percept, down_n: f64, finding: Finding) {
         self.proof.follow(percept);
         if finding.hangs && !self.hangs {
@@ -361,7 +361,7 @@ impl Runner {
             0.0
         };
         let carries = self.holds && self.lifted_from_m.is_some() && !self.found;
-        // Whoever leads a hand may set down what it holds at any time.
+        // A teleoperated hand may place its object at any time.
         if carries && self.step().motion != Motion::Lower && !self.is_led() {
             let is_tested = self.step().modules.contains(ModuleId::LOAD_TEST);
             let facts = (finding, self.hangs, is_tested);
@@ -369,14 +369,14 @@ impl Runner {
         }
     }
 
-    /// Takes in which meeting point the other hand has come to, and how far what it grips stands from where it was told.
+    /// Sets the meeting point and the object displacement of the other hand.
     pub fn receive_peer(&mut self, reached: u8, displaced_m: Vector2<f64>) {
         self.peer_reached = reached;
         self.waypoints.displace_target(displaced_m);
     }
 
-    /// Measures before the modules are asked: touches, closing, carrying. Measured: the distance between the
-    /// fingertips, and where they feel the object; `now` is the commanded pose.
+    /// Updates contact, closing and carried distance before the modules run. Inputs: fingertip
+    /// distance, m, object pose, and commanded pose `now`.
     pub fn observe(
         &mut self,
         percept: &Percept,
@@ -404,7 +404,7 @@ impl Runner {
         };
     }
 
-    /// The reason to warn of an object that is held and slides all the same.
+    /// Returns the warning reason if a held object slips.
     fn sliding(&self, percept: &Percept) -> Option<Reason> {
         let held = self.step().transition == Transition::Held && self.grips();
         let slid_s = percept
@@ -418,7 +418,7 @@ impl Runner {
             .then(|| Reason::limit(Cause::SLIDING, slid_s, SLIDES_AFTER_S))
     }
 
-    /// The reason to set down what slides although the fingers press with F_2.
+    /// Returns the reason to put back an object that slips despite F_2.
     fn out_of_force(&self, percept: &Percept) -> Option<Reason> {
         let (_, strongest_n) = force_range_n(percept);
         let f2_n = self.thresholds.f2_n;
@@ -434,9 +434,8 @@ impl Runner {
 }
 
 impl Runner {
-    /// Goes on with a task that begins with what the hand holds; what was learnt of the object stays known. This task answers
-    /// for what happens in the hand from now on, and the one before has answered for its own: between them, the robot may have
-    /// been carried about, which feels as if the object fell.
+    /// Continues with a task for the object in the hand; its thresholds and stiffness stay. In-hand
+    /// monitoring restarts, because carrying the robot between tasks resembles dropping.
     pub fn take_over(
         &mut self,
         (track, waypoints, wishes): (Track, Waypoints, Wishes),
@@ -453,7 +452,7 @@ impl Runner {
         self.enter(0, now, settings, modules);
     }
 
-    /// Goes on with nothing but holding: for a goal that ends while the hand has an object.
+    /// Switches to holding when a goal ends with an object in hand.
     pub fn stand(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
         if self.step().transition != Transition::Held {
             self.track = if self.is_led() { STAND_LED } else { STAND };

@@ -1,29 +1,29 @@
-//! The grip that the load test has proved, and whether the hand still grips as firmly (ours, not in the paper).
+//! Grip verification: remembers the force ratio F_t/F_n at which lift verification succeeded
+//! (design choice, not in the paper).
 //!
-//! The pattern of forces alone may say that a patch slides which does not: faces that stand askew by a few degrees shear every
-//! element of a fingertip alike, and the more the harder they are pressed, so pressing is no cure. What has been tugged at and
-//! hung is better evidence. While no finger bears more tangential force for its normal force than it did then, what the
-//! pattern says is no cause to press, to warn or to refuse. What falls is told by its weight ([`crate::modules`]: Module 2,
-//! cause (e)), and a proof does not speak against that.
+//! The force pattern alone can indicate false slip: misaligned faces shear all elements uniformly,
+//! and more so at higher grip force. While no side exceeds the verified ratio, pattern-based slip
+//! triggers no pressing, warning or rejection. Dropping is detected by weight ([`crate::modules`],
+//! Module 2, cause (e)) and is never suppressed.
 
 use crate::filter::low_pass;
 use crate::limits::NORMAL_MIN_N;
 use crate::perception::Percept;
 
-/// Time constant over which F_t/F_n is felt, s (ours: the noise of single frames).
+/// Filter time constant of F_t/F_n, s (design choice: suppresses frame noise).
 const FELT_S: f64 = 0.03;
-/// Multiple of the proved F_t/F_n up to which a grip counts as firm as that (ours: what a trembling hand makes of it).
+/// Permitted multiple of the verified F_t/F_n (design choice: covers hand tremor).
 const MARGIN: f64 = 1.05;
 
-/// What a load test has proved of one grip, from its first touch on.
+/// Verification state of one grip, from first touch.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Proof {
-    /// F_t/F_n of the finger that bears most for how firmly it grips, low-passed.
+    /// Filtered F_t/F_n of the grasp side where it is largest.
     used: f64,
-    /// What that was when the object was proved to hang.
+    /// Value of that ratio at the verification.
     proved: Option<f64>,
-    /// For how long the grip has not been as firm as that, s; without end as long as nothing is proved.
+    /// Time since the ratio exceeded the limit, s; infinite without verification.
     lapsed_s: f64,
 }
 
@@ -38,7 +38,7 @@ impl Default for Proof {
 }
 
 impl Proof {
-    /// Takes in one tick.
+    /// Updates the ratio from one tick.
     pub(super) fn follow(&mut self, percept: &Percept) {
         let fingers = percept.virtual_fingers.iter();
         let used = fingers
@@ -52,18 +52,18 @@ impl Proof {
         };
     }
 
-    /// The object hangs, as the hand grips it now.
+    /// Marks the object as suspended at the present ratio.
     pub(super) fn prove(&mut self) {
         self.proved = Some(self.used);
     }
 
-    /// Whether the grip is as firm as one that was proved.
+    /// Returns true while the ratio is within the verified limit.
     pub(super) fn stands(&self) -> bool {
         self.proved
             .is_some_and(|proved| self.used <= MARGIN * proved)
     }
 
-    /// For how long it has not been, s; infinite as long as nothing is proved.
+    /// Time since the grip was last within the verified limit, s; infinite without verification.
     pub(super) fn lapsed_s(&self) -> f64 {
         self.lapsed_s
     }
@@ -74,7 +74,8 @@ mod tests {
     use super::*;
     use crate::perception::FingerPercept;
 
-    /// Both fingers bear 1 N each: a second at `from_n` is proved; for how long the proof has lapsed after a second at `then_n`.
+    /// Verifies a 1 N load per side at grip force `from_n` and returns the unverified time after
+    /// one second at `then_n`.
     fn lapsed_s(from_n: f64, then_n: f64) -> f64 {
         let mut proof = Proof::default();
         let hold = |proof: &mut Proof, normal_n| {

@@ -1,15 +1,13 @@
-//! What the runner makes of where the fingertips feel the object: grasps it there, and sets it down by that.
+//! Regrasp: corrects the grasp from the measured object pose.
 //!
-//! ```text
-//!   gripped at the source ── felt beside the middle of the hand, or turned ──────▶ opens, comes again where it was felt
-//!   could not be lifted, or turned in the hand ── its weight hangs beside the grip ──▶ puts it back, opens, comes again
-//!                                                                                      nearer to its centre of mass
-//!   seemed too soft for its weight ── turned against the fingertips while probed ────▶ puts it back, opens, comes again
-//!                                                                                      to what lies against them now
-//! ```
+//! * Object off-centre or rotated at the source: opens and regrasps at the measured place.
+//! * Lift failed or object rotated, weight off-centre: puts back, opens, regrasps nearer to the
+//!   centre of mass.
+//! * Object too soft for its weight and rotated while probed: puts back, opens, regrasps and probes
+//!   again.
 //!
-//! Each of them once: what still fails then fails. An object that stands costs nothing but time. What is felt too far from what was
-//! told to be that object's error is not believed, and no hand goes farther aside than the check of the goal has found room for.
+//! Each correction happens once. Displacements beyond plausible goal errors are ignored. No shift
+//! exceeds the clearance margin of the goal check.
 
 use super::Runner;
 use super::in_hand::InHand;
@@ -23,45 +21,45 @@ use nalgebra::Vector2;
 use robot_model::GraspFrame;
 use shm_schemas::Cause;
 
-/// How far the bodies of a hand that turns may be from the axis that it turns about, m (ours: the built-in robots' palms).
+/// Radius of the hand bodies about their rotation axis, m (design choice: palms of the built-in
+/// robots).
 const REACH_M: f64 = 0.06;
-/// Where two hands join what they hold, what is felt farther from the middle of one is grasped anew, m (ours: half of what a neck
-/// captures): the check of their ways counts on what they hold being there.
+/// Off-centre distance that triggers a regrasp when two hands join objects, m (design choice: half
+/// the capture range of a neck). The clearance check relies on the object place.
 const JOIN_M: f64 = 0.001;
-/// How far the hand goes aside over the lever that it felt (ours, measured): an object that turns in the hand swings its weight
-/// nearer to the grip, so the lever is felt too short.
+/// Ratio of lateral shift to measured lever (design choice, measured): rotation in the hand
+/// shortens the measured lever.
 const LEVER_GAIN: f64 = 1.5;
-/// Lever from which on an object that hangs just above its support is put back although it is held, m (ours: more than a place that
-/// is wrong by 2 mm makes): it would need several times the force, and turn with the first shake.
+/// Lever beyond which a suspended object is put back, m (design choice: exceeds a place error of 2
+/// mm). Otherwise it needs several times the force and rotates at the first shake.
 const HANGS_ASKEW_M: f64 = 0.0022;
-/// Height up to which it is put back, m (ours, measured): what turns farther up may have turned so far that it falls over where it
-/// is let go.
+/// Maximum lift height for putting back, m (design choice, measured): objects that rotate higher up
+/// may topple on release.
 const PUT_BACK_MAX_M: f64 = 0.016;
-/// Farthest that it goes aside for a lever, m (ours).
+/// Maximum lateral shift for a lever, m (design choice).
 const ASIDE_MAX_M: f64 = 0.006;
-/// How far across the closing axis the middle of what is held may be felt for its faces to be flat, m (ours, measured: of flat faces
-/// less than 0.1 mm). A round object can be grasped about its axis only.
+/// Maximum offset across the closing axis of a flat object, m (design choice; measured: below 0.1
+/// mm for flat faces). Round objects are graspable only about their axis.
 const ROUND_M: f64 = 0.0003;
-/// Where the hand comes again from, among the steps of [`COME_AGAIN`]: with what it lifts, or with what still stands.
+/// Indices in [`COME_AGAIN`]: start with a lifted object, or with a standing one.
 const PUT_BACK: usize = 0;
 const REOPEN: usize = 1;
 
-/// Whether the hand comes again, and why it has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Regrasp {
-    /// It comes again, and goes on with this step of its task.
+    /// Step to resume after the regrasp; `None` if no regrasp is active.
     before: Option<usize>,
-    /// It has come again to where the object was felt to stand.
+    /// The hand regrasped at the measured place.
     placed: bool,
-    /// It has come again nearer to the object's centre of mass.
+    /// The hand regrasped nearer to the centre of mass.
     balanced: bool,
-    /// It has come again to feel anew how stiff the object is.
+    /// The hand regrasped to probe again.
     probed: bool,
 }
 
 impl Runner {
-    /// The steps in force: those of the task, or those between two of its grasps.
+    /// Steps in force: those of the task or of a regrasp.
     pub(super) fn steps(&self) -> &[Step] {
         match self.regrasp.before {
             Some(_) => &COME_AGAIN,
@@ -69,13 +67,14 @@ impl Runner {
         }
     }
 
-    /// How far the object stood from where it was told, base frame, m; zero while nothing is known.
+    /// Displacement of the object from its commanded place, base frame, m; zero while unknown.
     #[must_use]
     pub fn displaced_m(&self) -> Vector2<f64> {
         self.displaced_m
     }
 
-    /// At the end of a step: whether another begins than the next of the task, because the hand comes again or has done so.
+    /// Starts, continues or ends a regrasp at the end of a step. Returns true if it entered another
+    /// step.
     pub(super) fn regrasps(
         &mut self,
         now: &GraspFrame,
@@ -108,7 +107,7 @@ impl Runner {
         comes_again
     }
 
-    /// Lets go of what stands; what was learnt of it will be learnt again.
+    /// Releases the standing object and resets its thresholds and stiffness.
     fn reopen(&mut self, now: &GraspFrame, settings: &Settings, modules: &mut Modules) {
         modules.let_go();
         self.thresholds = self.wishes.thresholds_before_touch(settings);
@@ -116,8 +115,8 @@ impl Runner {
         self.enter(REOPEN, now, settings, modules);
     }
 
-    /// Whether the lift goes badly: refused, out of force, turning in the hand, or hanging too far beside the grip just above its
-    /// support.
+    /// Returns true if the lift is rejected or out of force, or the object rotates or has too long
+    /// a lever.
     fn lifts_badly(&self, verdict: Verdict, percept: &Percept) -> bool {
         let is_refused =
             matches!(verdict, Verdict::Refuse(reason) if reason.cause != Cause::OBSTRUCTED);
@@ -125,8 +124,8 @@ impl Runner {
         is_refused || hangs_askew || self.turns().is_some() || self.out_of_force(percept).is_some()
     }
 
-    /// Whether an object that cannot be lifted as it is held is put back, to be grasped nearer to its centre of mass, or to be
-    /// probed again.
+    /// Puts back an object that cannot be lifted, for a shifted grasp or another probe. Returns
+    /// true if it did.
     pub(super) fn grasps_anew(
         &mut self,
         verdict: Verdict,
@@ -152,7 +151,7 @@ impl Runner {
         };
         let aside = self.aside(settings);
         if aside.is_some() {
-            // Should it be round after all, the hand comes back to its middle.
+            // If the object proves to be round, the hand returns to its centre.
             self.regrasp = Regrasp {
                 placed: false,
                 balanced: true,
@@ -166,7 +165,7 @@ impl Runner {
         } else {
             return false;
         }
-        // What becomes of it on its way back is no slip and no turn of the next grasp.
+        // Motion on the way back counts neither as slip nor as rotation.
         (self.holds, self.in_hand) = (false, InHand::default());
         self.enter(PUT_BACK, now, settings, modules);
         if let Some((aside_m, axis)) = aside {
@@ -175,20 +174,22 @@ impl Runner {
         true
     }
 
-    /// How far aside of the closing axis, and which that is, the object is grasped nearer to its centre of mass, m; once.
+    /// Returns the lateral shift towards the centre of mass, m, and the closing axis; once per
+    /// task.
     fn aside(&self, settings: &Settings) -> Option<(f64, Vector2<f64>)> {
         let felt = self.felt.filter(|_| !self.regrasp.balanced)?;
         let across_m = felt.closing_axis.perp(&felt.off_m);
         let lever_m = self.in_hand.lever_m();
         let aside_m = (lever_m * LEVER_GAIN).clamp(-ASIDE_MAX_M, ASIDE_MAX_M);
         let has_room = self.displaced_m.norm() + aside_m.abs() <= self.waypoints.spare_m();
-        // False for what is not a number.
+        // False for NaN.
         let is_flat = across_m.abs() < ROUND_M;
         let goes = lever_m.abs() >= settings.grasp.regrasp_lever_m && has_room && is_flat;
         goes.then_some((aside_m, felt.closing_axis))
     }
 
-    /// Whether it was refused as too soft for its weight although it may only have turned against the fingertips; once.
+    /// Returns true once if the object was rejected as too soft but may have rotated against the
+    /// fingertips.
     fn is_to_be_probed_again(&self, verdict: Verdict) -> bool {
         let too_soft =
             matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::TOO_SOFT);
@@ -196,7 +197,8 @@ impl Runner {
         too_soft && settled && !self.regrasp.probed
     }
 
-    /// The step in which the search for what the hand grips began, if it has come to its source for that and gone nowhere else yet.
+    /// Returns the step that searched for the object, if the hand came to the source for it and
+    /// went nowhere else since.
     fn search(&self) -> Option<usize> {
         if self.step().is_read_off() || self.retreat.is_some() {
             return None;
@@ -208,7 +210,8 @@ impl Runner {
         (before[came].motion == Motion::Reach(Waypoint::Source)).then_some(came + 1)
     }
 
-    /// Takes in where the object is felt; whether that is where the hand comes again for it.
+    /// Updates the displacement of the object and returns true if the hand must regrasp at the
+    /// measured place.
     fn learn_place(&mut self, now: &GraspFrame, settings: &Settings) -> bool {
         let Some((felt, off_m)) = self.beside(now) else {
             return false;
@@ -216,7 +219,7 @@ impl Runner {
         let at_m = now.centre_m.xy() + off_m;
         let displaced_m = at_m - self.waypoints.told_m();
         let turned = felt.turn_rad.abs();
-        // False for what is not a number.
+        // False for NaN.
         let believed = displaced_m.norm() < DISPLACED_MAX_M && turned < TURNED_MAX_RAD;
         let has_room = displaced_m.norm() + turned * REACH_M <= self.waypoints.spare_m();
         if !(believed && has_room) {
@@ -232,7 +235,7 @@ impl Runner {
         if !is_far || self.regrasp.placed {
             return false;
         }
-        // A hand that comes from the side points at its object; only from above can it turn about it.
+        // Only a hand from above can rotate about the object; a side grasp must point at it.
         let turns = now.hand_pitch_rad >= FRAC_PI_2;
         let turn_rad = if turns { felt.turn_rad } else { 0.0 };
         self.waypoints.grasp_at(&at_m, turn_rad);
@@ -240,8 +243,8 @@ impl Runner {
         true
     }
 
-    /// Takes in how far beside the middle of the hand, along its closing axis, it carries the object: for where it sets it down.
-    /// Across that axis nothing is taken in: what hangs beside the grip there hangs askew, and its foot is not below it.
+    /// Updates the offset of the held object along the closing axis for placing. Offsets across the
+    /// axis come from a tilted object, whose foot is elsewhere, and are ignored.
     pub(super) fn learn_held(&mut self, now: &GraspFrame) {
         let Some((felt, off_m)) = self.beside(now) else {
             return;
@@ -252,7 +255,8 @@ impl Runner {
         }
     }
 
-    /// What the fingertips feel, and how far beside the middle of the commanded hand that is, base frame, m.
+    /// Returns the measured object pose and its offset from the centre of the commanded hand, base
+    /// frame, m.
     fn beside(&self, now: &GraspFrame) -> Option<(ObjectPose, Vector2<f64>)> {
         let felt = self.felt?;
         let [first_m, second_m] = now.half_opening_m;

@@ -1,10 +1,10 @@
-//! From step to step: what ends a step, what follows it, and when a task is given up.
+//! Step transitions: end of a step, its successor, and recovery.
 
 use super::*;
 use crate::tasks::Waypoint;
 
 impl Runner {
-    /// Draws the conclusions of this tick: verdicts, the end of the step, the end of the task.
+    /// Evaluates this tick: verdict, end of the step, end of the task.
     pub fn conclude(
         &mut self,
         verdict: Verdict,
@@ -77,7 +77,7 @@ impl Runner {
             Transition::Concluded => concluded,
             Transition::Met(point) => self.peer_reached >= point,
             Transition::GripWanted => self.wants_grip(percept, now),
-            // Not from here on to the next step, but back to the first.
+            // Restarts at the first step instead of entering the next one.
             Transition::OpeningWanted => false,
         }
     }
@@ -97,7 +97,7 @@ impl Runner {
         Outcome::NextStep
     }
 
-    /// The end of the task, once: what comes afterwards is another story.
+    /// Ends the task once; later findings do not change its outcome.
     fn end(&mut self) -> Outcome {
         let objection = self.in_hand.objection().filter(|_| !self.ended);
         self.ended = true;
@@ -130,7 +130,7 @@ impl Runner {
         }
     }
 
-    /// What a step begins with besides its path.
+    /// Initialises the state that a step needs at entry.
     pub(super) fn arrive(&mut self) {
         match self.step().transition {
             Transition::Met(point) => self.reached = point,
@@ -155,7 +155,8 @@ impl Runner {
         )
     }
 
-    /// The same refusal means something else once the object was already held: its load has grown.
+    /// Converts a threshold rejection of a held object to `OUT_OF_FORCE`, because its load has
+    /// grown.
     fn in_hold(&self, reason: Reason) -> Reason {
         let held =
             self.step().transition == Transition::Held || self.step().motion == Motion::Square;
@@ -192,20 +193,21 @@ impl Runner {
         Outcome::NextStep
     }
 
-    /// Why an object that still stands, as far as anybody has tested, is put back: it turns in the hand that would lift it.
+    /// Returns the reason to put back an object that rotates before lift verification succeeded.
     fn turns_standing(&self) -> Option<Reason> {
         let is_tested = self.step().modules.contains(ModuleId::LOAD_TEST);
         self.turns().filter(|_| is_tested && !self.hangs)
     }
 
-    /// Why an object goes no further, and stays in the hand: one that swings there would be set down on its edge, wherever.
+    /// Returns the reason to stop carrying a rotating object. It stays in the hand, because it
+    /// would land on its edge.
     pub(super) fn turns(&self) -> Option<Reason> {
         let carries = matches!(self.step().motion, Motion::Carry(_) | Motion::Convey(_));
         let goes_on = carries && self.retreat.is_none() && !self.found;
         self.in_hand.turned().filter(|_| goes_on)
     }
 
-    /// What ends the task without success in this tick, if anything.
+    /// Returns the reason if the task fails in this tick.
     fn failure(&self, percept: &Percept, now: &GraspFrame, settings: &Settings) -> Option<Reason> {
         let step = self.step();
         if self.holds && self.lifted_from_m.is_some() && self.out_of_touch_s > LOST_AFTER_S {

@@ -1,11 +1,11 @@
-//! Assembly (paper II.c, Fig. 8): all modules, both hands. "The robot screws the cap onto the bottle grasped by its left
-//! hand."
+//! Assembly (paper II.c, Fig. 8): screws the cap onto the bottle held by the other hand, with all
+//! modules.
 //!
-//! | | acting hand | | helping hand |
-//! |---|---|---|---|
-//! | | waits | | grasps the bottle from the side |
-//! | 1 | picks the cap, places it, screws it, goes home | 1 | holds |
-//! | 2 | | 2 | lets go, goes home |
+//! | meeting point | acting hand | helping hand |
+//! |---|---|---|
+//! | | waits | grasps the bottle from the side |
+//! | 1 | picks the cap, places it, screws it, goes home | holds |
+//! | 2 | | releases the bottle, goes home |
 
 use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
 use super::name::Name;
@@ -16,9 +16,9 @@ use super::track::{Task, Track};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
-/// The bottle is held.
+/// Meeting point: the bottle is held.
 const HELD: u8 = 1;
-/// The cap is closed and the acting hand is out of the way.
+/// Meeting point: the cap is tight and the acting hand is home.
 const CLOSED: u8 = 2;
 
 const REGRIP: Selection = Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::FORCE_LIMIT]);
@@ -43,7 +43,7 @@ const fn meet(name: &str, modules: Selection, point: u8) -> Step {
     )
 }
 
-/// The cap goes from its stand onto the bottle.
+/// Screws a cap from its stand onto a bottle.
 pub static ASSEMBLE: Task = Task {
     name: Name::new("assemble"),
     acting: Track::of(&[

@@ -1,4 +1,4 @@
-//! The list of the built-in tasks: what a kind of goal makes the hands do.
+//! List of the built-in tasks, one per kind of goal.
 
 use super::assemble::ASSEMBLE;
 use super::fetch::FETCH;
@@ -9,7 +9,7 @@ use super::screw::SCREW;
 use super::track::Task;
 use shm_schemas::GoalKind;
 
-/// The built-in tasks.
+/// Built-in tasks.
 pub static BUILT_IN: [&Task; 9] = [
     &GRASP,
     &FETCH,
@@ -22,13 +22,13 @@ pub static BUILT_IN: [&Task; 9] = [
     &FOLLOW_BOTH,
 ];
 
-/// The built-in task of a kind of goal; `None` for [`GoalKind::CUSTOM`] and for an unknown kind.
+/// Returns the built-in task of a goal kind, or `None` for [`GoalKind::CUSTOM`] and unknown kinds.
 #[must_use]
 pub fn of(kind: GoalKind) -> Option<&'static Task> {
     named(kind.name())
 }
 
-/// The built-in task of this name.
+/// Returns the built-in task of this name.
 #[must_use]
 pub fn named(name: &str) -> Option<&'static Task> {
     BUILT_IN.into_iter().find(|task| task.name == name)

@@ -1,30 +1,29 @@
-//! What a task asks of its goal and of the hands, read off its steps.
+//! Requirements of a task on its goal and hands, derived from its steps.
 
 use super::step::{Motion, Step, Waypoint};
 use super::track::{Task, Track};
 
-/// What must be checked before a task begins.
+/// Requirements of a task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Demands {
-    /// The hand goes to where the object is: `from_m` and `width_m` mean something.
+    /// The hand visits the object; requires `from_m` and `width_m`.
     pub visits_source: bool,
-    /// The object goes to another place: `to_m` means something.
+    /// The object is moved; requires `to_m`.
     pub visits_target: bool,
-    /// A turn begins at the grasp, so the hand comes with its fingertips displaced.
+    /// A turn begins at the grasp, so the hand arrives with displaced fingertips.
     pub grasps_to_turn: bool,
-    /// The fingertips pass each other, as turning a cap needs.
+    /// The fingertips move past each other, as for turning a cap.
     pub turns: bool,
-    /// The task begins by letting go, so the hand may be full.
+    /// The task begins with a release, so the hand may hold an object.
     pub lets_go_first: bool,
-    /// The task begins by moving what the hand holds: the hand must be full, and `from_m` is where that came from and where
-    /// it goes back to if it finds no place.
+    /// The task begins with an object in hand; `from_m` is its origin, used if placing fails.
     pub takes_over: bool,
     /// Both hands take part.
     pub both_hands: bool,
 }
 
 impl Task {
-    /// What the task asks of its goal.
+    /// Returns the requirements of the task.
     #[must_use]
     pub fn demands(&self) -> Demands {
         let track = &self.acting;

@@ -1,6 +1,7 @@
-//! Fetching (ours): the grasp of a robot that drives off with what it has.
+//! Fetch (design choice, not in the paper): grasp for a mobile robot that drives away with the
+//! object.
 //!
-//! It lifts as for conveying, and holds by modules that give no force back: what a drive will ask for is not felt before it.
+//! No module relaxes the grip, because the drive acceleration is not known in advance.
 
 use super::grasp::{APPROACH, DESCEND, FEEL, GRASP_IT, REACH, SECURE};
 use super::pick_place::LIFT_IT;
@@ -15,7 +16,7 @@ const HOLD_FAST: Step = Step::new(
     f64::INFINITY,
 );
 
-/// Grasp, lift and hold fast. As with the grasp, the last step stays in force after the goal is reached.
+/// Grasps, lifts and holds. The last step stays active after success.
 pub static FETCH: Task = Task::of(
     "fetch",
     &[REACH, DESCEND, APPROACH, FEEL, GRASP_IT, LIFT_IT, HOLD_FAST],

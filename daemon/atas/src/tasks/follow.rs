@@ -1,10 +1,10 @@
-//! Following a client's targets: modules 1, 2 and 3 beneath whatever leads the hand.
+//! Teleoperation: modules 1, 2 and 3 combined with a client's target stream.
 //!
-//! The hand follows, opened as the client wants, until the client wants something held, or the fingers meet something on their
-//! way together. Then it stands while the fingers take hold as in a grasp: touch, probe, F_1. Held, the object goes
-//! where the client leads the hand, until the client wants the hand wider than the object: then everything begins again.
+//! The hand tracks the target until the client requests a grip or the closing fingers touch
+//! something. It then stops and grips: touch, probe, F_1. The gripped object tracks the target
+//! until the client requests an opening wider than the object.
 //!
-//! Nothing gives back force: whoever is led has no time to feel his way to the edge of slipping.
+//! No module relaxes the grip, because teleoperation leaves no time for it.
 
 use super::grasp::{GRIP, PROBE, SECURE, TOUCH};
 use super::step::{Motion, Step, Transition};
@@ -52,16 +52,16 @@ const STEPS: [Step; 5] = [
     ),
 ];
 
-/// One hand that a client leads.
+/// Teleoperates one hand.
 pub static FOLLOW: Task = Task::of("follow", &STEPS);
 
-/// Both hands.
+/// Teleoperates both hands.
 pub static FOLLOW_BOTH: Task = Task {
     helping: Some(Track::of(&STEPS)),
     ..Task::of("follow-both", &STEPS)
 };
 
-/// Brakes and keeps holding when the stream ends.
+/// Brakes and holds the object when the stream ends.
 pub const STAND_LED: Track = Track::of(&[Step::new(
     "hold",
     Motion::Brake,

@@ -1,4 +1,4 @@
-//! The grasp (paper II.b (1), Fig. 4): modules 1, 2 and 3.
+//! Grasp (paper II.b (1), Fig. 4): modules 1, 2 and 3.
 
 use super::step::{Motion, Step, Transition, Waypoint};
 use super::track::{Task, Track};
@@ -6,7 +6,7 @@ use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
 pub(super) const CARRY: Selection = Selection::of(&[ModuleId::CARRY]);
-/// Moves freely, and expects to touch nothing.
+/// Free motion with contact guard.
 const FREE: Selection = CARRY.and(Selection::of(&[ModuleId::CONTACT_GUARD]));
 pub(super) const TOUCH: Selection = Selection::of(&[ModuleId::FIRST_TOUCH]);
 pub(super) const PROBE: Selection = Selection::of(&[ModuleId::PROBE]);
@@ -16,14 +16,14 @@ pub(super) const GRIP: Selection = Selection::of(&[
     ModuleId::FORCE_LIMIT,
 ]);
 const LOWER: Selection = Selection::of(&[ModuleId::CARRY, ModuleId::FORCE_LIMIT]);
-/// The modules that hold an object: modules 1, 2, 3, and the probe, which goes on listening.
+/// Modules that hold an object: 1, 2, 3 and the probe, which keeps estimating stiffness.
 pub const SECURE: Selection = Selection::of(&[
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::SLIP,
     ModuleId::FORCE_LIMIT,
 ]);
-/// The same, with no more force than needed.
+/// Modules that hold with minimum force.
 const HOLD: Selection = SECURE.and(Selection::of(&[ModuleId::RELAX]));
 const LIFT: Selection = HOLD.and(Selection::of(&[ModuleId::CARRY, ModuleId::LOAD_TEST]));
 
@@ -80,16 +80,16 @@ pub(super) const GO_HOME: Step = Step::new(
 );
 const HOLD_IT: Step = Step::new("hold", Motion::Stay, HOLD, Transition::Held, f64::INFINITY);
 
-/// Grasp, lift and hold. The last step stays in force after the goal is reached: the hand keeps watching what it holds.
+/// Grasps, lifts and holds. The last step stays active after success.
 pub static GRASP: Task = Task::of(
     "grasp",
     &[REACH, DESCEND, APPROACH, FEEL, GRASP_IT, LIFT_IT, HOLD_IT],
 );
 
-/// Keeps holding what the hand has when its goal ends.
+/// Holds the object when a goal ends.
 pub const STAND: Track = Track::of(&[HOLD_IT]);
 
-/// Keeps what the hand was found gripping: modules 2 and 3 watch, nothing gives force back that nobody has measured.
+/// Holds an object found in the hand: modules 2 and 3, without grip relaxation.
 pub const KEEP: Track = Track::of(&[Step::new(
     "keep grip",
     Motion::Stay,
@@ -98,7 +98,7 @@ pub const KEEP: Track = Track::of(&[Step::new(
     f64::INFINITY,
 )]);
 
-/// Backs out of a refused object: down again, open, away.
+/// Puts back a rejected object: lower, open, leave.
 pub const BACK_OUT: Track = Track::of(&[
     Step::new(
         "lower",
@@ -117,7 +117,7 @@ pub const BACK_OUT: Track = Track::of(&[
     ),
 ]);
 
-/// Puts back what was lifted, lets go of what was felt to stand or to weigh elsewhere than under the hand, and comes again.
+/// Puts back or releases the object and returns for a corrected grasp.
 pub const COME_AGAIN: Track = Track::of(&[
     Step::new(
         "put back",
@@ -136,7 +136,7 @@ pub const COME_AGAIN: Track = Track::of(&[
     ),
 ]);
 
-/// Goes back the way that the hand came, off what it touched there.
+/// Withdraws from an obstacle along the approach path.
 pub const WITHDRAW: Track = Track::of(&[Step::new(
     "withdraw",
     Motion::Withdraw,
@@ -145,5 +145,5 @@ pub const WITHDRAW: Track = Track::of(&[Step::new(
     20.0,
 )]);
 
-/// Opens the hand where it is and brings it home.
+/// Opens the hand in place and moves it home.
 pub static RELEASE: Task = Task::of("release", &[OPEN, LEAVE, GO_HOME]);

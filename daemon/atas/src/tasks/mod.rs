@@ -1,25 +1,24 @@
-//! Tasks: which modules work in which step, as data.
+//! Tasks as data: motion, modules and transition of each step.
 //!
-//! A [`Task`] has a [`Track`] of [`Step`]s for the acting hand and, for two-handed tasks, one for the helping hand; a
-//! step is a motion, a list of modules and a transition. Nothing here looks at forces or moves anything: the
-//! [runner](crate::runner) walks a hand through the steps. The built-in tasks are tables, each in its file; a user's own have the same shape and keep the same [rules](Rule).
+//! A [`Task`] has one [`Track`] of [`Step`]s per participating hand, run by the
+//! [task executor](crate::runner). User-defined tasks follow the same [rules](Rule) as built-in
+//! ones.
 //!
 //! | task | modules (paper) | file |
 //! |---|---|---|
 //! | grasp | 1, 2, 3 | `grasp` |
-//! | fetch (ours) | 1, 2, 3, and nothing that gives force back | `fetch` |
+//! | fetch (not in the paper) | 1, 2, 3, no grip relaxation | `fetch` |
 //! | pick and place | 0', 1, 2, 3, 4 | `pick_place` |
-//! | set-down | 0', 1, 2, 3, 4, of what the hand holds | `pick_place` |
+//! | set-down | as pick and place, object in hand | `pick_place` |
 //! | screw | 0, 1, 2, 3, 4 | `screw` |
 //! | assembly | all | `assemble` |
-//! | follow (ours) | 1, 2, 3 beneath a client's stream | `follow` |
+//! | teleop (not in the paper) | 1, 2, 3, client's target stream | `teleop` |
 //!
-//! A new built-in task is a file here and its line in the list in `built_in`: `atas task NAME` runs it. A verb of its own
-//! is its [`GoalKind`](shm_schemas::GoalKind) and a line of the command line; `CONTRIBUTING.md` shows one.
+//! To add a built-in task, add a file here and a line in `built_in`; `atas task NAME` runs it.
+//! `CONTRIBUTING.md` explains new [goal kinds](shm_schemas::GoalKind) and commands.
 //!
-//! What goes wrong on the way has tables of its own: [`BACK_OUT`] puts a refused object back, [`WITHDRAW`] turns
-//! back from what is in the way, [`COME_AGAIN`] grasps anew where the object was felt to stand, [`RAISE`] lifts again what found no support, [`STAND`] keeps holding when a goal ends, [`KEEP`] what
-//! a hand was found gripping.
+//! Internal sequences: [`BACK_OUT`], [`WITHDRAW`], [`COME_AGAIN`], [`RAISE`], [`STAND`] and
+//! [`KEEP`].
 
 mod assemble;
 mod built_in;

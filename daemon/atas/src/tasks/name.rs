@@ -1,9 +1,9 @@
-//! Names of tasks and steps: short, fixed capacity, without the heap.
+//! Task and step names with fixed capacity.
 
 use core::fmt;
 use core::ops::Deref;
 
-/// Up to [`Name::MAX`] bytes of text. What does not fit is cut at a character boundary.
+/// Name of at most [`Name::MAX`] bytes. Longer text is cut at a character boundary.
 #[derive(Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Name {
@@ -12,10 +12,10 @@ pub struct Name {
 }
 
 impl Name {
-    /// Longest name, bytes: what [`shm_schemas::GoalUpdate::step`] carries.
+    /// Maximum length, bytes; equals the capacity of [`shm_schemas::GoalUpdate::step`].
     pub const MAX: usize = 16;
 
-    /// A name from text.
+    /// Creates a name.
     #[must_use]
     pub const fn new(text: &str) -> Self {
         let mut length = if text.len() < Self::MAX {
@@ -35,10 +35,10 @@ impl Name {
         Self { bytes, length }
     }
 
-    /// The text.
+    /// Returns the text.
     #[must_use]
     pub fn as_str(&self) -> &str {
-        // Only `new` fills the bytes, and it cuts at a character boundary.
+        // Always valid: `new` cuts at a character boundary.
         core::str::from_utf8(&self.bytes[..self.length]).unwrap_or_default()
     }
 }

@@ -1,7 +1,6 @@
-//! Picking and placing (paper II.b (3), Fig. 7): modules 0', 1, 2, 3 and 4.
+//! Pick and place (paper II.b (3), Fig. 7): modules 0', 1, 2, 3 and 4.
 //!
-//! Force that friction does not need is kept until the object stands: whoever conveys has no time to feel his way to the
-//! edge of slipping.
+//! No module relaxes the grip before the object stands, because conveying leaves no time for it.
 
 use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
 use super::step::{Motion, Step, Transition, Waypoint};
@@ -32,7 +31,7 @@ pub(super) const PLACE_IT: Step =
 
 const LET_GO: Step = Step::new("let go", Motion::LetGo, CARRY, Transition::Arrived, 5.0);
 
-/// Grasp at the source, convey, set down at the target, let go.
+/// Grasps at the source, conveys, places at the target and releases.
 pub static PICK_PLACE: Task = Task::of(
     "pick-place",
     &[
@@ -41,13 +40,13 @@ pub static PICK_PLACE: Task = Task::of(
     ],
 );
 
-/// Sets down at the target what the hand already holds, and lets go.
+/// Places an object that is already in hand and releases it.
 pub static SET_DOWN: Task = Task::of(
     "set-down",
     &[CONVEY_IT, PLACE_IT, LET_GO, OPEN, LEAVE, GO_HOME],
 );
 
-/// Lifts again what found no support.
+/// Lifts an object that found no support.
 pub const RAISE: Track = Track::of(&[Step::new(
     "raise",
     Motion::Carry(Waypoint::OverTarget),

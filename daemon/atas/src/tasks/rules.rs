@@ -1,7 +1,7 @@
-//! What makes a task sound: rules that hold for the built-in tables and that a user's own task must keep.
+//! Validation rules for built-in and user-defined tasks.
 //!
-//! A task that keeps them can be followed to its end, never presses without Module 3, never lets go of an object by
-//! moving on, and never leaves both hands waiting for each other. Whether it does anything useful is the user's matter.
+//! A valid task can end, never presses without Module 3, never drops an object and never deadlocks
+//! the hands.
 
 use super::name::Name;
 use super::step::{Motion, Step, Transition};
@@ -11,75 +11,75 @@ use crate::modules::{IDS, ROLES, Roles};
 use core::fmt;
 use shm_schemas::ModuleId;
 
-/// Longest time that a step may be given, s (ours, as for a goal's holding time).
+/// Maximum timeout of a step, s (design choice; equals the maximum hold time of a goal).
 pub const TIMEOUT_MAX_S: f64 = 3600.0;
 
-/// Which of the two hands.
+/// Role of a hand in a task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The hand that the goal names.
+    /// Hand that the goal names.
     Acting,
-    /// The other hand.
+    /// Other hand.
     Helping,
 }
 
-/// What a task does wrong, and where.
+/// Rule violation and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// Whose steps.
+    /// Hand concerned.
     pub part: Part,
-    /// Which step, from 0; `None` for all of them.
+    /// Index of the step; `None` for the whole sequence.
     pub step: Option<usize>,
-    /// What is wrong.
+    /// Violated rule.
     pub rule: Rule,
 }
 
-/// The rule that a task breaks.
+/// Rules for tasks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// A track has no step.
+    /// Empty sequence.
     NoSteps,
-    /// A track has too many steps.
+    /// Too many steps.
     TooManySteps(usize),
-    /// A step's name is empty, too long, or of other characters than allowed.
+    /// Invalid step name.
     StepName,
-    /// A task's name is empty, too long, or of other characters than allowed.
+    /// Invalid task name.
     TaskName,
-    /// A task is called like a built-in one.
+    /// Name of a built-in task.
     BuiltIn,
-    /// A timeout is no time that a step could take.
+    /// Timeout out of range.
     Timeout(f64),
-    /// A step that nothing but the hand decides about has no timeout.
+    /// Missing timeout.
     NoTimeout,
-    /// A step has not the module that moves the hand.
+    /// Missing module for the motion.
     NoMover(ModuleId),
-    /// A step has a module that would move the hand otherwise.
+    /// Module that conflicts with the motion.
     WrongMover(ModuleId),
-    /// Fingers press and Module 3 does not watch.
+    /// Pressing without Module 3.
     NoForceLimit,
-    /// A step ends by what a module says, and has no such module.
+    /// Missing module that ends the step.
     NoModule(ModuleId),
-    /// A step of this motion ends otherwise than by Module 4.
+    /// Motion that only Module 4 can end.
     NoEnd(ModuleId),
-    /// A step stays where it is and waits to arrive.
+    /// Stationary step that waits for arrival.
     NeverArrives,
-    /// A step moves an object that no step before has gripped, and is not the first one.
+    /// Motion with an object that no earlier step gripped.
     NothingGripped,
-    /// A step moves freely with an object in the hand.
+    /// Free motion with an object in hand.
     LetsGo,
-    /// The motion is only for turning back from an obstacle.
+    /// Motion reserved for recovery.
     OnlyInRetreat,
-    /// The motion, or the end of the step, is only for hands that a client leads.
+    /// Motion or transition reserved for teleoperation.
     OnlyLed,
-    /// A step waits for a hand that has nothing to do.
+    /// Wait for a hand without steps.
     Alone,
-    /// Meeting points do not count up from 1.
+    /// Meeting points not counting up from 1.
     PointsCountUp,
-    /// The hands wait for each other at different points.
+    /// Deadlock of both hands.
     NeverMet(u8),
-    /// A step reads a behaviour table, and the task has none.
+    /// Step that reads a missing behaviour table.
     NoTable,
-    /// A task has a behaviour table that no step reads.
+    /// Behaviour table that no step reads.
     UnreadTable,
 }
 
@@ -147,7 +147,7 @@ impl fmt::Display for Rule {
 }
 
 impl Task {
-    /// A task of these steps, if it keeps every rule.
+    /// Validates a task without a behaviour table.
     ///
     /// # Errors
     /// The first [`Fault`].
@@ -155,7 +155,7 @@ impl Task {
         Self::checked_with_table(name, acting, helping, None)
     }
 
-    /// The same with what the module "behaviour table" reads.
+    /// Validates a task.
     ///
     /// # Errors
     /// The first [`Fault`].
@@ -183,7 +183,7 @@ impl Task {
     }
 }
 
-/// A step's name that can be typed as it is printed.
+/// Validates a step name.
 ///
 /// # Errors
 /// [`Rule::StepName`].
@@ -196,7 +196,7 @@ pub fn checked_name(name: &str) -> Result<Name, Rule> {
     }
 }
 
-/// The same for a task, whose name is one word and not taken.
+/// Validates a task name: one word, not built in.
 fn checked_task_name(name: &str) -> Result<Name, Rule> {
     let checked = checked_name(name).map_err(|_| Rule::TaskName)?;
     if name.contains(' ') {
@@ -221,7 +221,7 @@ fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
             Rule::TooManySteps(steps.len())
         },
     ))?;
-    // What the hand already holds may be moved at once, by the hand that the goal names.
+    // The acting hand may start with an object in hand.
     let mut grips = part == Part::Acting && steps.first().is_some_and(Step::takes_over);
     for (index, step) in steps.iter().enumerate() {
         let check = checked_name(&step.name)
@@ -264,7 +264,7 @@ fn check_timeout(step: &Step) -> Result<(), Rule> {
     }
 }
 
-/// The hand goes where one module says; two would contradict each other.
+/// Checks that exactly the module of the motion moves the hand.
 fn check_mover(step: &Step) -> Result<(), Rule> {
     let needed = match step.motion {
         Motion::Stay => None,
@@ -308,7 +308,7 @@ fn check_end(step: &Step) -> Result<(), Rule> {
     }
 }
 
-/// Whether fingers press on an object; searching it and probing it have bounds of their own.
+/// Returns true if the fingers press beyond first touch and probe, which limit their own force.
 fn presses(step: &Step) -> bool {
     let searches = match step.transition {
         Transition::AllTouched => Some(ModuleId::FIRST_TOUCH),
@@ -319,7 +319,7 @@ fn presses(step: &Step) -> bool {
     step.motion.needs_grip() || closers.any(|id| Some(id) != searches)
 }
 
-/// The modules of a step that have this role.
+/// Returns the modules of a step with this role.
 fn with_role(step: &Step, has: fn(&Roles) -> bool) -> impl Iterator<Item = ModuleId> {
     let selected = step.modules;
     let known = IDS.into_iter().zip(ROLES);
@@ -335,7 +335,7 @@ fn check_grip(step: &Step, grips: bool) -> Result<(), Rule> {
     }
 }
 
-/// A table and the steps that read it come together.
+/// Checks that a table exists exactly if a step reads it.
 fn check_table(task: &Task) -> Result<(), Fault> {
     let acting = task.acting.iter().position(Step::is_read_off);
     let helping = task.helping.as_ref();
@@ -349,7 +349,7 @@ fn check_table(task: &Task) -> Result<(), Fault> {
     }
 }
 
-/// Walks both hands from meeting point to meeting point.
+/// Simulates both hands from meeting point to meeting point.
 fn check_meetings(task: &Task) -> Result<(), Fault> {
     let tracks = [Some(&task.acting), task.helping.as_ref()];
     let parts = [Part::Acting, Part::Helping];
@@ -384,7 +384,7 @@ fn check_meetings(task: &Task) -> Result<(), Fault> {
     }
 }
 
-/// The steps of a track at which it waits, with their points.
+/// Returns the steps of a sequence that wait, with their points.
 fn meetings(track: &Track) -> impl Iterator<Item = (usize, u8)> + '_ {
     let point = |(index, step): (usize, &Step)| match step.transition {
         Transition::Met(point) => Some((index, point)),
@@ -393,7 +393,8 @@ fn meetings(track: &Track) -> impl Iterator<Item = (usize, u8)> + '_ {
     track.iter().enumerate().filter_map(point)
 }
 
-/// Where a hand waits for ever: hand, step, point. A hand has come to a point when it waits at it or at a later one.
+/// Returns hand, step and point of a deadlock. A hand has reached its current waiting point and all
+/// earlier ones.
 fn stuck(
     acting: impl Iterator<Item = (usize, u8)>,
     helping: impl Iterator<Item = (usize, u8)>,

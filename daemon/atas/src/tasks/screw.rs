@@ -17,7 +17,7 @@ const TURN: Selection = Selection::of(&[
 pub(super) const SCREW_IT: Step =
     Step::new("screw", Motion::Square, TURN, Transition::Concluded, 180.0);
 
-/// Grasp the cap where a turn begins, turn it again and again until it is tight, let go.
+/// Grasps the cap at the start of a turn, turns it repeatedly until tight, releases it.
 pub static SCREW: Task = Task::of(
     "screw",
     &[

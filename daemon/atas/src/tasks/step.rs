@@ -1,28 +1,27 @@
-//! What a task consists of: steps, and the three things that a step says besides its modules: how the hand moves, where
-//! to, and when the step is done.
+//! Steps of a task: motion, waypoint, modules and transition.
 
 use super::name::Name;
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
-/// One step of a task.
+/// Step of a task.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Step {
-    /// Name, as users see it.
+    /// Name shown to users.
     pub name: Name,
-    /// How the hand moves.
+    /// Motion of the hand.
     pub motion: Motion,
-    /// Which modules work.
+    /// Active modules.
     pub modules: Selection,
-    /// When the step is done.
+    /// Condition that ends the step.
     pub transition: Transition,
-    /// When it has taken too long, s.
+    /// Maximum duration, s.
     pub timeout_s: f64,
 }
 
 impl Step {
-    /// A step; the arguments in the order of the columns of a task's table.
+    /// Creates a step; arguments in the column order of task tables.
     #[must_use]
     pub const fn new(
         name: &str,
@@ -40,13 +39,13 @@ impl Step {
         }
     }
 
-    /// Whether a behaviour table governs fingers and hand: it may grip on its way.
+    /// Returns true if a behaviour table controls the hand; it may grip on its way.
     #[must_use]
     pub fn is_read_off(&self) -> bool {
         self.modules.contains(ModuleId::BEHAVIOUR_TABLE)
     }
 
-    /// Whether a task that begins with this step goes on with what the hand already holds.
+    /// Returns true if a task that begins with this step requires an object in hand.
     #[must_use]
     pub fn takes_over(&self) -> bool {
         let moves_object = matches!(
@@ -57,78 +56,78 @@ impl Step {
     }
 }
 
-/// How the hand moves in a step.
+/// Motion of the hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Motion {
-    /// Not at all; the fingers follow the modules.
+    /// No motion; modules move the fingers.
     Stay,
-    /// Freely to a waypoint, fingers opening as the waypoint says.
+    /// Free motion to a waypoint and its opening.
     Reach(Waypoint),
-    /// Gripping to a waypoint, at the lifting speed; the fingers follow the modules.
+    /// Motion of a gripped object to a waypoint, at lifting speed.
     Carry(Waypoint),
-    /// Gripping to a waypoint, at the conveying speed; the fingers follow the modules.
+    /// Motion of a gripped object to a waypoint, at conveying speed.
     Convey(Waypoint),
-    /// Gripping straight down, as far as the target may lie below its expected height.
+    /// Vertical lowering of a gripped object, down to the lowest permitted target height.
     Lower,
-    /// On the square trajectory of Module 0, over and over.
+    /// Square trajectory of Module 0, repeated.
     Square,
-    /// Stays and opens.
+    /// Opening in place.
     Open,
-    /// Stays and opens at once, just off what stands.
+    /// Fast release of a standing object.
     LetGo,
-    /// Freely back to where the step before began.
+    /// Free motion back to the start of the previous step.
     Withdraw,
-    /// After the targets of the goal's client.
+    /// Tracking of the client's targets.
     Follow,
-    /// Brakes from following, and stays.
+    /// Braking from teleoperation.
     Brake,
 }
 
-/// When a step is done.
+/// Condition that ends a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Transition {
-    /// The path has ended.
+    /// End of the path.
     Arrived,
-    /// Every finger has touched.
+    /// Contact on every grasp side.
     AllTouched,
-    /// The stiffness is known.
+    /// Known stiffness.
     StiffnessKnown,
-    /// The weakest finger presses more than F_1, or the strongest more than F_2.
+    /// Weakest grasp side above F_1, or strongest above F_2.
     Gripped,
-    /// The goal's holding time has passed.
+    /// End of the goal's hold time.
     Held,
-    /// A module says so: Module 4.
+    /// Conclusion of a module (Module 4).
     Concluded,
-    /// Both hands have come to this meeting point; points count up along a track.
+    /// Meeting point reached by both hands; points count up along a sequence.
     Met(u8),
-    /// The client that leads the hand wants something held, or has closed the fingers on it.
+    /// Grip request of the client, or contact while closing.
     GripWanted,
-    /// The client that leads the hand wants it wider than what it holds.
+    /// Client request for an opening wider than the object.
     OpeningWanted,
 }
 
-/// A named pose.
+/// Named pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Waypoint {
-    /// Where the arm rests, tilted and open for a grasp from the side.
+    /// Rest position, tilted for a side grasp.
     Tilted,
-    /// Before the object, open: straight above it, or behind it for a grasp from the side.
+    /// Open pose above the object, or behind it for a side grasp.
     BeforeSource,
-    /// At the object, opened wide.
+    /// Pose at the object, wide open.
     Around,
-    /// At the object, open a little wider than it.
+    /// Pose at the object, slightly wider than it.
     Source,
-    /// Where the object is lifted to.
+    /// Pose at lift height.
     Lifted,
-    /// Over the target, as high as the object is lifted.
+    /// Pose over the target at lift height.
     OverTarget,
-    /// Where the hand is, open, where a turn begins.
+    /// Present pose, open, at the start of a turn.
     TurnStart,
-    /// Straight above where the hand is.
+    /// Pose straight above the present one.
     Above,
-    /// Where the arm rests.
+    /// Rest pose of the arm.
     Home,
 }

@@ -1,22 +1,22 @@
-//! A behaviour table that feels (paper section III, Table 1): for every combination of sensor bits, what fingers and hand do.
+//! Behaviour table (paper III, Table 1): actions of fingers and hand per combination of sensor
+//! bits.
 //!
-//! Methodology 2 as a part of methodology 1's tasks: the table comes with a task, and the module "behaviour table" reads it.
-//! It is generic in the sense of the paper's Eq. 1: S bits out of a declared list, actuators of 1, 2 or 4 levels, so
-//! G = 2^S · (E_fingers + E_hand) bits. Fixed capacity, so that it can be handed to the tick without the heap.
+//! The behaviour table module reads the table of a task. Generalises the paper's Eq. 1 to S
+//! declared bits and actuators of 1, 2 or 4 levels: G = 2^S · (E_fingers + E_hand) bits. Fixed
+//! capacity, so the tick needs no heap.
 
 use core::fmt;
 use shm_schemas::capacity::{LEVELS, SENSOR_BITS, TABLE_WORDS};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{SensorBit, TableRecord};
 
-/// Fastest closing or opening that a level may ask of a finger, m/s (as `grasp.approach_m_s` may at most be).
+/// Maximum closing or opening speed of a level, m/s (equals the maximum of `grasp.approach_m_s`).
 pub const CLOSING_MAX_M_S: f64 = 0.02;
-/// Bits of one row in a word: two per actuator.
+/// Bits per row: two per actuator.
 const ROW_BITS: usize = 4;
-/// Rows of one word.
 const ROWS_PER_WORD: usize = u64::BITS as usize / ROW_BITS;
 
-/// A checked behaviour table.
+/// Validated behaviour table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BehaviourTable {
@@ -27,31 +27,31 @@ pub struct BehaviourTable {
     rows: [u64; TABLE_WORDS],
 }
 
-/// What a row tells the actuators.
+/// Actuator commands of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Action {
-    /// Closing speed of the fingers, m/s, negative opens.
+    /// Closing speed of the fingers, m/s; negative values open.
     pub fingers_m_s: f64,
-    /// Factor on the hand's speed along its path, −1 (back) to 1.
+    /// Factor on the path speed of the hand, −1 (back) to 1.
     pub hand: f64,
 }
 
-/// What is wrong with a table.
+/// Error in a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TableFault {
-    /// No bits, or more than fit.
+    /// No bits, or too many.
     Bits(usize),
-    /// A number that stands for no bit.
+    /// Number without a sensor bit.
     UnknownBit(u32),
-    /// The same bit twice.
+    /// Duplicate bit.
     Twice(SensorBit),
-    /// Levels of an actuator that are not 1, 2 or 4.
+    /// Level count other than 1, 2 or 4.
     Levels(&'static str, usize),
-    /// A level out of its range.
+    /// Level out of range.
     Level(&'static str, f64, f64),
-    /// Other than two to the power of the bits.
+    /// Row count other than two to the power of the bits.
     Rows(usize, usize),
-    /// A row, from 0, names a level that its actuator does not have.
+    /// Row, from 0, with a level that its actuator lacks.
     NoLevel(usize),
 }
 
@@ -84,8 +84,8 @@ impl fmt::Display for TableFault {
 }
 
 impl BehaviourTable {
-    /// A table; `rows` gives for each combination of the bits, the first of which is the lowest of the row's number, the
-    /// level of the fingers and that of the hand.
+    /// Validates a table. `rows` gives the level of fingers and hand per combination of bits; the
+    /// first bit is the lowest of the row number.
     ///
     /// # Errors
     /// The first [`TableFault`].
@@ -116,7 +116,7 @@ impl BehaviourTable {
         Ok(table)
     }
 
-    /// The sensor bits, the lowest of the row's number first.
+    /// Returns the sensor bits, starting with the lowest of the row number.
     pub fn bits(&self) -> impl Iterator<Item = SensorBit> + '_ {
         self.bits[..self.count]
             .iter()
@@ -129,19 +129,19 @@ impl BehaviourTable {
         1 << self.count
     }
 
-    /// Closing speeds of the fingers, m/s, by level; levels that are not used repeat the last.
+    /// Closing speed per level, m/s; unused levels repeat the last one.
     #[must_use]
     pub fn fingers_m_s(&self) -> [f64; LEVELS] {
         self.fingers_m_s
     }
 
-    /// Factors on the hand's speed by level; levels that are not used repeat the last.
+    /// Path speed factor per level; unused levels repeat the last one.
     #[must_use]
     pub fn hand(&self) -> [f64; LEVELS] {
         self.hand
     }
 
-    /// Level of the fingers and of the hand in a row.
+    /// Returns the levels of fingers and hand in a row.
     #[must_use]
     pub fn levels(&self, row: usize) -> [usize; 2] {
         let row = row % self.rows();
@@ -149,7 +149,7 @@ impl BehaviourTable {
         [levels % LEVELS, levels / LEVELS % LEVELS]
     }
 
-    /// What a row tells the actuators.
+    /// Returns the actuator commands of a row.
     #[must_use]
     pub fn action(&self, row: usize) -> Action {
         let [fingers, hand] = self.levels(row);
@@ -159,7 +159,7 @@ impl BehaviourTable {
         }
     }
 
-    /// The table as it is recorded.
+    /// Returns the table in recorded form.
     #[must_use]
     pub fn record(&self) -> TableRecord {
         let mut record = TableRecord {
@@ -174,13 +174,13 @@ impl BehaviourTable {
         record
     }
 
-    /// What names the table: equal for equal tables, whatever wrote them.
+    /// Hash of the content; equal for equal tables.
     #[must_use]
     pub fn hash(&self) -> u64 {
         self.record().hash
     }
 
-    /// The table of a record, if there is one; the error is a record that is not whole.
+    /// Returns the table of a record, if it contains one.
     ///
     /// # Errors
     /// [`TableFault`]; a wrong hash counts as a wrong number of bits.
@@ -239,7 +239,7 @@ fn checked_levels(
     if !matches!(levels.len(), 1 | 2 | LEVELS) {
         return Err(TableFault::Levels(actuator, levels.len()));
     }
-    // NaN is in no range.
+    // NaN is outside every range.
     if let Some(level) = levels.iter().find(|level| !(-most..=most).contains(*level)) {
         return Err(TableFault::Level(actuator, *level, most));
     }

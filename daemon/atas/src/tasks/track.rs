@@ -1,4 +1,4 @@
-//! Tasks of fixed capacity, so that a user's task can be handed to the tick without the heap.
+//! Step sequences and tasks with fixed capacity, so the tick needs no heap.
 
 use super::name::Name;
 use super::step::{Motion, Step, Transition};
@@ -6,10 +6,10 @@ use super::table::BehaviourTable;
 use crate::modules::Selection;
 use core::ops::Deref;
 
-/// Most steps of one hand's track.
+/// Maximum number of steps per hand.
 pub const STEPS_MAX: usize = shm_schemas::capacity::STEPS;
 
-/// The steps of one hand, in order; reads as a slice.
+/// Ordered steps of one hand; dereferences to a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Track {
@@ -18,16 +18,16 @@ pub struct Track {
 }
 
 impl Step {
-    /// What stands in the unused places of a track.
+    /// Filler of unused places.
     pub(crate) const NONE: Self =
         Self::new("", Motion::Stay, Selection::NONE, Transition::Arrived, 0.0);
 }
 
 impl Track {
-    /// A track of these steps.
+    /// Creates a sequence.
     ///
     /// # Panics
-    /// When it has no step or more than [`STEPS_MAX`]: for a table in the code this fails while it compiles.
+    /// If it has no step or more than [`STEPS_MAX`]; a compile error for constants.
     #[must_use]
     pub const fn of(steps: &[Step]) -> Self {
         match Self::checked(steps) {
@@ -36,7 +36,7 @@ impl Track {
         }
     }
 
-    /// A track of these steps, if it is not empty and they fit.
+    /// Creates a sequence if the number of steps is valid.
     #[must_use]
     pub const fn checked(steps: &[Step]) -> Option<Self> {
         if steps.is_empty() || steps.len() > STEPS_MAX {
@@ -63,21 +63,21 @@ impl Deref for Track {
     }
 }
 
-/// What a goal makes the hands do.
+/// Steps of both hands for a kind of goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Task {
-    /// Name, as users see it.
+    /// Name shown to users.
     pub name: Name,
     /// Steps of the hand that the goal names.
     pub acting: Track,
-    /// Steps of the other hand, if it helps.
+    /// Steps of the other hand, if it takes part.
     pub helping: Option<Track>,
-    /// What the module "behaviour table" reads, if a step has it.
+    /// Table for the behaviour table module.
     pub table: Option<BehaviourTable>,
 }
 
 impl Task {
-    /// A task of one hand.
+    /// Creates a one-handed task.
     #[must_use]
     pub const fn of(name: &str, steps: &[Step]) -> Self {
         Self {

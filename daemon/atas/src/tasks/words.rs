@@ -1,12 +1,12 @@
-//! The words and numbers for what tasks consist of: words in a user's configuration, numbers in a recording.
+//! Names (in configurations) and numbers (in recordings) of motions, waypoints and transitions.
 //!
-//! Both are read off the same lists. A number is a place in its list, so what is new comes last.
+//! A number is an index into its list, so new entries go last.
 
 use super::step::{Motion, Transition, Waypoint};
 use crate::modules::{IDS, Selection};
 use shm_schemas::ModuleId;
 
-/// The motions. A motion that goes to a waypoint stands here with any waypoint.
+/// Motions; those to a waypoint contain a placeholder.
 pub const MOTIONS: [Motion; 11] = [
     Motion::Stay,
     Motion::Reach(Waypoint::Home),
@@ -21,7 +21,7 @@ pub const MOTIONS: [Motion; 11] = [
     Motion::Brake,
 ];
 
-/// The waypoints.
+/// Waypoints.
 pub const WAYPOINTS: [Waypoint; 9] = [
     Waypoint::Tilted,
     Waypoint::BeforeSource,
@@ -34,7 +34,7 @@ pub const WAYPOINTS: [Waypoint; 9] = [
     Waypoint::Home,
 ];
 
-/// The ends of a step. Meeting stands here with any point.
+/// Transitions; `Met` contains a placeholder.
 pub const TRANSITIONS: [Transition; 9] = [
     Transition::Arrived,
     Transition::AllTouched,
@@ -48,7 +48,7 @@ pub const TRANSITIONS: [Transition; 9] = [
 ];
 
 impl Motion {
-    /// The word for it, without its waypoint.
+    /// Name without its waypoint.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -66,7 +66,7 @@ impl Motion {
         }
     }
 
-    /// Where it goes, if it goes to a waypoint.
+    /// Waypoint of the motion.
     #[must_use]
     pub const fn waypoint(self) -> Option<Waypoint> {
         match self {
@@ -77,7 +77,7 @@ impl Motion {
         }
     }
 
-    /// The same motion to a waypoint; unchanged if it goes to none.
+    /// Returns the motion with another waypoint.
     #[must_use]
     pub const fn to(self, waypoint: Waypoint) -> Self {
         match self {
@@ -88,7 +88,7 @@ impl Motion {
         }
     }
 
-    /// Whether it moves the hand with an object in it, the fingers following the modules.
+    /// Returns true if the motion carries an object.
     #[must_use]
     pub const fn needs_grip(self) -> bool {
         matches!(
@@ -99,7 +99,7 @@ impl Motion {
 }
 
 impl Waypoint {
-    /// The word for it.
+    /// Name of the waypoint.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -117,7 +117,7 @@ impl Waypoint {
 }
 
 impl Transition {
-    /// The word for it, without its point.
+    /// Name without its meeting point.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -133,7 +133,7 @@ impl Transition {
         }
     }
 
-    /// Whether something else than the hand decides how long it takes: the goal, its client or the other hand.
+    /// Returns true if the goal, its client or the other hand decides the duration.
     #[must_use]
     pub const fn is_open_ended(self) -> bool {
         matches!(
@@ -144,7 +144,7 @@ impl Transition {
 }
 
 impl Selection {
-    /// The modules, in the order of [`IDS`].
+    /// Returns the modules in the order of [`IDS`].
     pub fn ids(self) -> impl Iterator<Item = ModuleId> {
         IDS.into_iter().filter(move |id| self.contains(*id))
     }

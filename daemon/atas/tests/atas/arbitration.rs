@@ -1,4 +1,4 @@
-//! Arbitration: rules, not order.
+//! Arbitration: merge rules and independence of module order.
 
 use atas_core::arbitration::{Arbiter, Intent};
 use atas_core::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
@@ -41,7 +41,7 @@ fn carried(with_fingers: bool) -> PoseCommand {
     }
 }
 
-/// The intent once the slewing has settled.
+/// Intent after all slews have ended.
 fn settled(proposals: &[Proposal]) -> Intent {
     let mut arbiter = Arbiter::default();
     (0..1000)
@@ -205,7 +205,7 @@ fn any_proposal() -> impl Strategy<Value = Proposal> {
         })
 }
 
-/// Verdicts from so few values that equal weights, and equal verdicts, are frequent.
+/// Few distinct values, so that ties are frequent.
 fn any_verdict() -> impl Strategy<Value = Verdict> {
     let few = || prop::sample::select(vec![7.0, 8.0, -8.0, f64::INFINITY]);
     let reason = (
@@ -232,8 +232,7 @@ fn any_verdict() -> impl Strategy<Value = Verdict> {
     ]
 }
 
-/// Any verdicts, ties included; at most one module carries, because the rules of a task allow no step more than one that moves
-/// the hand.
+/// Any verdicts with ties; at most one module carries, as the task rules require.
 fn any_proposals() -> impl Strategy<Value = Vec<Proposal>> {
     let with_verdict = (any_proposal(), any_verdict()).prop_map(|(proposal, verdict)| Proposal {
         verdict,

@@ -1,4 +1,4 @@
-//! The behaviour table, what it refuses to be, and the module that reads it.
+//! Behaviour table: validation and the module that reads it.
 
 use crate::bench::{Bench, pressed, sliding};
 use atas_core::modules::Verdict;
@@ -10,7 +10,7 @@ const BITS: [SensorBit; 2] = [SensorBit::SLIPPING, SensorBit::ABOVE_F2];
 const FINGERS: [f64; 4] = [0.0, -0.001, 0.002, 0.004];
 const HAND: [f64; 4] = [0.0, -0.1, 0.1, 1.0];
 
-/// Row 0 holds and goes on; slipping closes slowly; above F_2 opens and stands; both goes back.
+/// Row 0 holds and continues; slip closes slowly; above F_2 opens and stops; both moves back.
 fn table() -> BehaviourTable {
     let rows = [[0, 3], [2, 2], [1, 0], [0, 1]];
     BehaviourTable::checked(&BITS, &FINGERS, &HAND, rows.into_iter()).unwrap()

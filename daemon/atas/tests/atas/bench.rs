@@ -1,4 +1,4 @@
-//! One module on the bench.
+//! Test bench for one module.
 
 use atas_core::Settings;
 use atas_core::follow::Lead;
@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use robot_model::GraspFrame;
 use shm_schemas::{GripOrder, ModuleId};
 
-/// Lifts by 50 mm within 5 s.
+/// Lift of 50 mm within 5 s.
 pub(crate) fn path() -> Path {
     let from = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
     let to = GraspFrame {
@@ -29,7 +29,6 @@ pub(crate) fn path() -> Path {
     )
 }
 
-/// One module with the settings and the context that it sees.
 pub(crate) struct Bench {
     pub(crate) modules: Modules,
     pub(crate) id: ModuleId,
@@ -71,7 +70,6 @@ impl Bench {
         }
     }
 
-    /// A module of a hand that a client leads.
     pub(crate) fn led(id: ModuleId) -> Self {
         let bench = Self::new(id);
         let lead = Lead {
@@ -137,7 +135,6 @@ impl Bench {
     }
 }
 
-/// A finger that presses.
 pub(crate) fn finger(normal_n: f64) -> FingerPercept {
     FingerPercept {
         normal_n,
@@ -146,7 +143,6 @@ pub(crate) fn finger(normal_n: f64) -> FingerPercept {
     }
 }
 
-/// What a hand feels with these two fingers.
 pub(crate) fn percept(fingers: [FingerPercept; 2]) -> Percept {
     let [a, b] = fingers;
     Percept {
@@ -158,12 +154,10 @@ pub(crate) fn percept(fingers: [FingerPercept; 2]) -> Percept {
     }
 }
 
-/// Both fingers press alike.
 pub(crate) fn pressed(normal_n: f64) -> Percept {
     percept([finger(normal_n); 2])
 }
 
-/// Both fingers press alike and use this much of their friction.
 pub(crate) fn sliding(normal_n: f64, utilisation: f64) -> Percept {
     percept(
         [FingerPercept {

@@ -1,5 +1,4 @@
-//! Goals are refused before anything moves if an arm cannot go where the task leads, or would come too near to the other;
-//! what is accepted keeps its distance in every tick.
+//! Clearance check before motion; accepted goals keep their clearance in every tick.
 
 use crate::support::{hand_of, robot};
 use crate::world::{World, grasp, start};
@@ -12,7 +11,6 @@ use nalgebra::Vector3;
 use robot_model::{GraspFrame, HandVector, RobotVector, Side, nearest};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
 
-/// Everywhere that a task can lead the hand, without an object.
 fn tour() -> Task {
     let reach = |waypoint| Step {
         motion: Motion::Reach(waypoint),
@@ -42,7 +40,7 @@ fn at_home(side: Side) -> HandVector {
     hand.posture_for(&planning::home(hand, &now)).unwrap().q_rad
 }
 
-/// A world that is ready with the right arm at home and the left arm in this posture.
+/// World in READY with the right arm at home and the left arm in this posture.
 fn world(left_rad: HandVector) -> World {
     let mut world = World::new();
     for (side, q_rad) in [(Side::Left, left_rad), (Side::Right, at_home(Side::Right))] {
@@ -65,7 +63,7 @@ fn check(world: &World, request: &GoalRequest) -> Result<atas_core::Goal, Reason
     check::check(request, &world.controller.circumstances(robot(), &[tour()]))
 }
 
-/// Numbers from 0 to 1, the same in every run.
+/// Reproducible random numbers from 0 to 1.
 struct Numbers(u64);
 
 impl Numbers {
@@ -82,7 +80,7 @@ impl Numbers {
     }
 }
 
-/// Both arms over the middle of the table, at random: what is accepted keeps clear in every single tick, as commanded.
+/// Random goals of both arms over the middle of the table.
 #[test]
 fn accepted_goals_keep_the_arms_apart_in_every_tick() {
     let mut numbers = Numbers(2026);
@@ -127,7 +125,7 @@ fn accepted_goals_keep_the_arms_apart_in_every_tick() {
     );
 }
 
-/// What a goal may be off by is counted from its ways: told a place that far beside, it would be accepted as well.
+/// The clearance margin must equal the lateral offset up to which the goal would be accepted.
 #[test]
 fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
     let mut numbers = Numbers(77);
@@ -148,7 +146,7 @@ fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
         let Ok(goal) = check(&world, &request) else {
             continue;
         };
-        // Farther than a hand ever believes, so that more goals have their bound in it.
+        // Larger than any accepted offset, so that more goals reach their bound.
         let spare_m = goal.spare_m().min(2.0 * DISPLACED_MAX_M);
         tried += usize::from(spare_m < 2.0 * DISPLACED_MAX_M);
         for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
@@ -164,7 +162,7 @@ fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
     assert!(tried > 5, "only {tried} goals had little to spare");
 }
 
-/// The sentence names the bodies, and nothing has moved.
+/// The reason names the colliding bodies; nothing has moved.
 #[test]
 fn a_goal_into_the_other_arm_is_refused_and_names_what_collides() {
     let world = world(posture(Side::Left, [0.30, -0.02, 0.06], 0.06));
@@ -185,7 +183,6 @@ fn a_goal_into_the_other_arm_is_refused_and_names_what_collides() {
         ..grasp()
     };
     assert!(check(&world, &beside).is_ok());
-    // The way there counts as well, not only its end.
     let over = GoalRequest {
         kind: GoalKind::PICK_PLACE,
         to_m: [0.30, -0.04, 0.05],
@@ -197,7 +194,7 @@ fn a_goal_into_the_other_arm_is_refused_and_names_what_collides() {
     assert_eq!(after.q_rad, before_rad);
 }
 
-/// Whatever happened, a hand that lets go may do so: arms that are too near already may go apart.
+/// Arms that are already too close may move apart.
 #[test]
 fn a_release_is_possible_with_arms_that_touch() {
     let mut world = World::ready();
@@ -214,7 +211,6 @@ fn a_release_is_possible_with_arms_that_touch() {
     assert_eq!(outputs.goal_update.unwrap().state, GoalState::ACCEPTED);
 }
 
-/// The hand opens wider than the object, and comes from above it.
 #[test]
 fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
     let world = world(at_home(Side::Left));
@@ -235,7 +231,7 @@ fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
         cause(|g| g.width_m = 0.1001),
         Err((Cause::UNREACHABLE, 8, widest_m))
     );
-    // As high as the hand comes from, the arm must have a posture too.
+    // The height from which the hand descends needs a posture as well.
     let far = GoalRequest {
         from_m: [0.4, -0.3, 0.2],
         lift_m: 0.0,
@@ -255,7 +251,7 @@ fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
     );
 }
 
-/// Hands that do not wait for each other may be anywhere on their ways at the same time.
+/// Hands that do not wait for each other may be anywhere on their paths at the same time.
 #[test]
 fn hands_that_move_at_the_same_time_are_compared_everywhere() {
     let reach = |waypoint| Step {
@@ -286,7 +282,7 @@ fn hands_that_move_at_the_same_time_are_compared_everywhere() {
     assert_eq!(cause(near), Some(Cause::ARMS_COLLIDE), "at the same place");
 }
 
-/// Hands that are free of each other all the time must be compared at every pair of postures: no check takes for ever.
+/// Independent hands need a check of every pair of postures, which is bounded in time.
 #[test]
 fn a_task_whose_check_would_take_for_ever_is_refused() {
     let reach = |waypoint| Step {

@@ -1,4 +1,4 @@
-//! The whole controller: modes, goals, and what clients hear.
+//! Whole controller: modes, goals and client updates.
 
 use crate::support::JOINTS;
 use crate::support::home_rad;
@@ -27,7 +27,6 @@ fn init_becomes_ready_when_everything_is_believed() {
     );
     assert_eq!(outputs.command.position_rad[..JOINTS], *home_rad());
     assert_eq!(kinds(outputs.events.as_slice(), EventKind::MODE), 1);
-    // READY stands still and publishes every tick.
     for _ in 0..100 {
         let outputs = world.tick();
         assert_eq!(outputs.command.position_rad[..JOINTS], *home_rad());
@@ -173,7 +172,7 @@ fn the_report_shows_the_closing_speed() {
     assert_eq!(report.hands[0].fingers[0].closing_m_s, 0.0);
 }
 
-/// What the hand touches on its way it must not push over: it goes back where it came from and says why.
+/// The hand must not push over an obstacle: it goes back and reports the touch.
 #[test]
 fn a_touch_on_the_way_turns_the_hand_back() {
     let mut world = World::ready();
@@ -217,7 +216,7 @@ fn an_empty_place_is_reported_and_the_hand_stays() {
     assert_eq!(world.mode(), Mode::READY);
 }
 
-/// Where a narrow object is missing the fingertips must not take each other for it.
+/// The fingertips must not mistake each other for the missing narrow object.
 #[test]
 fn the_search_for_a_narrow_object_ends_before_the_fingers_meet() {
     let mut world = World::ready();
@@ -254,14 +253,12 @@ fn a_cancelled_goal_ends_where_the_hand_is() {
         (world.mode(), world.run(100).command.position_rad),
         (Mode::READY, rest)
     );
-    // And the next goal may begin.
     assert_eq!(
         world.order(start(grasp())).goal_update.unwrap().state,
         GoalState::ACCEPTED
     );
 }
 
-/// Cancelling never drops what the hand holds.
 #[test]
 fn a_cancelled_goal_keeps_its_object() {
     let mut world = World::ready();
@@ -281,7 +278,6 @@ fn a_cancelled_goal_keeps_its_object() {
             .iter()
             .all(|f| f.in_contact == 1)
     );
-    // Released on demand only.
     let release = GoalRequest {
         goal_id: 9,
         kind: GoalKind::RELEASE,
@@ -360,7 +356,7 @@ fn holding_goes_on_after_the_goal_is_reached() {
     assert_eq!(outputs.report.goal_id, 0, "the goal itself is over");
 }
 
-/// A controller is large, and who makes, copies or steps one seldom chooses the stack.
+/// A controller is large, and its user seldom chooses the stack size.
 #[test]
 fn half_the_stack_that_threads_have_is_enough() {
     const HALF_BYTES: usize = 1 << 20;

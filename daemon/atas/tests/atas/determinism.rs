@@ -1,4 +1,4 @@
-//! Same inputs, same bits; and whatever the inputs are, the outputs are safe.
+//! Determinism: equal inputs give equal bits; any inputs give safe outputs.
 
 use crate::support::{MS_NS, frame, joints, robot};
 use crate::world::{Logged, World, grasp, start};
@@ -7,7 +7,6 @@ use proptest::prelude::*;
 use shm_schemas::{Cause, GoalKind, GoalRequest, Hand, HandFrame, JointState, Reason, Stamp};
 use zerocopy::IntoBytes;
 
-/// What one tick hears.
 #[derive(Clone, Debug)]
 struct Heard {
     frames: [Vec<Twist>; 2],
@@ -16,7 +15,6 @@ struct Heard {
     pause_ms: u64,
 }
 
-/// How a datum is spoilt on its way.
 #[derive(Clone, Copy, Debug)]
 enum Twist {
     Sound,
@@ -131,7 +129,6 @@ fn twisted_joints(twist: Twist, mut state: JointState) -> JointState {
     state
 }
 
-/// Everything that a tick gives out, as bytes.
 fn bytes(outputs: &Outputs) -> Vec<u8> {
     let mut bytes = outputs.command.as_bytes().to_vec();
     bytes.extend(outputs.report.as_bytes());
@@ -215,8 +212,8 @@ proptest! {
     }
 }
 
-/// Record what a whole grasp heard, then give it to a fresh controller without the world that answered to the first: every
-/// byte of every tick, up to the tick in which something else is heard.
+/// Replays a recorded grasp in a fresh controller: every byte of every tick is equal, up to the
+/// tick with a changed input.
 #[test]
 fn a_recorded_grasp_replays_byte_for_byte_and_a_changed_one_does_not() {
     let mut world = World::ready();

@@ -1,4 +1,4 @@
-//! Faults against the whole controller: the bounds of the fault catalogue, in ticks.
+//! Faults against the whole controller, with the tick bounds of the fault catalogue.
 
 use crate::support::JOINTS;
 use crate::world::{World, commanded_gap_m};
@@ -16,7 +16,7 @@ fn silence_holds_within_the_bounds_and_ends_by_itself() {
         let mut world = World::reaching();
         world.mute = mute;
         let (_, ticks) = world.run_until(50, |w| w.mode() == Mode::HOLD);
-        // The last datum is one tick old when the silence becomes visible: five ticks more make six.
+        // The last message is one tick old when the silence shows: five more ticks make six.
         assert_eq!(ticks, bound, "{cause}");
         assert_eq!(world.controller.mode().1.cause, cause);
         let rest = world.run(150).command.position_rad;
@@ -33,7 +33,6 @@ fn silence_holds_within_the_bounds_and_ends_by_itself() {
     }
 }
 
-/// F01 with an object in the hand: the grip is kept, never opened.
 #[test]
 fn a_grip_survives_silence() {
     let mut world = World::holding();
@@ -107,7 +106,7 @@ fn wrong_joint_feedback_stops_in_the_same_tick_and_latches() {
     }
 }
 
-/// F44: the robot does not move although it is told to.
+/// F44.
 #[test]
 fn a_joint_that_ignores_its_command_stops_the_robot() {
     let mut world = World::reaching();
@@ -124,7 +123,8 @@ fn a_joint_that_ignores_its_command_stops_the_robot() {
     world.order(Order::Recover);
     let outputs = world.run(30);
     assert_eq!(world.mode(), Mode::READY);
-    // Where a joint did not follow, its limb begins anew from where it is; what was nearly there keeps its command.
+    // A limb that did not track its command restarts from its measured position; a limb that nearly
+    // did keeps its command.
     let off_rad = |i: usize| (outputs.command.position_rad[i] - stuck_rad[i]).abs();
     assert!((0..JOINTS).all(|i| off_rad(i) <= atas_core::limits::PRELOAD_MAX_RAD));
     assert!((0..JOINTS).any(|i| off_rad(i) == 0.0));
@@ -146,7 +146,7 @@ fn an_estop_latches_until_it_is_recovered() {
     assert_eq!(world.mode(), Mode::READY);
 }
 
-/// Recovering where there is nothing to recover from must give up neither the grip nor the goal.
+/// Outside SAFE_STOP, recovery must release neither grip nor goal.
 #[test]
 fn recover_outside_a_stop_changes_nothing() {
     let mut reaching = World::reaching();
@@ -166,7 +166,7 @@ fn recover_outside_a_stop_changes_nothing() {
     assert_eq!(silent.mode(), Mode::HOLD, "the doubt is still there");
 }
 
-/// F23, F24: after a standstill the first tick holds, and no motion is caught up.
+/// F23, F24: after a stall the first tick holds, and missed motion is not made up.
 #[test]
 fn a_standstill_holds_and_is_not_caught_up() {
     let mut world = World::reaching();
@@ -181,7 +181,7 @@ fn a_standstill_holds_and_is_not_caught_up() {
     world.run_until(100, |w| w.mode() == Mode::RUN);
 }
 
-/// Several frames, or none, in one tick; the newest wins.
+/// The newest of several frames in one tick counts.
 #[test]
 fn bursts_of_frames_are_taken_in_order() {
     let mut world = World::ready();

@@ -1,4 +1,4 @@
-//! A hand that a client leads, through the whole controller.
+//! Teleoperation through the whole controller.
 
 use atas_core::{Order, Outputs};
 use robot_model::{Side, VIRTUAL_FINGERS};
@@ -11,15 +11,14 @@ use zerocopy::IntoBytes;
 use crate::support::MS_NS;
 use crate::world::{WIDTH_M, World, grasp, start};
 
-/// Epoch of the client.
+/// Writer epoch of the client.
 const CLIENT: u64 = 31;
-/// Where the object stands in these tests: on the right hand's own side.
+/// Object position, m, on the right hand's side of the table.
 const OBJECT_M: [f64; 3] = [0.3, -0.16, 0.06];
-/// Ticks between two targets, and how long each counts, ms.
+/// Period and validity of targets, ms.
 const EVERY: u64 = 20;
 const VALID_MS: u64 = 100;
 
-/// A world whose right hand is led, and what it is told.
 struct Led {
     world: World,
     target: GraspTarget,
@@ -70,7 +69,6 @@ impl Led {
         self.warnings.extend(warnings.map(|event| event.reason));
     }
 
-    /// Streams the present target for so long.
     fn lead(&mut self, ms: u64) {
         for tick in 0..ms {
             if tick.is_multiple_of(EVERY) {
@@ -89,12 +87,11 @@ impl Led {
         }
     }
 
-    /// Says nothing for so long.
     fn pause(&mut self, ms: u64) {
         (0..ms).for_each(|_| self.tick());
     }
 
-    /// Led around the object and closed on it until it is carried.
+    /// Moves around the object and closes until it is carried.
     fn carrying() -> Self {
         let mut led = Self::new();
         led.lead(4_000);
@@ -312,7 +309,8 @@ fn what_a_free_fingertip_touches_is_not_pressed() {
     led.world.has_object = false;
     led.lead(3_000);
     led.world.obstructed = true;
-    // Something presses the second fingertip along the closing axis, here x: one way presses it harder, the other does not.
+    // The force acts on the second fingertip along the closing axis, here x: motion one way
+    // increases it, motion the other way does not.
     let x_m = led.centre_m()[0];
     let moved_m = [0.02, -0.02].map(|by_m| {
         led.target.centre_m[0] = x_m + by_m;

@@ -1,4 +1,4 @@
-//! The intake of targets: what is believed, what is refused and why.
+//! Target intake: acceptance and rejection reasons.
 
 use atas_core::Tick;
 use atas_core::follow::TargetIntake;
@@ -10,9 +10,9 @@ use crate::support::{MS_NS, robot};
 use crate::world::start;
 use atas_core::Order;
 
-/// Epoch of the client.
+/// Writer epoch of the client.
 const CLIENT: u64 = 31;
-/// When the goal began.
+/// Start time of the goal.
 const BEGIN_MS: u64 = 1_000;
 
 fn tick(ms: u64) -> Tick {

@@ -1,4 +1,5 @@
-//! The follower: whatever its targets do, speed, acceleration, jerk and range keep their bounds; it arrives and stays.
+//! Motion limiter: keeps bounds of speed, acceleration, jerk and range for any targets; arrives and
+//! stays.
 
 use atas_core::follow::{Axis, Bounds, FollowSpace, Follower, Speeds, across_the_middle};
 use nalgebra::Vector3;
@@ -8,7 +9,7 @@ use shm_schemas::Cause;
 
 use crate::support::{hand_of, home_rad, robot};
 
-/// What differences of rounded positions may be off, in units of the coordinate: a few units in the last place of 1 m.
+/// Rounding tolerance of position differences: a few units in the last place of 1 m.
 const ROUNDING: f64 = 4e-15;
 
 fn bounds() -> impl Strategy<Value = Bounds> {
@@ -19,14 +20,13 @@ fn bounds() -> impl Strategy<Value = Bounds> {
     })
 }
 
-/// Targets that jump, each with the ticks for which it is wanted; `None` brakes.
+/// Jumping targets with their durations in ticks; `None` brakes.
 fn targets() -> impl Strategy<Value = Vec<(Option<f64>, usize)>> {
     let target =
         prop_oneof![8 => (-0.3..0.3f64).prop_map(Some), 1 => Just(None), 1 => Just(Some(f64::NAN))];
     prop::collection::vec((target, 1..400usize), 1..12)
 }
 
-/// The axis after each tick.
 fn run(bounds: &Bounds, step_s: f64, targets: &[(Option<f64>, usize)]) -> Vec<f64> {
     let mut axis = Axis::at(0.0);
     let ticks = targets
@@ -61,7 +61,7 @@ proptest! {
         prop_assert!(largest(&accelerations) <= bounds.acceleration + slack(2));
         prop_assert!(largest(&jerks) <= bounds.jerk(step_s) * (1.0 + 1e-9) + slack(3));
         prop_assert!(positions.iter().all(|p| p.is_finite()));
-        // Never outside what start and targets span: what bounds the targets bounds the hand.
+        // The range of start and targets bounds the hand.
         let wanted: Vec<f64> = targets.iter().filter_map(|(t, _)| t.filter(|t| t.is_finite())).chain([0.0]).collect();
         let low = wanted.iter().copied().fold(f64::INFINITY, f64::min);
         let high = wanted.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -83,7 +83,7 @@ proptest! {
 
     #[test]
     fn between_two_targets_it_is_as_far_as_its_speed_allows(bounds in bounds()) {
-        // A way so long that it reaches its speed: then it needs the time of a trapeze, and the low-pass.
+        // The distance suffices to reach the top speed: trapezoidal profile plus low-pass.
         let step_s = 1e-3;
         let speeding_s = bounds.speed / bounds.acceleration;
         let way = bounds.speed * (2.0 * speeding_s + 0.5);
@@ -160,7 +160,7 @@ fn without_a_pose_it_brakes_and_a_share_of_the_speed_slows_the_hand_only() {
     assert!((after.centre_m - stands.centre_m).norm() < 1e-9);
 }
 
-/// Poses all over the box of a side, its corners included: shares of each range.
+/// Pose in the workspace of a side, from shares of each range, corners included.
 fn pose_in(space: &FollowSpace, [x, y, z, opening]: [f64; 4], yaw_rad: f64) -> GraspFrame {
     let at = |[low, high]: [f64; 2], share: f64| low + (high - low) * share;
     let [x_m, y_m, z_m] = space.centre_m;
@@ -168,7 +168,7 @@ fn pose_in(space: &FollowSpace, [x, y, z, opening]: [f64; 4], yaw_rad: f64) -> G
     frame(centre_m, yaw_rad, at(space.opening_m, opening).max(0.004))
 }
 
-/// How far off the tips stay, and why the arm is not on its side.
+/// Position error of the fingertips, and the reason if the arm reaches across the middle.
 fn posture(side: Side, pose: &GraspFrame, yaw_rad: f64) -> (f64, Option<Cause>) {
     let hand = robot().hand(side);
     let yaw_rad = hand.closing_yaw_rad(&pose.centre_m, yaw_rad);

@@ -1,4 +1,4 @@
-//! The last gate: whatever comes in, what goes out is finite, within every limit and sealed.
+//! Safety gate: every output is finite, within all limits and sealed, for any input.
 
 use crate::rig::{Judge, LOOSE, Rig, positions, velocities};
 use crate::support::JOINTS;
@@ -29,7 +29,7 @@ fn any_grip() -> impl Strategy<Value = Grip> {
         .prop_map(|(normal_n, f2_n)| Grip { normal_n, f2_n })
 }
 
-/// A speed and a direction for every joint, some beyond what it can do, held for some ticks.
+/// Speed factor per joint, some beyond its capability, held for some ticks.
 fn any_leg() -> impl Strategy<Value = (Vec<f64>, usize, Mode)> {
     (
         prop::collection::vec(-2.0..2.0, JOINTS),
@@ -59,7 +59,7 @@ proptest! {
         }
     }
 
-    /// Random walks that the step check lets through: full speed, sudden reversals, into the position limits, stops.
+    /// Random walks within the step check: full speed, reversals, position limits, stops.
     #[test]
     fn random_walks_leave_within_every_limit(
         legs in prop::collection::vec(any_leg(), 1..12), rate_hz in any_rate_hz(),
@@ -77,7 +77,6 @@ proptest! {
         }
     }
 
-    /// A target that stands still is reached and kept, from wherever the walk has led.
     #[test]
     fn a_standing_target_within_the_step_is_reached(legs in prop::collection::vec(any_leg(), 1..4)) {
         let mut rig = Rig::new();
@@ -105,7 +104,7 @@ proptest! {
         }
     }
 
-    /// HOLD brakes, then stands still bit by bit, whatever is asked and however hard the fingers press.
+    /// HOLD brakes, then keeps the position bit for bit, for any request and grip force.
     #[test]
     fn hold_comes_to_rest_and_never_moves_on(
         factors in prop::collection::vec(-1.0..1.0, JOINTS), ticks in 1_usize..150, garbage in any_position(),
@@ -195,7 +194,7 @@ fn only_run_moves() {
     }
 }
 
-/// Right hand, finger 0: joints 16 to 18 of an arm with joints 11 to 15.
+/// Right hand, side 0: joints 16 to 18 of an arm with joints 11 to 15.
 #[test]
 fn above_the_grip_ceiling_a_finger_may_only_open() {
     let ceilings = [
@@ -238,8 +237,7 @@ fn above_the_grip_ceiling_a_finger_may_only_open() {
     }
 }
 
-/// What a joint fell behind by it makes good without swinging, whatever the tick rate: the jerk limit is in seconds, so
-/// the time constant must be too.
+/// The jerk limit is in seconds, so the time constant of the catch-up must be as well.
 #[test]
 fn a_lag_is_made_good_without_swinging_at_every_rate() {
     for rate_hz in [100.0, 1000.0, 2000.0, 4000.0, 10_000.0] {
@@ -343,7 +341,7 @@ fn every_command_is_stamped_sealed_and_short_lived() {
             (command.mode, command.answers_sequence, command.pad),
             (mode, index + 100, 0)
         );
-        // Before the robot's posture is known there is nothing to command.
+        // Without a known posture the gate commands no joints.
         assert_eq!(command.joint_count, if index < 10 { 0 } else { 22 });
     }
 }

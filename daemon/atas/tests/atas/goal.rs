@@ -1,4 +1,4 @@
-//! Goals: every bad field has its cause and its name.
+//! Goal validation: every invalid field has its cause and name.
 
 use crate::support::robot;
 use atas_core::check::{self, Circumstances};
@@ -52,7 +52,7 @@ fn a_good_goal_names_its_hand() {
     };
     let attached = Goal::resolve(&attached, &[]).unwrap();
     assert!(ActiveGoal::begin(&attached).is_attached());
-    // Releasing needs no place.
+    // A release needs no position.
     let release = GoalRequest {
         kind: GoalKind::RELEASE,
         from_m: [9.0; 3],
@@ -97,7 +97,7 @@ fn every_bad_field_is_named() {
         (|g| g.top_m = f64::NAN, Cause::NOT_FINITE, 12),
         (|g| g.top_m = -0.01, Cause::OUT_OF_RANGE, 12),
         (|g| g.top_m = 0.6, Cause::OUT_OF_RANGE, 12),
-        // Higher than the palm over the fingertips.
+        // Above the palm clearance.
         (|g| g.top_m = 0.3, Cause::OUT_OF_RANGE, 12),
         (|g| g.max_force_n = f64::NAN, Cause::NOT_FINITE, 13),
         (|g| g.max_force_n = -1.0, Cause::OUT_OF_RANGE, 13),
@@ -112,7 +112,7 @@ fn every_bad_field_is_named() {
     }
 }
 
-/// A user's own task is found by its whole name, and asks for what its steps need.
+/// A user task is found by its exact name and requires what its steps need.
 #[test]
 fn own_tasks_are_found_by_name() {
     let own = |name: &str, task: &Task| Task::checked(name, &task.acting, None).unwrap();
@@ -152,7 +152,6 @@ fn a_hand_without_a_sensor_takes_no_goals() {
     assert!(check(&left, &wiring).is_ok());
 }
 
-/// The two hands' workspaces mirror each other.
 #[test]
 fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
     for y in [-0.35, -0.3, -0.1, 0.0, 0.06, 0.1] {
@@ -170,8 +169,8 @@ fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
     }
 }
 
-/// A 5-DOF arm with one fixed and one turning jaw: a yaw that it cannot take is refused with the nearest that it can, a width at which
-/// its domes would not face each other by how far they would be off.
+/// 5-DOF arm with one fixed and one rotating jaw. The reason for an impossible yaw names the
+/// nearest possible one; for an impossible width it names the misalignment of the fingertips.
 #[test]
 fn what_an_angular_jaw_cannot_do_is_refused_by_name() {
     let robot = RobotModel::load(

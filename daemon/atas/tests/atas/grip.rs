@@ -1,4 +1,4 @@
-//! What outlives a stop, and what nobody may do while the robot works.
+//! Grip persistence across stops, and requests that are rejected while the robot works.
 
 use crate::support::JOINTS;
 use crate::world::{World, commanded_gap_m, grasp, start};
@@ -12,14 +12,14 @@ fn warned(outputs: &atas_core::Outputs) -> Vec<Cause> {
     warnings.map(|event| event.reason.cause).collect()
 }
 
-/// Regression: a stop and a recover began again from measured angles and gave up the grip.
+/// Regression: stop and recovery restarted from measured positions and lost the grip.
 #[test]
 fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
     let mut world = World::holding();
     let held_rad = world.run(1).command.position_rad;
     world.order(Order::Stop(Reason::of(Cause::ESTOP)));
     world.run(100);
-    // Servos under load are not quite where they are told to be.
+    // Servos under load deviate slightly from their commands.
     for q_rad in world.q_rad.iter_mut() {
         *q_rad += 0.004;
     }
@@ -39,7 +39,7 @@ fn a_stop_and_a_recover_keep_the_grip_and_watch_it() {
     assert_eq!(refused.reason.cause, Cause::HAND_FULL);
 }
 
-/// Regression: how much the object bears went with the daemon, and every restart allowed a fifth more than the fingers pressed.
+/// Regression: each daemon restart lost F_2 and then allowed a fifth more force.
 #[test]
 fn what_the_object_bears_is_known_after_restarts_and_stops() {
     let mut world = World::holding();
@@ -67,7 +67,7 @@ fn what_the_object_bears_is_known_after_restarts_and_stops() {
     );
 }
 
-/// Regression: every element at 25 N opened the fingers, and nobody was told.
+/// Regression: a reading of 25 N on every element opened the fingers without a warning.
 #[test]
 fn a_force_that_cannot_be_holds_and_opens_nothing() {
     let mut world = World::holding();
@@ -86,7 +86,7 @@ fn a_force_that_cannot_be_holds_and_opens_nothing() {
     assert_eq!(world.mode(), Mode::HOLD);
 }
 
-/// Regression: a daemon that had stood still for seconds went on with its goal after 22 ms.
+/// Regression: after a stall of seconds the goal continued within 22 ms.
 #[test]
 fn a_goal_does_not_outlive_a_loop_that_stood_still() {
     let mut world = World::reaching();
@@ -127,7 +127,7 @@ fn bounds_of_the_motion_change_only_while_it_stands() {
     assert!(set(&mut world, "safety.grip_ceiling_n", 30.0));
 }
 
-/// Regression: the states of another robot process skipped the check for jumps.
+/// Regression: states of another robot process bypassed the jump check.
 #[test]
 fn another_robot_process_is_asked_anew_where_it_stands() {
     let mut world = World::reaching();
@@ -149,7 +149,7 @@ fn another_robot_process_is_asked_anew_where_it_stands() {
     assert_eq!(outputs.command.position_rad[..JOINTS], *world.q_rad);
 }
 
-/// Regression: a joint state stamped with the largest time stopped the tick in lock-step by a panic.
+/// Regression: a joint state with the largest time stamp caused a panic in lock-step.
 #[test]
 fn the_end_of_time_is_no_panic() {
     let mut world = World::ready();

@@ -1,4 +1,4 @@
-//! Intake of frames: one faulty frame, row by row (fault catalogue F03 to F14).
+//! Frame intake: one faulty frame at a time (fault catalogue F03 to F14).
 
 use crate::support::{EPOCH, MS_NS, frame};
 use atas_core::intake::{FrameCounts, FrameIntake};
@@ -6,10 +6,9 @@ use atas_core::settings::{Intake as Limits, Settings};
 use atas_core::{HandWiring, Tick};
 use shm_schemas::{Cause, Hand, HandFrame};
 
-/// When tick 0 is, ns.
+/// Time of tick 0, ns.
 pub(crate) const START_NS: u64 = 1_000 * MS_NS;
 
-/// The tick of this millisecond.
 pub(crate) fn tick(ms: u64) -> Tick {
     Tick {
         index: ms,
@@ -17,24 +16,21 @@ pub(crate) fn tick(ms: u64) -> Tick {
     }
 }
 
-/// The frame of this millisecond.
 pub(crate) fn at(ms: u64) -> HandFrame {
     frame(Hand::LEFT, ms, START_NS + ms * MS_NS)
 }
 
-/// A frame that is altered before it is sealed.
 pub(crate) fn altered(mut frame: HandFrame, change: impl FnOnce(&mut HandFrame)) -> HandFrame {
     change(&mut frame);
     frame.seal();
     frame
 }
 
-/// The default limits.
 pub(crate) fn limits() -> Limits {
     Settings::default().intake
 }
 
-/// An intake of the left hand's sensor, before its first frame.
+/// Intake of the left hand before its first frame.
 pub(crate) fn intake(rate_hz: f64) -> FrameIntake {
     FrameIntake::new(
         Hand::LEFT,
@@ -45,13 +41,13 @@ pub(crate) fn intake(rate_hz: f64) -> FrameIntake {
     )
 }
 
-/// One tick with one frame; whether it was believed.
+/// Runs one tick with one frame; returns whether it was accepted.
 pub(crate) fn feed(intake: &mut FrameIntake, frame: &HandFrame, tick: Tick) -> bool {
     intake.begin();
     intake.check(frame, tick, &limits()).is_some()
 }
 
-/// An intake that has believed the frames 0 to 9.
+/// Intake that has accepted frames 0 to 9.
 pub(crate) fn warm() -> FrameIntake {
     let mut intake = intake(1000.0);
     for ms in 0..10 {
@@ -60,7 +56,6 @@ pub(crate) fn warm() -> FrameIntake {
     intake
 }
 
-/// One frame in tick 10 of a warm intake.
 struct Row {
     fault: &'static str,
     frame: HandFrame,
@@ -95,7 +90,6 @@ fn refused(
     }
 }
 
-/// A frame of tick 10 that is altered after it was sealed.
 fn flipped(change: fn(&mut HandFrame)) -> HandFrame {
     let mut frame = at(10);
     change(&mut frame);
@@ -248,7 +242,7 @@ fn element_rows() -> Vec<Row> {
 }
 
 impl Row {
-    /// The same sequence number, sampled in this millisecond.
+    /// Sets the capture time in ms.
     fn captured(mut self, ms: u64) -> Self {
         self.frame = altered(self.frame, |f| f.stamp.captured_ns = START_NS + ms * MS_NS);
         self

@@ -1,4 +1,5 @@
-//! Intake over time: silence, slow sensors, frozen data, restarts and masquerade (fault catalogue F01 to F20).
+//! Frame intake over time: silence, slow sensors, frozen data, restarts, second writers (fault
+//! catalogue F01 to F20).
 
 use crate::intake::{altered, at, feed, intake, limits, tick, warm};
 use crate::support::{EPOCH, MS_NS};
@@ -6,7 +7,7 @@ use atas_core::HandWiring;
 use atas_core::intake::{FrameCounts, FrameIntake};
 use shm_schemas::{Cause, Hand, HandFrame};
 
-/// F01, F03: silence and age lead to a doubt after `hold_age_s`, and end with the next frame.
+/// F01, F03: silence or age beyond `hold_age_s` holds until the next frame.
 #[test]
 fn silence_is_doubted_after_five_milliseconds() {
     let mut intake = warm();
@@ -23,7 +24,7 @@ fn silence_is_doubted_after_five_milliseconds() {
             "at {ms} ms"
         );
     }
-    // Frames that keep coming, but old.
+    // Continuous but old frames.
     assert!(feed(
         &mut intake,
         &altered(at(510), |f| f.stamp.captured_ns -= 20 * MS_NS),
@@ -61,7 +62,7 @@ fn before_the_first_frame_only_a_required_hand_is_doubted() {
     assert_eq!(doubt(false), Cause::NONE);
 }
 
-/// F18: a sensor at 100 Hz is silent for 10 ms between its frames.
+/// F18: a 100 Hz sensor has gaps of 10 ms.
 #[test]
 fn a_slow_sensor_may_be_silent_for_three_and_a_half_periods() {
     let mut intake = intake(100.0);
@@ -100,7 +101,7 @@ fn a_counter_that_wraps_is_no_fault() {
     );
 }
 
-/// Regression: one frame with a counter far ahead shut out every frame that followed, until the process was restarted.
+/// Regression: one frame with a counter far ahead blocked all following frames until a restart.
 #[test]
 fn a_counter_far_ahead_shuts_nobody_out() {
     for sequence in [20_000, u64::MAX / 2, u64::MAX - 5] {
@@ -113,7 +114,7 @@ fn a_counter_far_ahead_shuts_nobody_out() {
     }
 }
 
-/// A writer whose counter begins anew is believed after a silence, as another writer is.
+/// A restarted counter is accepted after a silence, like another writer.
 #[test]
 fn a_counter_that_begins_anew_is_believed_after_a_silence() {
     let mut intake = intake(1000.0);
@@ -126,7 +127,7 @@ fn a_counter_that_begins_anew_is_believed_after_a_silence() {
     );
 }
 
-/// F02: data that repeats bit by bit while the counter advances.
+/// F02: data repeats bit for bit while the counter advances.
 #[test]
 fn frozen_readings_are_doubted_after_forty_frames() {
     for reading in [0.0, 0.5, f32::NAN] {
@@ -148,7 +149,8 @@ fn frozen_readings_are_doubted_after_forty_frames() {
     }
 }
 
-/// F20: a restarted sensor is believed after a silence and twenty good frames, with the robot held meanwhile.
+/// F20: a restarted sensor is accepted after a silence and twenty good frames; the robot holds
+/// meanwhile.
 #[test]
 fn a_restarted_writer_is_believed_after_silence_and_a_run_of_good_frames() {
     let mut intake = warm();
@@ -166,7 +168,7 @@ fn a_restarted_writer_is_believed_after_silence_and_a_run_of_good_frames() {
             intake.writer_epoch(),
         ));
     }
-    // Transition 29 ms the old writer may only be late; then 20 frames on probation.
+    // Until 29 ms the old writer may only be late; then 20 frames of resynchronisation.
     assert!(
         seen[..9]
             .iter()
@@ -187,7 +189,7 @@ fn a_restarted_writer_is_believed_after_silence_and_a_run_of_good_frames() {
     assert_eq!((intake.counts().restarts, intake.counts().foreign), (1, 9));
 }
 
-/// F11: whoever speaks between the frames of a slow, living sensor is never believed.
+/// F11: a second writer between the frames of a slow sensor is never accepted.
 #[test]
 fn a_second_writer_cannot_take_over_from_a_living_one() {
     for rate_hz in [1000.0, 100.0, 30.0] {

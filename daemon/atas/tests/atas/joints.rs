@@ -1,4 +1,4 @@
-//! Intake of joint states: faults F40 and F41.
+//! Joint intake: faults F40 and F41.
 
 use crate::support::JOINTS;
 use crate::support::{EPOCH, MS_NS, home_rad, joints, robot};
@@ -35,13 +35,12 @@ fn warm() -> JointIntake {
 
 type Change = fn(&mut JointState);
 
-/// One state in tick 10 of a warm intake.
 struct Row {
     name: &'static str,
     change: Change,
-    /// How many states it shows as lost; `None` if it is not believed.
+    /// Number of lost states; `None` if the state is rejected.
     lost: Option<u64>,
-    /// The joint that it is a fault of, if it is one.
+    /// Faulty joint, if any.
     joint: Option<u32>,
 }
 
@@ -138,13 +137,12 @@ fn every_fault_is_answered_as_catalogued() {
             state.stamp.sequence,
             "lock-step waits for what was seen: {name}"
         );
-        // The fault lasts as long as the states are wrong.
         intake.take(Some(&at(16)), tick(16), &limits());
         assert_eq!(intake.fault(), Reason::default(), "after {name}");
     }
 }
 
-/// The first state of a writer has no state before it, but a range.
+/// A writer's first state has no predecessor but must be within range.
 #[test]
 fn a_first_state_out_of_range_is_refused() {
     let home_3_rad = home_rad()[3];
@@ -216,7 +214,8 @@ fn a_restarted_writer_may_begin_anew() {
     assert!(!intake.restarted());
 }
 
-/// Regression: after one state with a counter far ahead no other was believed for as long as the process lived.
+/// Regression: one state with a counter far ahead blocked all others for the lifetime of the
+/// process.
 #[test]
 fn a_counter_far_ahead_shuts_nobody_out() {
     let mut intake = warm();

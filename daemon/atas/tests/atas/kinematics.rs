@@ -1,4 +1,4 @@
-//! Kinematics under a gate that refuses, and of fingers that share a drive.
+//! Kinematics with a gate that refuses, and with a shared finger drive.
 
 use crate::support::{hand_of, home_rad, robot};
 use atas_core::arbitration::Intent;
@@ -29,8 +29,8 @@ fn closing_that_the_gate_refuses_does_not_pile_up() {
     }
 }
 
-/// Regression: the jaws of a gripper share a drive; told that one opened by more than the other closed, the gate took the drive's
-/// closing for an opening, at twice the grip ceiling.
+/// Regression: the jaws share a drive, and a request opened one by more than it closed the other.
+/// The gate took the resulting closing for opening, at twice the grip ceiling.
 #[test]
 fn a_jaw_that_its_drive_closes_does_not_open() {
     let robot = RobotModel::find("arm7-gripper").expect("it ships");
@@ -55,7 +55,7 @@ fn a_jaw_that_its_drive_closes_does_not_open() {
         };
         servo.follow(hand, &intent, &Percept::default(), 1e-3)
     };
-    // Both close by what one closes more than the other opens.
+    // Both close by the difference between closing and opening.
     let command = told([-1e-6, 3e-6]);
     assert!(command.closing_m_s().iter().all(|closing| *closing > 0.0));
     let command = told([-3e-6, 1e-6]);

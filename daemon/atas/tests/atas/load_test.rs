@@ -1,4 +1,5 @@
-//! The proof of the lift: what hangs keeps its load when the hand tugs back, what stands gives it up.
+//! Lift verification: during the pull-back a suspended object keeps its load, a standing one loses
+//! it.
 
 use crate::bench::{Bench, sliding};
 use atas_core::modules::{Proposal, Verdict};
@@ -9,7 +10,8 @@ use shm_schemas::{Cause, ModuleId};
 const BELOW_F2_N: f64 = 2.0;
 const ABOVE_F2_N: f64 = 4.1;
 
-/// Lifts to the tug, goes back far enough, and feels this share of the load there; what comes of it.
+/// Lifts to the pull-back, moves back far enough with this share of the load; returns the resulting
+/// proposal.
 fn tugged(bench: &mut Bench, normal_n: f64, load_share: f64) -> Proposal {
     let felt = sliding(normal_n, 0.8);
     assert_eq!(bench.evaluate(&felt).carry_ceiling, 1.0);
@@ -36,7 +38,7 @@ fn tugged(bench: &mut Bench, normal_n: f64, load_share: f64) -> Proposal {
     bench.evaluate(&unloaded)
 }
 
-/// Lifts on to where the gentlest grip is tried.
+/// Lifts on to grip minimisation.
 fn tries(bench: &mut Bench, felt: &Percept) {
     bench.carried_m = 0.0027;
     let trial = bench.evaluate(felt);
@@ -71,7 +73,8 @@ fn what_keeps_its_load_is_tried_gently_and_then_hangs() {
     }
 }
 
-/// Regression: with 5 % crosstalk an object slid out of a grip that seemed to have friction to spare, and nobody noticed.
+/// Regression: with 5 % crosstalk an object slid unnoticed out of a grip with seemingly low
+/// friction utilisation.
 #[test]
 fn what_falls_while_it_is_tried_is_gripped_harder() {
     let mut bench = Bench::new(ModuleId::LOAD_TEST);
@@ -131,7 +134,7 @@ fn what_stands_below_f2_is_pressed_harder_and_tried_again() {
     assert_eq!(press(&mut bench, 1.25 * BELOW_F2_N).carry_ceiling, -1.0);
 }
 
-/// A held frame says nothing new: a slow sensor is waited for.
+/// A slow sensor must deliver new frames first.
 #[test]
 fn the_tug_waits_for_frames() {
     let mut bench = Bench::new(ModuleId::LOAD_TEST);

@@ -1,4 +1,4 @@
-//! Tests of the pure heart through its public API: every rung of the ladder alone, then the whole controller.
+//! Tests of the core through its public API: every stage alone, then the whole controller.
 
 mod arbitration;
 mod behaviour_table;

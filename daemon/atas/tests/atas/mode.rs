@@ -1,4 +1,4 @@
-//! The mode machine, transition by transition.
+//! Mode machine: every transition.
 
 use atas_core::ModeMachine;
 use atas_core::limits::REARM_S;
@@ -17,7 +17,7 @@ fn calm(machine: &mut ModeMachine, ticks: u32, has_goal: bool) {
     }
 }
 
-/// A machine that has come to this mode in the ordinary way.
+/// Machine that reached this mode by regular transitions.
 fn machine_in(mode: Mode) -> ModeMachine {
     let mut machine = ModeMachine::default();
     if mode == Mode::INIT {
@@ -111,7 +111,6 @@ fn the_first_reason_of_an_episode_stays() {
     assert_eq!(machine.reason().cause, Cause::MODULE_PANICKED);
 }
 
-/// In INIT the reason is always what is missing now.
 #[test]
 fn init_says_what_it_waits_for() {
     let mut machine = ModeMachine::default();
@@ -135,7 +134,6 @@ fn a_stop_that_is_recovered_waits_in_hold_for_calm() {
     assert_eq!(machine.mode(), Mode::READY);
 }
 
-/// What is calm for 20 ms is calm, at every rate.
 #[test]
 fn the_calm_spell_is_a_time() {
     for rate_hz in [100, 1000, 4000, 10_000] {

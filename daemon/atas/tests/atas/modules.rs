@@ -1,4 +1,4 @@
-//! The modules one by one: what they feel and know, and what they propose.
+//! Modules one by one: percept and context in, proposal out.
 
 use crate::bench::{Bench, finger, path, percept, pressed, sliding};
 use atas_core::modules::{Proposal, Selection, Verdict, force_range_n};
@@ -115,7 +115,8 @@ fn module_2_has_hysteresis_and_a_latch() {
     }
 }
 
-/// Regression: a bottle that was dragged through the fingers by a led hand read S = 0.8 for 130 ms, and slid by 1.2 mm unanswered.
+/// Regression: a bottle dragged through the fingers of a teleoperated hand had S = 0.8 for 130 ms
+/// and slid 1.2 mm without reaction.
 #[test]
 fn module_2_presses_sooner_in_a_hand_that_is_led() {
     let active = |mut bench: Bench, s: f64| bench.evaluate(&sliding(2.0, s)).active;
@@ -125,7 +126,7 @@ fn module_2_presses_sooner_in_a_hand_that_is_led() {
     }
 }
 
-/// What the pattern of forces says is no evidence against a test; what turns or falls is.
+/// A verified grip overrides the force pattern, but not rotation or dropping.
 #[test]
 fn modules_2_and_3_do_not_doubt_a_grip_that_a_test_has_proved() {
     let evaluate = |id, proved, ticks, felt: &Percept| {
@@ -164,10 +165,12 @@ fn modules_2_and_3_do_not_doubt_a_grip_that_a_test_has_proved() {
     assert!(matches!(verdicts, [Verdict::Refuse(_), Verdict::None]));
 }
 
-/// Regression: faces askew shear fingertips in proportion to how hard they press, and the hand pressed to F_2 what weighs 50 g.
+/// Regression: misaligned faces shear the fingertips in proportion to grip force; the hand gripped
+/// an object of 50 g with F_2.
 #[test]
 fn module_2_stops_pressing_what_bears_no_more_load_for_it() {
-    // After half a second each at 2 N and at twice that, whether it still presses, for a load of 0.5 N that grows by so much meanwhile.
+    // Half a second at 2 N, then half a second up to 4 N with a load of 0.5 N that grows by this
+    // factor; returns whether the module is still active.
     let presses = |hangs: bool, load_growth: f64| {
         let mut bench = Bench::new(ModuleId::SLIP);
         (bench.hangs, bench.carried_m) = (hangs, 0.0005);
@@ -247,12 +250,12 @@ fn module_3_refuses_what_slides_out_at_f2() {
         (reason.cause, reason.module, reason.value, reason.limit),
         (Cause::TOO_SOFT, ModuleId::FORCE_LIMIT, 4.1, 4.0)
     );
-    // Where F_2 is what the fingers may ever press, it is not the object that gives way.
+    // With F_2 at the hand's limit, the object is too heavy, not too soft.
     let mut rigid = Bench::new(ModuleId::FORCE_LIMIT);
     rigid.settings.grasp.f2_max_n = 4.0;
     let verdict = rigid.evaluate_for(999, &sliding(4.1, 1.05)).verdict;
     assert!(matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::TOO_HEAVY));
-    // The same slipping below F_2, or with friction to spare, is nobody's fault.
+    // The slip below F_2, or a low utilisation, is no reason to refuse.
     for innocent in [sliding(3.0, 1.05), sliding(4.1, 0.7)] {
         assert_eq!(
             Bench::new(ModuleId::FORCE_LIMIT)
@@ -349,7 +352,7 @@ fn the_probe_presses_for_100_ms_and_then_says_how_hard() {
     };
     assert_eq!(ticks, 100);
     assert!((fit.object_n_m / 2000.0 - 1.0).abs() < 0.1, "{fit:?}");
-    // Pressing no harder tells nothing new.
+    // A lower force adds no data.
     assert_eq!(bench.evaluate(&pressed(0.3)).verdict, verdict);
 }
 

@@ -1,4 +1,4 @@
-//! Motion in multiples of the sensor's noise: what is noise, what moves, at any rate and in any unit.
+//! Contact motion in multiples of sensor noise: noise against motion, at any rate and in any unit.
 
 use crate::support::{MS_NS, frame, robot};
 use atas_core::intake::FrameIntake;
@@ -8,7 +8,7 @@ use atas_core::{HandWiring, Tick};
 use robot_model::Side;
 use shm_schemas::Hand;
 
-/// Uniform noise from −1 to 1 without a generator's state: SplitMix64 of the index.
+/// Stateless uniform noise from −1 to 1: SplitMix64 of the index.
 fn noise(index: u64) -> f64 {
     let mut z = index.wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -16,7 +16,8 @@ fn noise(index: u64) -> f64 {
     (z ^ (z >> 31)) as f64 / u64::MAX as f64 * 2.0 - 1.0
 }
 
-/// Every comparison in three seconds of readings of 41 elements that move at `speed` per second, in a unit of so many newtons.
+/// All comparisons over three seconds of 41 elements that move at `speed` per second, in units of
+/// `unit_n`, N.
 fn felt(rate_hz: u64, speed: f64, noise_n: f64, unit_n: f64, masked: u64) -> Vec<MotionPercept> {
     let wiring = HandWiring::default();
     let settings = Settings::default();
@@ -64,7 +65,7 @@ fn noise_alone_does_not_move_and_a_slow_drift_of_all_elements_does() {
                 "{rate_hz} Hz: {motion:?}"
             );
         }
-        // A fifth of the noise per window of 0.15 s would be lost on one element.
+        // On one element, a fifth of the noise per 0.15 s window would be undetectable.
         let moving = felt(rate_hz, 0.1, 0.01, 1.0, 0);
         let last = moving.last().expect("comparisons");
         assert!(last.share == 1.0, "{rate_hz} Hz: {last:?}");
@@ -88,7 +89,7 @@ fn a_sensor_without_noise_says_nothing() {
     }
 }
 
-/// Regression: an element that fell silent must not look as if everything had moved to zero.
+/// Regression: a silent element must not look like a common motion to zero.
 #[test]
 fn an_element_that_says_nothing_does_not_move() {
     for motion in &felt(1000, 0.0, 0.01, 1.0, 1)[2..] {

@@ -1,11 +1,11 @@
-//! Where an object stands, as fingertips feel it.
+//! Object pose from tactile contact.
 
 use crate::support::robot;
 use atas_core::perception::{ObjectPose, Percept};
 use nalgebra::{Rotation2, Vector2, Vector3};
 use robot_model::{GraspFrame, HandPose, Side};
 
-/// A hand with its fingertips on both sides of a place, and a percept without contact.
+/// Hand with its fingertips on both sides of a point, and a percept without contact.
 fn hand() -> (HandPose, Percept) {
     let hand = robot().hand(Side::Right);
     let centre_m = Vector3::new(0.32, -0.15, 0.05);
@@ -19,7 +19,7 @@ fn hand() -> (HandPose, Percept) {
     (hand.forward(&posture.q_rad), percept)
 }
 
-/// Both fingertips press on faces with these normals into the object, base frame.
+/// Estimate from contacts with these face normals, into the object, base frame.
 fn felt(normals: [Vector2<f64>; 2]) -> Option<ObjectPose> {
     let (pose, mut percept) = hand();
     for (finger, normal) in normals.into_iter().enumerate() {
@@ -31,7 +31,6 @@ fn felt(normals: [Vector2<f64>; 2]) -> Option<ObjectPose> {
     ObjectPose::felt(robot().hand(Side::Right), &pose, &percept)
 }
 
-/// The sides' tips, their middle, and the way from the first to the second.
 fn tips() -> ([Vector2<f64>; 2], Vector2<f64>, Vector2<f64>) {
     let (pose, _) = hand();
     let tips_m = [0, 1].map(|side| pose.side_m(side).xy());
@@ -39,7 +38,7 @@ fn tips() -> ([Vector2<f64>; 2], Vector2<f64>, Vector2<f64>) {
     (tips_m, (tips_m[0] + tips_m[1]) / 2.0, way)
 }
 
-/// Parallel faces that are turned against the hand tell their angle, and no place along them.
+/// Parallel faces determine the yaw error, but no position along them.
 #[test]
 fn faces_tell_how_the_object_is_turned() {
     let (_, _, way) = tips();
@@ -51,7 +50,8 @@ fn faces_tell_how_the_object_is_turned() {
             (felt.turn_rad - turn_rad).abs() < 1e-9,
             "{turn_deg}: {felt:?}"
         );
-        // Domes of one radius on parallel faces: the middle between the contacts is that of the tips.
+        // Equal fingertip radii on parallel faces: the contacts and the fingertips have the same
+        // middle.
         assert!(felt.off_m.norm() < 1e-9, "{turn_deg}: {felt:?}");
         assert!(
             (felt.closing_axis + way).norm() < 1e-9,
@@ -60,7 +60,7 @@ fn faces_tell_how_the_object_is_turned() {
     }
 }
 
-/// The normals of a round object meet in its axis.
+/// The contact normals of a round object intersect on its axis.
 #[test]
 fn a_round_object_tells_where_its_axis_is() {
     let (tips_m, middle_m, way) = tips();

@@ -1,4 +1,4 @@
-//! Paths: rest to rest, no faster than allowed, the short way round.
+//! Paths: rest to rest, within speed limits, shortest rotation.
 
 use crate::support::robot;
 use atas_core::path::{Path, Speeds, reachable_yaw_rad};
@@ -11,7 +11,7 @@ const SPEEDS: Speeds = Speeds {
     turn_rad_s: 0.8,
     open_m_s: 0.05,
 };
-/// The peak of a minimum-jerk profile over its mean.
+/// Ratio of peak to mean speed of a minimum-jerk profile.
 const PEAK: f64 = 1.875;
 
 fn any_frame() -> impl Strategy<Value = GraspFrame> {
@@ -34,7 +34,7 @@ fn any_frame() -> impl Strategy<Value = GraspFrame> {
         )
 }
 
-/// Every coordinate with the mean speed that it may have, if it is limited.
+/// Coordinates with their largest mean speeds.
 fn coordinates(f: &GraspFrame) -> [(f64, f64); 8] {
     let (turn, open) = (SPEEDS.turn_rad_s, SPEEDS.open_m_s);
     [
@@ -80,7 +80,7 @@ proptest! {
         }
     }
 
-    /// Whatever stands below the higher end of a way over it is not touched.
+    /// Obstacles below the higher end of the path are not touched.
     #[test]
     fn a_path_over_crosses_at_the_height_of_its_higher_end(from in any_frame(), to in any_frame()) {
         let path = Path::over(from, to, &SPEEDS);
@@ -104,8 +104,8 @@ proptest! {
         prop_assert_eq!(path.end().centre_m, to.centre_m);
     }
 
-    /// The chosen yaw grasps the same way, needs no more than a quarter turn of the wrist, and is reached without
-    /// winding up.
+    /// The chosen yaw gives an equivalent grasp, needs at most a quarter turn of the wrist, and
+    /// does not wind up.
     #[test]
     fn the_reachable_yaw_is_an_equivalent_one(
         yaw_rad in -6.3..6.3, from_yaw_rad in -1.5..1.5, x in 0.22..0.4, y in -0.3..0.06, from_y in -0.3..0.06,

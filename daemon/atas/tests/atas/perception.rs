@@ -1,4 +1,4 @@
-//! Perception: patch frame, touch, dF_t, friction utilisation, bias.
+//! Perception: contact, dF_t, friction utilisation, bias.
 
 use crate::support::{MS_NS, dome, frame, press, robot, spread};
 use atas_core::intake::FrameIntake;
@@ -9,19 +9,18 @@ use nalgebra::Vector3;
 use robot_model::Side;
 use shm_schemas::{Hand, HandFrame, Layout};
 
-/// A contact over the whole dome, degrees.
+/// Half angle of a contact over the whole fingertip, degrees.
 const WIDE: f64 = 33.0;
-/// A contact around one point, degrees.
+/// Half angle of a small contact, degrees.
 const NARROW: f64 = 15.0;
 
-/// Perception that is fed synthetic frames through the real intake.
+/// Perception of synthetic frames through the real intake.
 struct Skin {
     intake: FrameIntake,
     perception: Perception,
     settings: Settings,
     sequence: u64,
     now_ns: u64,
-    /// A module has seen the object slide.
     slides: bool,
 }
 
@@ -48,14 +47,13 @@ impl Skin {
         })
     }
 
-    /// Without the low-pass on the elements.
     fn unfiltered() -> Self {
         let mut skin = Self::new();
         skin.settings.set("perception.filter_s", 0.0).unwrap();
         skin
     }
 
-    /// Goes on by some time with one frame at its end, whose finger 0 feels this force per element.
+    /// Advances by some time with one frame at its end; fingertip 0 has this force per element.
     fn feel(
         &mut self,
         after_ns: u64,
@@ -69,7 +67,8 @@ impl Skin {
         self.perception.percept().fingers[0]
     }
 
-    /// Goes on by 1 ms with a frame of a skin with this layout, whose finger 0 feels this at each element.
+    /// Advances by 1 ms with a frame of a skin with this layout; fingertip 0 has this force per
+    /// element.
     fn feel_elements(
         &mut self,
         layout: &Layout,
@@ -102,7 +101,7 @@ impl Skin {
             .update(&checked, self.slides, &self.settings.perception);
     }
 
-    /// The same total force on a round contact around the pole for some frames of 1 ms.
+    /// Constant total force on a round contact at the pole, for frames of 1 ms.
     fn hold(&mut self, frames: u64, force_n: Vector3<f64>) -> FingerPercept {
         let share = spread(Vector3::z(), NARROW);
         let mut percept = FingerPercept::default();
@@ -113,8 +112,8 @@ impl Skin {
     }
 }
 
-/// Flat and bent faces and single elements press evenly or along a line: that all their elements are sheared alike says nothing of
-/// friction. Once the object was seen to slide, the ratio of then is the friction.
+/// On flat and cylindrical faces and single elements, uniform shear does not imply slip. After an
+/// observed slip its force ratio is the friction.
 #[test]
 fn a_face_that_is_not_round_both_ways_knows_friction_only_from_slides() {
     for name in ["dome-1", "pad-16", "flat-4x4-4.5", "cylinder-4x4-4.5-12"] {
@@ -150,7 +149,8 @@ fn tilted(degrees: f64, towards_rad: f64) -> Vector3<f64> {
     Vector3::new(sin * towards_rad.cos(), sin * towards_rad.sin(), cos)
 }
 
-/// The dome's own geometry must not leak into F_t: seen along the dome axis these forces would have F_t = 0.36 F_n.
+/// The fingertip's geometry must not leak into F_t: along the fingertip axis these forces would
+/// have F_t = 0.36 F_n.
 #[test]
 fn a_pure_normal_force_off_the_pole_has_no_tangential_part() {
     for towards_rad in [0.0, 0.8, 2.0, 3.9, 5.5] {
@@ -193,7 +193,7 @@ fn a_patch_too_weak_to_tell_looks_along_the_dome_axis() {
     assert_eq!(felt.patch_normal, Vector3::z());
 }
 
-/// The elements' low-pass: 63 % after one time constant of sensor time, whatever the frame rate.
+/// 63 % after one time constant of sensor time, at any frame rate.
 #[test]
 fn the_filter_counts_sensor_time() {
     for (step_ns, frames) in [(MS_NS / 4, 20), (MS_NS, 5)] {
@@ -251,7 +251,8 @@ fn bias_takes_the_present_reading_as_zero() {
     assert!((felt.normal_n - 1.0).abs() < 1e-2, "{felt:?}");
 }
 
-/// Force at 2 N/s: the increment over the 100 ms window is 0.2 N, from a fast and from a slow sensor.
+/// Force at 2 N/s: the increment over the 100 ms window is 0.2 N, from a fast and from a slow
+/// sensor.
 #[test]
 fn the_increment_spans_its_window_at_any_rate() {
     for step_ns in [MS_NS / 4, MS_NS, 10 * MS_NS, 33 * MS_NS] {
@@ -279,7 +280,7 @@ fn a_step_shows_for_one_window_and_a_steady_force_not_at_all() {
     let mut skin = Skin::unfiltered();
     let steady = skin.hold(300, Vector3::new(0.5, 0.0, -3.0));
     assert!(steady.increment_n < 1e-3, "{}", steady.increment_n);
-    // The direction counts as well as the size.
+    // The direction counts as well as the magnitude.
     let turned = skin.hold(1, Vector3::new(0.0, 0.5, -3.0));
     assert!(
         (turned.increment_n - 0.5 * 2_f64.sqrt()).abs() < 2e-2,
@@ -290,7 +291,8 @@ fn a_step_shows_for_one_window_and_a_steady_force_not_at_all() {
     assert!(skin.hold(15, Vector3::new(0.0, 0.5, -3.0)).increment_n < 1e-3);
 }
 
-/// A tick without a frame changes nothing: differences of held samples would spike at every new frame.
+/// A tick without a frame changes nothing: differences of held samples would spike at every new
+/// frame.
 #[test]
 fn held_samples_are_not_felt_twice() {
     let mut skin = Skin::unfiltered();
@@ -302,7 +304,7 @@ fn held_samples_are_not_felt_twice() {
     assert_eq!(skin.perception.percept().step_s, 0.0);
 }
 
-/// Elements on a common displacement stick until μ·p: the rim slips first, at last everything does.
+/// Elements on a common displacement stick up to μ·p: the rim slips first, in the end all slip.
 fn sheared(slide: f64) -> impl Fn(Vector3<f64>) -> Vector3<f64> {
     const FRICTION: f64 = 0.5;
     let share = spread(Vector3::z(), WIDE);
@@ -332,7 +334,7 @@ fn utilisation_rises_to_one_in_gross_slip() {
         }
         seen.push(felt);
     }
-    // Half way there is friction to spare; from the twentieth step on everything slides.
+    // Low utilisation half way; from step 20 all elements slip.
     assert!(seen[7].utilisation < 0.9, "{:?}", seen[7]);
     assert!(seen[7].gross_slip_s == 0.0, "{:?}", seen[7]);
     let last = seen.last().unwrap();
@@ -348,7 +350,8 @@ fn utilisation_rises_to_one_in_gross_slip() {
     );
 }
 
-/// A patch stays sheared alike all over when what slid sticks again under less shear: only the ratio of its forces tells.
+/// After a slip that sticks again at less shear, the patch stays uniformly sheared; only the force
+/// ratio shows the stick.
 #[test]
 fn gross_slip_is_over_when_what_slid_bears_less_for_its_pressing() {
     let slide = |skin: &mut Skin, friction: f64| {
@@ -395,7 +398,7 @@ fn no_contact_means_no_utilisation() {
     );
 }
 
-/// Pressure over a flat face, and the share that presses: evenly, as a wedge over all of it or a part, on one row.
+/// Pressure distribution over a flat face, and the share in contact.
 #[test]
 fn how_evenly_a_flat_face_presses_tells_how_much_of_it_does() {
     let layout = Layout::named("flat-4x4-4.5").expect("a layout");

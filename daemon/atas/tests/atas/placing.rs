@@ -1,4 +1,4 @@
-//! Modules 0' and 4 of picking and placing.
+//! Modules 0' and 4 of pick and place.
 
 use crate::bench::{Bench, finger, path, percept, pressed};
 use atas_core::modules::Verdict;
@@ -15,7 +15,7 @@ fn lowering(id: ModuleId) -> Bench {
     }
 }
 
-/// Both fingers carry this much together, N.
+/// Percept of an object whose load both sides share, N.
 fn hanging(load_n: f64) -> Percept {
     percept(
         [FingerPercept {
@@ -36,10 +36,10 @@ fn the_load_must_rise_by_enough_and_for_long_enough() {
     check(0.5, 0.13, 3, Verdict::Done);
     check(0.5, 0.11, 100, Verdict::None);
     check(0.5, 0.13, 2, Verdict::None);
-    // Of a heavy object the rise is a share of its weight.
+    // For a heavy object the threshold is a share of its weight.
     check(5.0, 0.29, 100, Verdict::None);
     check(5.0, 0.31, 3, Verdict::Done);
-    // A load that grows is not support.
+    // A growing load is not support.
     check(1.0, -1.0, 100, Verdict::None);
 }
 
@@ -66,7 +66,7 @@ fn what_swings_after_a_stop_is_waited_for_and_neither_heard_nor_learnt() {
     bench.modules.halt();
     let waits = bench.evaluate_for(150, &hanging(1.0));
     assert_eq!((waits.verdict, waits.carry_ceiling), (Verdict::None, 0.0));
-    // What it swung as was no weight: a support that remains is felt at once.
+    // The oscillation did not change the weight reference: a lasting support is detected at once.
     let lands = bench.evaluate_for(3, &hanging(1.0));
     assert_eq!((lands.verdict, lands.carry_ceiling), (Verdict::Done, 1.0));
 }

@@ -1,4 +1,4 @@
-//! A gate on the bench, and a judge of what it lets through.
+//! Test bench for the gate, and a checker of its output.
 
 use crate::support::JOINTS;
 use crate::support::{MS_NS, hand_of, home_rad, robot};
@@ -11,16 +11,15 @@ use proptest::prelude::*;
 use robot_model::{Joint, RobotVector, Side};
 use shm_schemas::Mode;
 
-/// One value per joint.
 pub(crate) type Joints = RobotVector;
 
-/// A hand that presses nothing.
+/// Hand without grip force.
 pub(crate) const LOOSE: Grip = Grip {
     normal_n: [0.0; 2],
     f2_n: None,
 };
 
-/// A gate with its clock.
+/// Gate with its clock.
 pub(crate) struct Rig {
     pub(crate) gate: Gate,
     pub(crate) settings: Safety,
@@ -46,12 +45,11 @@ impl Rig {
         }
     }
 
-    /// Ticks that make a millisecond, at least one.
+    /// Ticks per millisecond, at least one.
     pub(crate) fn ticks_per_ms(&self) -> usize {
         ((1e-3 / self.step_s) as usize).max(1)
     }
 
-    /// One tick.
     pub(crate) fn pass(&mut self, mode: Mode, wanted_rad: &Joints) -> SafeCommand {
         let raw = Side::BOTH.map(|side| {
             HandCommand::new(hand_of(wanted_rad, side), self.closing_m_s[side.index()])
@@ -77,17 +75,15 @@ impl Rig {
     }
 }
 
-/// The commanded positions, rad.
 pub(crate) fn positions(safe: &SafeCommand) -> Joints {
     RobotVector::from_slice(&safe.command().position_rad[..JOINTS])
 }
 
-/// The commanded velocities, rad/s.
 pub(crate) fn velocities(safe: &SafeCommand) -> Joints {
     RobotVector::from_slice(&safe.command().velocity_rad_s[..JOINTS])
 }
 
-/// Follows the published positions and checks them against every limit of every joint.
+/// Checks published positions against every limit of every joint.
 pub(crate) struct Judge {
     position_rad: Joints,
     velocity_rad_s: Joints,

@@ -1,4 +1,4 @@
-//! The rules of a task: the built-in tables keep them, and each way to break one is named.
+//! Task rules: the built-in tables keep them; each violation is named.
 
 use atas_core::modules::Selection;
 use atas_core::tasks::{
@@ -24,7 +24,7 @@ fn built_in_tasks_keep_every_rule() {
     for task in BUILT_IN {
         let checked = Task::checked("own", &task.acting, task.helping.as_deref());
         if task.name == "follow" || task.name == "follow-both" {
-            // What a client leads is not for a user's own task.
+            // Teleoperation steps are not allowed in a user's task.
             assert_eq!(checked.map_err(|fault| fault.rule), Err(Rule::OnlyLed));
             continue;
         }
@@ -67,7 +67,8 @@ fn every_broken_rule_is_named_with_its_step() {
         };
         assert_eq!(fault(task, change).map(|_| ()), Err(expected));
     };
-    // grasp: reach descend approach probe grip lift hold; pick-place goes on: convey place open leave home.
+    // grasp: reach descend approach probe grip lift hold; pick-place continues: convey place open
+    // leave home.
     check(
         &GRASP,
         |s| s[0].name = Name::new("Reach"),

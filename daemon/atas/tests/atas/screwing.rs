@@ -6,10 +6,11 @@ use atas_core::perception::{FingerPercept, Percept};
 use nalgebra::Vector3;
 use shm_schemas::ModuleId;
 
-/// How far a finger is ahead at the ends of a turn, m.
+/// Tangential offset of a side at the ends of a turn, m.
 const TRAVEL_M: f64 = 0.007;
 
-/// A cap that resists a clockwise turn with this shearing force per finger, N. The closing axis is x.
+/// Percept of a cap that resists clockwise rotation with this shear force per side, N; closing axis
+/// x.
 fn resisting(shear_n: f64) -> Percept {
     let tip = |sign: f64| FingerPercept {
         force_tip_n: Vector3::new(0.0, sign * shear_n, -3.0),
@@ -18,7 +19,7 @@ fn resisting(shear_n: f64) -> Percept {
     percept([tip(1.0), tip(-1.0)])
 }
 
-/// Turns clockwise once, with a shearing force that rises to `most_n`, and goes back.
+/// One clockwise turn with shear force up to `most_n`, and the return.
 fn turn(bench: &mut Bench, most_n: f64) -> Verdict {
     let mut verdict = Verdict::None;
     let mut go = |bench: &mut Bench, ahead_m: f64, shear_n: f64| {
@@ -58,7 +59,7 @@ fn screwing_ends_above_1_4_times_the_most_of_the_first_turn() {
     check(&[1.0, 0.3, 0.8], Verdict::None);
 }
 
-/// Runs Module 0 with a firm grip; the fingers close at this speed while they turn.
+/// Runs Module 0 with a firm grip; the sides close at this speed while they turn.
 fn square(bench: &mut Bench, ticks: usize, closing_m_s: f64) -> Vec<Proposal> {
     let run = |_| {
         let proposal = bench.evaluate(&pressed(2.0));

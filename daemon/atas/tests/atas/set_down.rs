@@ -1,10 +1,11 @@
-//! A task that begins with what the hand holds: what was learnt of the object stays, and an empty hand is told so.
+//! Set-down of an object in the hand: keeps the estimated object properties; an empty hand is
+//! rejected.
 
 use crate::world::{OBJECT_M, World, grasp, start};
 use atas_core::tasks::{Motion, PICK_PLACE, SET_DOWN, Task};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Text};
 
-/// Sets down where the object was grasped.
+/// Set-down at the grasp position.
 fn set_down() -> GoalRequest {
     GoalRequest {
         goal_id: 8,

@@ -1,4 +1,4 @@
-//! Settings: one table, no way past its ranges.
+//! Settings: one table, ranges enforced everywhere.
 
 use atas_core::Settings;
 use atas_core::settings::{PARAMETERS, Parameter, SettingError, find};
@@ -29,7 +29,7 @@ fn the_table_is_unique_and_documented() {
     }
 }
 
-/// A value near the default, so that it contradicts no other default.
+/// Value near the default, which contradicts no other default.
 fn nudged(p: &Parameter) -> f64 {
     let more = p.default + 1e-3 * (p.default - p.lower).abs().max(1e-6);
     if more <= p.upper { more } else { p.lower }

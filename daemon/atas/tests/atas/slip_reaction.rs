@@ -1,12 +1,12 @@
-//! The slip reaction, the baseline to compare modules 1 to 3 with.
+//! Slip reaction: the baseline for modules 1 to 3.
 
 use crate::bench::{Bench, pressed, sliding};
 use shm_schemas::ModuleId;
 
-/// F_1 on the bench, N: where the target starts.
+/// F_1 on the bench, N: initial force target.
 const START_N: f64 = 0.5;
 
-/// The target after so long a slip, N: the force at which the module no longer closes.
+/// Force target after this slip duration, N: force at which the module stops closing.
 fn target_n(slipping_ms: usize) -> f64 {
     let mut bench = Bench::new(ModuleId::SLIP_REACTION);
     for _ in 0..slipping_ms {

@@ -1,4 +1,4 @@
-//! The stiffness fit on synthetic series of closing and force.
+//! Stiffness fit on synthetic series of closing and force.
 
 use atas_core::perception::{Bearing, StiffnessEstimate, StiffnessFit};
 use atas_core::settings::{Perception as Settings, Settings as All};
@@ -7,7 +7,7 @@ use robot_model::{Compression, Skin};
 const TIPS: Compression = Skin::DOME_41.compression;
 const WHOLE: [Bearing; 2] = [Bearing::WHOLE; 2];
 
-/// One fingertip on each side, of whose face so much presses.
+/// One fingertip per side with this share of its face in contact.
 fn faces(face_share: f64) -> [Bearing; 2] {
     [Bearing {
         face_share,
@@ -15,13 +15,13 @@ fn faces(face_share: f64) -> [Bearing; 2] {
     }; 2]
 }
 
-/// The law that the fit is made for: x = 2·(a·F^p + F/k).
+/// Model of the fit: x = 2·(a·F^p + F/k).
 fn closing_m(normal_n: f64, object_n_m: f64) -> f64 {
     let Compression { at_1n_m, exponent } = TIPS;
     2.0 * (at_1n_m * normal_n.powf(exponent) + normal_n / object_n_m)
 }
 
-/// A series of 100 frames from one force to another, with an offset of the closing and alternating noise, m.
+/// Series of 100 frames between two forces, with a closing offset and alternating noise, m.
 fn probed(
     object_n_m: f64,
     (from_n, to_n): (f64, f64),
@@ -66,7 +66,6 @@ fn a_known_stiffness_is_recovered_whatever_the_starting_force() {
     }
 }
 
-/// A flat pad.
 const FLAT: Compression = Compression {
     at_1n_m: 2e-5,
     exponent: 1.0,
@@ -79,7 +78,7 @@ fn unfiltered() -> Settings {
     }
 }
 
-/// The harder it presses, the more of it presses.
+/// The contact share grows with the force.
 #[test]
 fn a_face_that_presses_with_an_edge_first_does_not_soften_the_object() {
     const ALL_PRESS_N: f64 = 0.6;
@@ -106,8 +105,8 @@ fn a_face_that_presses_with_an_edge_first_does_not_soften_the_object() {
     assert!(taken_for_n_m < 1e5, "what is prevented: {taken_for_n_m}");
 }
 
-/// An object between the edges of two pads turns until it lies against them, and closes the fingers by that: what it was taken for
-/// is forgotten, but not before the new contact tells something.
+/// An object between the edges of two pads rotates until it aligns, which closes the fingers. The
+/// previous estimate is discarded once the new contact gives data.
 #[test]
 fn an_object_that_turns_against_the_faces_is_not_soft() {
     let settings = unfiltered();
@@ -129,7 +128,8 @@ fn an_object_that_turns_against_the_faces_is_not_soft() {
     }
 }
 
-/// Regression: a rigid object is never known to be so within 10 %, so what it was taken for while it turned was kept.
+/// Regression: a rigid object's stiffness never reaches 10 % accuracy, so the estimate from the
+/// rotation was kept.
 #[test]
 fn an_object_that_turned_is_found_stiffer_although_nobody_knows_how_stiff() {
     let settings = unfiltered();
@@ -190,7 +190,7 @@ fn noise_costs_confidence() {
 fn a_rigid_block_reads_as_very_stiff_and_never_as_negative() {
     let fit = probed(1e12, (0.1, 1.0), 0.0, 0.0).unwrap();
     assert!(fit.object_n_m >= 0.9e6, "{fit:?}");
-    // Closing that even shrinks while the force grows.
+    // Closing that decreases while the force grows.
     let settings = Settings {
         filter_s: 0.0,
         ..All::default().perception
@@ -218,7 +218,7 @@ fn a_rigid_block_reads_as_very_stiff_and_never_as_negative() {
 fn no_news_gives_no_fit() {
     let settings = All::default().perception;
     let mut estimate = StiffnessEstimate::default();
-    // Too light to be a touch, then one force for ever, then less than before.
+    // Force below contact, then constant, then lower than before.
     for (closing_m, normal_n) in [
         (0.0, 0.0),
         (1e-4, 0.02),

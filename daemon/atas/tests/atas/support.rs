@@ -1,25 +1,22 @@
-//! Small makers of inputs.
+//! Builders of test inputs.
 
 use nalgebra::Vector3;
 use robot_model::{HandVector, RobotModel, RobotVector, Side};
 use shm_schemas::{Hand, HandFrame, JointState, Layout, Stamp};
 use std::sync::LazyLock;
 
-/// One tick of 1 kHz, ns.
 pub(crate) const MS_NS: u64 = 1_000_000;
-/// Epoch of the sensors in these tests.
+/// Writer epoch of the sensors.
 pub(crate) const EPOCH: u64 = 11;
 
-/// Joints of the built-in robot.
 pub(crate) const JOINTS: usize = 22;
 
-/// The built-in robot.
 pub(crate) fn robot() -> &'static RobotModel {
     static ROBOT: LazyLock<RobotModel> = LazyLock::new(|| RobotModel::two_hand_arm().unwrap());
     &ROBOT
 }
 
-/// The built-in layout and its hash.
+/// Built-in sensor layout and its hash.
 pub(crate) fn dome() -> &'static (Layout, u64) {
     static DOME: LazyLock<(Layout, u64)> = LazyLock::new(|| {
         let dome = Layout::dome_41();
@@ -29,7 +26,7 @@ pub(crate) fn dome() -> &'static (Layout, u64) {
     &DOME
 }
 
-/// Where all joints rest, rad.
+/// Home position of all joints, rad.
 pub(crate) fn home_rad() -> RobotVector {
     let mut home_rad = RobotVector::repeat(JOINTS, 0.0);
     for side in Side::BOTH {
@@ -38,12 +35,11 @@ pub(crate) fn home_rad() -> RobotVector {
     home_rad
 }
 
-/// One hand's share of all joints, rad.
 pub(crate) fn hand_of(q_rad: &RobotVector, side: Side) -> HandVector {
     HandVector::from_slice(&q_rad[robot().joint_range(side)])
 }
 
-/// A sealed frame that feels nothing but a little noise, different in every frame.
+/// Sealed frame without contact; slight noise makes every frame different.
 pub(crate) fn frame(hand: Hand, sequence: u64, captured_ns: u64) -> HandFrame {
     let mut frame = HandFrame {
         stamp: Stamp {
@@ -63,7 +59,8 @@ pub(crate) fn frame(hand: Hand, sequence: u64, captured_ns: u64) -> HandFrame {
     frame
 }
 
-/// Writes element forces, given in tip coordinates (object on tip, N), into one finger of a frame, and seals it.
+/// Adds element forces, object on fingertip in the tactile frame's fingertip coordinates, N, to one
+/// fingertip, and seals the frame.
 pub(crate) fn press(
     frame: &mut HandFrame,
     finger: usize,
@@ -85,8 +82,7 @@ pub(crate) fn press(
     frame.seal();
 }
 
-/// How the pressure of a round contact around `centre` is spread within an angle: the share of each element, summing to
-/// one.
+/// Pressure share of each element for a round contact around `centre`; the sum is one.
 pub(crate) fn spread(centre: Vector3<f64>, half_angle_deg: f64) -> impl Fn(Vector3<f64>) -> f64 {
     let weight =
         move |d: Vector3<f64>| (d.dot(&centre) - half_angle_deg.to_radians().cos()).max(0.0);
@@ -98,7 +94,6 @@ pub(crate) fn spread(centre: Vector3<f64>, half_angle_deg: f64) -> impl Fn(Vecto
     move |d| weight(d) / sum
 }
 
-/// A joint state at these positions, rad.
 pub(crate) fn joints(sequence: u64, captured_ns: u64, q_rad: &RobotVector) -> JointState {
     let mut state = JointState {
         stamp: Stamp {

@@ -1,4 +1,4 @@
-//! Tasks as data, and the thresholds of the grasping force.
+//! Tasks as data, and thresholds of the grasp force.
 
 use atas_core::Settings;
 use atas_core::modules::IDS;
@@ -9,7 +9,7 @@ use atas_core::tasks::{
 use atas_core::thresholds::{Bound, Thresholds};
 use shm_schemas::{Cause, ModuleId};
 
-/// Modules that say where the hand goes.
+/// Modules that set the hand's pose.
 const MOVERS: [ModuleId; 4] = [
     ModuleId::CARRY,
     ModuleId::TRANSFER,
@@ -127,7 +127,7 @@ fn placing_consists_of_modules_0_1_2_3_and_4() {
     assert_eq!(modules_of(step), expected);
 }
 
-/// Whoever waits at a point waits for a hand that comes to it, or to a later one.
+/// A waiting hand needs the other to reach the same or a later meeting point.
 #[test]
 fn both_hands_come_to_the_last_meeting_point() {
     let points = |steps: &[Step]| -> Vec<u8> {
@@ -197,7 +197,7 @@ fn what_the_goal_allows_stands_for_what_stiffness_does() {
     }
 }
 
-/// Modules 1 and 3 must never contradict each other, however the table is tuned.
+/// Modules 1 and 3 must not contradict each other, for any settings.
 #[test]
 fn f1_stays_below_f2() {
     let mut grasp = Settings::default().grasp;
@@ -207,7 +207,7 @@ fn f1_stays_below_f2() {
         let thresholds = Thresholds::for_stiffness(stiffness_n_m, &grasp);
         assert!(thresholds.f1_n <= 0.8 * thresholds.f2_n, "{thresholds:?}");
     }
-    // Each within its own range, but contradicting each other: the gentler wins, and nothing panics.
+    // Valid alone, contradictory together: the gentler value wins without a panic.
     (
         grasp.f2_min_n,
         grasp.f2_max_n,

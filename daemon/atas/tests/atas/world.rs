@@ -1,4 +1,5 @@
-//! A tiny world for the whole controller: joints that follow at once, two sensors, and perhaps one springy object.
+//! Minimal simulation for the whole controller: ideal joints, two sensors, optionally one elastic
+//! object.
 
 use crate::support::{JOINTS, MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
 use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
@@ -9,47 +10,43 @@ use shm_schemas::{
 };
 use std::sync::LazyLock;
 
-/// Where the object of these tests stands, m, and how wide it is, m.
+/// Object position and width, m.
 pub(crate) const OBJECT_M: [f64; 3] = [0.3, -0.1, 0.06];
 pub(crate) const WIDTH_M: f64 = 0.05;
-/// Stiffness of the object, N/m, its weight, N, and its friction.
+/// Object stiffness, N/m, load, N, and friction coefficient.
 const OBJECT_N_M: f64 = 8000.0;
 const LOAD_N: f64 = 1.0;
 const FRICTION: f64 = 0.8;
-/// How far from the object's axis the hand may be to be about it, m: the object has no height, and the hand comes from above.
+/// Largest horizontal offset of the hand from the object for contact, m; the object has no height.
 const ABOUT_M: f64 = 0.005;
-/// What an obstacle presses, N.
 const OBSTACLE_N: f64 = 0.5;
-/// How fast the load comes over while lifting, N/m.
+/// Increase of the load while lifting, N/m.
 const LOADING_N_M: f64 = 400.0;
 
-/// A controller and what surrounds it.
 #[derive(Clone)]
 pub(crate) struct World {
-    /// Boxed because it is large: worlds are moved and copied on the small stacks of test threads.
+    /// Boxed because worlds are moved and copied on the small stacks of test threads.
     pub(crate) controller: Box<Controller>,
     pub(crate) ms: u64,
     pub(crate) q_rad: RobotVector,
-    /// Sensors and joints that say nothing: left, right, joints.
+    /// Silent sources: left sensor, right sensor, joints.
     pub(crate) mute: [bool; 3],
-    /// What the robot was told of F_2 of each hand's grip, N.
+    /// F_2 per hand that the robot stores and reports, N.
     pub(crate) told_f2_n: [f64; 2],
-    /// What happens to every joint state on its way.
+    /// Corruption of every joint state.
     pub(crate) joint_fault: Option<fn(&mut JointState)>,
-    /// What happens to every frame of the right hand on its way.
+    /// Corruption of every frame of the right hand.
     pub(crate) frame_fault: Option<fn(&mut HandFrame)>,
     pub(crate) has_object: bool,
-    /// Where the object stands, m.
+    /// Object position, m.
     pub(crate) object_m: [f64; 3],
-    /// Something presses on the second fingertip of the right hand.
+    /// Whether an obstacle presses on the second fingertip of the right hand.
     pub(crate) obstructed: bool,
-    /// What a client streams to the next tick.
     pub(crate) targets: Vec<GraspTarget>,
-    /// What the controller heard, if that is kept.
+    /// Recorded inputs, if recording.
     pub(crate) log: Option<Vec<Logged>>,
 }
 
-/// What the controller heard in one tick.
 #[derive(Clone)]
 pub(crate) struct Logged {
     tick: Tick,
@@ -60,7 +57,6 @@ pub(crate) struct Logged {
 }
 
 impl Logged {
-    /// The same for a controller.
     pub(crate) fn inputs(&self) -> Inputs<'_> {
         Inputs {
             tick: self.tick,
@@ -73,7 +69,7 @@ impl Logged {
 }
 
 impl World {
-    /// A world at home before the first tick.
+    /// World at home before the first tick.
     pub(crate) fn new() -> Self {
         Self {
             controller: Box::new(Controller::new(
@@ -95,7 +91,6 @@ impl World {
         }
     }
 
-    /// A world whose controller is READY.
     pub(crate) fn ready() -> Self {
         static READY: LazyLock<World> = LazyLock::new(|| {
             let mut world = World::new();
@@ -106,7 +101,7 @@ impl World {
         READY.clone()
     }
 
-    /// A world whose right hand is on its way to the object, in the step `reach`.
+    /// World in which the right hand approaches the object, in step `reach`.
     pub(crate) fn reaching() -> Self {
         let mut world = Self::ready();
         world.order(start(grasp()));
@@ -118,7 +113,7 @@ impl World {
         world
     }
 
-    /// A world whose right hand has lifted the object and holds it; the goal is reached.
+    /// World in which the right hand has lifted and holds the object; the goal has succeeded.
     pub(crate) fn holding() -> Self {
         static HOLDING: LazyLock<World> = LazyLock::new(|| {
             let mut world = World::ready();
@@ -140,7 +135,7 @@ impl World {
         HOLDING.clone()
     }
 
-    /// Another daemon begins where this one is.
+    /// Replaces the controller by a new one in the present state, like a daemon restart.
     pub(crate) fn restart(&mut self) {
         self.controller = World::new().controller;
         self.run_until(100, |w| w.mode() == Mode::RUN);
@@ -151,22 +146,20 @@ impl World {
         self.controller.mode().0
     }
 
-    /// One tick.
     pub(crate) fn tick(&mut self) -> Outputs {
         self.tick_with(None)
     }
 
-    /// One tick with an order.
     pub(crate) fn order(&mut self, order: Order) -> Outputs {
         self.tick_with(Some(&order))
     }
 
-    /// Some ticks; gives out the last.
+    /// Runs some ticks; returns the last outputs.
     pub(crate) fn run(&mut self, ticks: usize) -> Outputs {
         (0..ticks).map(|_| self.tick()).last().unwrap()
     }
 
-    /// Ticks until something holds after one; gives out that one and how many they were.
+    /// Runs until a condition holds; returns the last outputs and the number of ticks.
     pub(crate) fn run_until(
         &mut self,
         at_most: usize,
@@ -226,7 +219,7 @@ impl World {
         outputs
     }
 
-    /// What one hand's fingertips feel of the object, if there is one.
+    /// Frame of one hand in contact with the object, if any.
     fn feel(&self, side: Side, now_ns: u64) -> HandFrame {
         let mut frame = frame(Hand::BOTH[side.index()], self.ms, now_ns);
         if side == Side::Right && self.obstructed {
@@ -262,7 +255,8 @@ impl World {
     }
 }
 
-/// A round contact at the pole that carries a load by stick and slip: every element moves alike until it slips.
+/// Round contact at the pole under load with stick and slip: all elements shift equally until they
+/// slip.
 fn sheared(
     normal_n: f64,
     load_n: f64,
@@ -288,7 +282,7 @@ fn sheared(
     }
 }
 
-/// Where a rising function takes a value, by bisection between 0 and `high`.
+/// Inverts an increasing function by bisection between 0 and `high`.
 fn solve(rising: impl Fn(f64) -> f64, value: f64, mut high: f64) -> f64 {
     let mut low = 0.0;
     for _ in 0..30 {
@@ -302,7 +296,7 @@ fn solve(rising: impl Fn(f64) -> f64, value: f64, mut high: f64) -> f64 {
     high
 }
 
-/// The goal of these tests: the right hand grasps the object.
+/// Goal: the right hand grasps the object.
 pub(crate) fn grasp() -> GoalRequest {
     GoalRequest {
         goal_id: 7,
@@ -317,12 +311,11 @@ pub(crate) fn grasp() -> GoalRequest {
     }
 }
 
-/// The order to start a goal of a built-in task.
 pub(crate) fn start(request: GoalRequest) -> Order {
     Order::Start(Goal::resolve(&request, &[]).unwrap())
 }
 
-/// Distance between the fingertips of the right hand as commanded, m.
+/// Commanded distance between the fingertips of the right hand, m.
 pub(crate) fn commanded_gap_m(outputs: &Outputs) -> f64 {
     let q_rad = RobotVector::from_slice(&outputs.command.position_rad[..JOINTS]);
     atas_core::kinematics::gap_m(

@@ -1,9 +1,10 @@
-//! What gives way, and what only seems to.
+//! Yield detection.
 
 use atas_core::perception::{YieldRule, YieldWatch, Yielded};
 use proptest::prelude::*;
 
-/// Presses at 1 N/s, 100 frames a second, on something of this compliance, m/N, at each force.
+/// Force ramp of 1 N/s at 100 frames per second on an object with this compliance, m/N, as a
+/// function of force.
 fn pressed(to_n: f64, compliance_m_n: impl Fn(f64) -> f64) -> (YieldWatch, Option<Yielded>) {
     let mut watch = YieldWatch::new(YieldRule::default());
     let mut closing_m = 0.03;
@@ -25,7 +26,7 @@ fn what_softens_to_a_fifth_gives_way_where_it_does() {
         let flesh = |force_n: f64| if force_n < at_n { 2.5e-4 } else { 2.0e-3 };
         let (_, yielded) = pressed(16.0, flesh);
         let yielded = yielded.expect("it ruptures");
-        // Known once most of the last newton was felt to be soft.
+        // Detected after most of the last newton was soft.
         assert!(
             (at_n..at_n + 0.5).contains(&yielded.peak_n),
             "{at_n} N: {yielded:?}"
@@ -43,7 +44,7 @@ fn what_stays_as_it_is_or_stiffens_does_not() {
     };
     check(|_| 2.5e-4);
     check(|force_n| 1e-3 / (1.0 + force_n));
-    // A skin that is twice as stiff in the middle.
+    // A skin with doubled stiffness in the middle.
     check(|force_n| {
         if (4.0..6.0).contains(&force_n) {
             2e-4
@@ -53,7 +54,8 @@ fn what_stays_as_it_is_or_stiffens_does_not() {
     });
 }
 
-/// Regression: a force that jumped by more than the window read as an infinitely stiff object that yielded at once.
+/// Regression: a force jump beyond the window looked like an infinitely stiff object that yields at
+/// once.
 #[test]
 fn a_jump_says_nothing() {
     let mut watch = YieldWatch::new(YieldRule::default());

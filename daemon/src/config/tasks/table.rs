@@ -1,4 +1,4 @@
-//! A task's behaviour table: read, or refused by name; and written as it is read.
+//! Reads and writes a task's behaviour table.
 
 use atas_core::tasks::BehaviourTable;
 use shm_schemas::SensorBit;
@@ -6,11 +6,10 @@ use toml::{Table, Value};
 
 use super::words::unknown;
 
-/// Keys of a table.
 const KEYS: [&str; 5] = ["bits", "fingers_m_s", "hand", "rows", "hash"];
 
-/// The table of a section `table = { bits = […], fingers_m_s = […], hand = […], rows = "…" }`; a hash, if there is one, must be
-/// its own.
+/// Reads `table = { bits = […], fingers_m_s = […], hand = […], rows = "…" }`. A hash, if given,
+/// must match the content.
 pub(super) fn read(value: &Value) -> Result<BehaviourTable, String> {
     let table = value.as_table().ok_or_else(|| {
         format!("is {value}, needs {{ bits = …, fingers_m_s = …, hand = …, rows = … }}")
@@ -76,7 +75,7 @@ fn list<'a, T>(
     values.ok_or_else(|| format!("{key} is {value}, needs a list of {of}"))
 }
 
-/// The table as it is read.
+/// The table in the format that `read` reads.
 pub(super) fn written(table: &BehaviourTable) -> String {
     let bits: Vec<String> = table.bits().map(|bit| format!("\"{bit}\"")).collect();
     let levels = |levels: [f64; shm_schemas::capacity::LEVELS]| {

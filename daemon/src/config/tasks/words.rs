@@ -1,4 +1,4 @@
-//! One word of a step each: known, or refused with the word that was probably meant.
+//! Keywords of a step; an unknown one is rejected with a suggestion.
 
 use atas_core::modules::{IDS, Selection};
 use atas_core::tasks::{MOTIONS, Motion, TRANSITIONS, Transition, WAYPOINTS, Waypoint};
@@ -7,7 +7,6 @@ use toml::Value;
 
 use super::super::keys::LIKELY;
 
-/// The motion with this word, to this waypoint.
 pub(super) fn motion(word: &str, waypoint: Option<&str>) -> Result<Motion, String> {
     let known = MOTIONS.into_iter().find(|motion| motion.word() == word);
     let motion =
@@ -32,7 +31,7 @@ fn read_waypoint(word: &str) -> Result<Waypoint, String> {
     known.ok_or_else(|| unknown("waypoint", word, WAYPOINTS.into_iter().map(Waypoint::word)))
 }
 
-/// The end with this word; meeting has a point.
+/// Parses a transition; only `met` has a point.
 pub(super) fn transition(word: &str, point: Option<&Value>) -> Result<Transition, String> {
     let known = TRANSITIONS.into_iter().find(|until| until.word() == word);
     let until = known.ok_or_else(|| {
@@ -59,7 +58,7 @@ pub(super) fn transition(word: &str, point: Option<&Value>) -> Result<Transition
     }
 }
 
-/// The modules with these names. What stands before the comma of a name may be left out.
+/// Parses module names. The part of a name before its comma may be omitted.
 pub(super) fn modules(value: Option<&Value>) -> Result<Selection, String> {
     let Some(value) = value else {
         return Ok(Selection::NONE);
@@ -87,7 +86,7 @@ fn short(name: &'static str) -> &'static str {
     name.rsplit_once(", ").map_or(name, |(_, short)| short)
 }
 
-/// What is not known, with what was probably meant, or else with all that there is.
+/// Error for an unknown keyword, with a suggestion or all known ones.
 pub(super) fn unknown(
     what: &str,
     word: &str,

@@ -3,16 +3,16 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// How long before its deadline a tick looks first, and how long after it at the latest.
+/// Time from the first poll to the deadline, and time limit after it.
 const MARGIN_NS: u64 = 20_000;
 const PATIENCE_NS: u64 = 200_000;
 
-/// A sensor and the ticks that follow it, in simulated time. Joint states come with the frames.
+/// Simulated sensor and the ticks that follow it. Joint states arrive with the frames.
 struct Scene {
     lock: PhaseLock,
     period_ns: u64,
     deadline_ns: u64,
-    /// Stamp and arrival of the frames that are under way, oldest first.
+    /// Stamp and arrival of frames in transit, oldest first.
     frames: Vec<(u64, u64)>,
     newest_ns: u64,
     next_stamp_ns: u64,
@@ -35,7 +35,7 @@ impl Scene {
         }
     }
 
-    /// Xorshift: any number below `below` (not 0).
+    /// Xorshift random number below `below` (not 0).
     fn random(&mut self, below: u64) -> u64 {
         self.seed = (self.seed ^ 0x9E37_79B9_7F4A_7C15).rotate_left(17);
         self.seed ^= self.seed << 7;
@@ -49,7 +49,7 @@ impl Scene {
         }
     }
 
-    /// One tick; `delay_ns` from stamp to arrival plus up to `jitter_ns`.
+    /// Runs one tick; frames take `delay_ns` plus up to `jitter_ns` from stamp to arrival.
     fn tick(&mut self, delay_ns: u64, jitter_ns: u64, sends: bool) -> Seen {
         let patience_ns = PATIENCE_NS.min(self.period_ns / 4);
         let latest_ns = self.deadline_ns + patience_ns;
@@ -102,7 +102,6 @@ impl Scene {
     }
 }
 
-/// What a tick saw.
 struct Seen {
     age_ns: u64,
     began: Began,
@@ -134,8 +133,8 @@ fn a_sensor_whose_way_takes_periods_is_followed_if_its_offset_is_set() {
 
 #[test]
 fn frames_that_scatter_by_more_than_the_margin_are_met_when_they_come() {
-    // With a lag that covers the latest frame, or with a tick at the middle one, the ages would be the latest frame's, or
-    // a whole period for every other frame.
+    // A lag of the latest frame would age all frames; a tick at the median would miss every other
+    // frame by a period.
     check_converges(1_000_000, 100_000, 40_000, 80_000, 150_000);
 }
 
@@ -153,7 +152,7 @@ fn a_starved_sensor_process_costs_its_own_frames_only() {
     let lag_ns = scene.lock.lag_ns();
     assert!((45_000..60_000).contains(&lag_ns), "{lag_ns} ns");
     assert!(scene.lock.is_locked());
-    // Frames arrive in order: a starved one holds up the four behind it.
+    // Frames arrive in order: a delayed one also delays the next four.
     let p90 = percentile(ages_ns, 0.9);
     assert!(p90 < 60_000, "{p90} ns");
 }
@@ -250,7 +249,7 @@ fn silence_leaves_the_timer_alone_and_another_hand_takes_over() {
     };
     let left_ns = 1_000_700_000;
     assert_ne!(tick(&mut lock, [left_ns, 0]), 0);
-    // The correction of that frame runs out, then nothing moves.
+    // The correction of that frame ends, then nothing shifts.
     for _ in 0..20 {
         tick(&mut lock, [left_ns, 0]);
     }

@@ -1,13 +1,13 @@
-//! Tick reports as a table: comma-separated, one line per tick, units in the names of the columns.
+//! Tick reports as comma-separated table, one line per tick, with units in the column names.
 
 use std::fmt::Write as _;
 
 use shm_schemas::{FingerReport, HandReport, ModuleEvent, TickReport};
 
-/// Fingers per hand that are shown: the paper's hand has two.
+/// Number of fingertips per hand in the table: the paper's hand has two.
 const FINGERS_SHOWN: usize = 2;
 
-/// A first line that begins with `#` and says what happened, the names of the columns, and a line per tick.
+/// A first line with `#` and the cause, the column names, and a line per tick.
 pub(super) fn render(fault: &ModuleEvent, reports: &[TickReport]) -> String {
     let mut text = format!(
         "# atasd {}, tick {}, {}: {}\n",

@@ -1,4 +1,4 @@
-//! The daemon's side.
+//! The daemon's side of the stop socket.
 
 use std::fs::{self, Permissions};
 use std::io::{self, IoSliceMut};
@@ -25,19 +25,20 @@ use crate::error::BusError;
 use crate::owner::OwnerLock;
 use crate::user::uid;
 
-/// How long a tick may take to take a stop before the answer says that it waits. Ours: twenty ticks.
+/// Time limit for a tick to take a stop; afterwards the answer is `WAITING`. Design choice: twenty
+/// ticks at 1 kHz.
 const TAKEN_WITHIN: Duration = Duration::from_millis(20);
-/// How often to look whether a tick took it.
+/// Poll interval while waiting for the tick.
 const POLL: Duration = Duration::from_micros(200);
 
-/// Receives stops, in a thread that does nothing else.
+/// Receives stops in a dedicated thread.
 ///
 /// ```no_run
 /// # fn f(owner: &shm_bus::OwnerLock) -> Result<(), shm_bus::BusError> {
 /// let listener = std::sync::Arc::new(shm_bus::stop::Listener::open(owner)?);
 /// let signal = listener.signal(); // for the tick: pending(), stop, take()
 /// let server = std::sync::Arc::clone(&listener);
-/// let thread = std::thread::spawn(move || server.serve(|heard| { /* tell the log, without waiting */ }));
+/// let thread = std::thread::spawn(move || server.serve(|stop| { /* log it without blocking */ }));
 /// listener.close();
 /// # Ok(()) }
 /// ```
@@ -50,16 +51,16 @@ pub struct Listener {
     closed: AtomicBool,
 }
 
-/// A stop that was received, and is with the tick already.
+/// A received stop that the tick has been notified of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Heard {
-    /// Its number, from 1.
+    /// Number, from 1.
     pub number: u64,
-    /// Process id of who asked; 0 if the kernel did not tell.
+    /// Process id of the sender; 0 if the kernel did not report it.
     pub pid: u32,
-    /// Why; empty if it did not say.
+    /// Reason given by the sender; empty if none.
     pub reason: Text<96>,
-    /// Whether a tick took it.
+    /// Result: taken by a tick, or still waiting.
     pub outcome: StopOutcome,
 }
 
@@ -70,10 +71,11 @@ struct Datagram {
 }
 
 impl Listener {
-    /// Opens the bus's stop socket. Only the owner of the bus can: so nobody else has it, and what is there is old.
+    /// Opens the bus's stop socket and replaces an old one. The owner lock guarantees that no other
+    /// process uses it.
     ///
     /// # Errors
-    /// [`BusError::Io`] if the socket cannot be made.
+    /// [`BusError::Io`] if the socket cannot be created.
     pub fn open(owner: &OwnerLock) -> Result<Self, BusError> {
         let path = owner.folder.path.join(STOP_SOCKET);
         let made = || -> io::Result<UnixDatagram> {
@@ -95,18 +97,19 @@ impl Listener {
         })
     }
 
-    /// What the tick looks at.
+    /// The signal that the tick polls.
     #[must_use]
     pub fn signal(&self) -> Arc<Signal> {
         Arc::clone(&self.signal)
     }
 
-    /// Hands every stop to the tick, answers it, and then tells `heard`; until [`Listener::close`].
+    /// Signals every stop to the tick, answers it, then calls `on_stop`. Returns after
+    /// [`Listener::close`].
     ///
-    /// `heard` must not wait: while it does, the next stop is handed over late.
+    /// `on_stop` must not block: it delays the next stop.
     pub fn serve(&self, mut heard: impl FnMut(Heard)) {
         while !self.closed.load(Ordering::Acquire) {
-            // A failure leaves nothing to hand over; it is the next datagram's turn.
+            // A receive error leaves nothing to hand over.
             let Ok(Some(datagram)) = self.receive() else {
                 continue;
             };
@@ -122,14 +125,14 @@ impl Listener {
         }
     }
 
-    /// Ends [`Listener::serve`] in whatever thread it runs.
+    /// Ends [`Listener::serve`] from any thread.
     pub fn close(&self) {
         self.closed.store(true, Ordering::Release);
-        // Wakes the thread up; there is nothing to do if it fails.
+        // Wakes the thread; a failure needs no action.
         let _ = self.socket.shutdown(Shutdown::Both);
     }
 
-    /// The next datagram; `None` for one of another user.
+    /// The next datagram; `None` if it comes from another user.
     fn receive(&self) -> io::Result<Option<Datagram>> {
         let mut request = StopRequest::new_zeroed();
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmCredentials(1))];
@@ -166,7 +169,7 @@ impl Listener {
         StopOutcome::STOPPED
     }
 
-    /// Never waits: a client that does not read its answer loses it.
+    /// Sends the answer without waiting; it is lost if the client does not read it.
     fn answer(&self, to: &Datagram, number: u64, received_ns: u64, outcome: StopOutcome) {
         let Some(sender) = &to.sender else { return };
         let answer = StopAnswer {
@@ -185,7 +188,7 @@ impl Listener {
 
 impl Drop for Listener {
     fn drop(&mut self) {
-        // The next owner removes it otherwise.
+        // A file that remains is removed by the next owner.
         let _ = fs::remove_file(&self.path);
     }
 }

@@ -1,20 +1,22 @@
-//! Stop: a way of its own, that nothing else can occupy.
+//! Stop requests over a dedicated socket, independent of the shared memory of the bus.
 //!
 //! ```text
-//!  request ── datagram ─▶ <bus folder>/stop ─▶ Listener (a thread that does nothing else) ─▶ Signal ─▶ the tick
-//!     ◀────────────────────── answer ─────────────┘                          ◀── taken ────────────────┘
+//!  request ── datagram ─▶ <bus folder>/stop ─▶ Listener (dedicated thread) ─▶ Signal ─▶ tick
+//!     ◀────────────────────── answer ─────────────┘                 ◀── taken ────────────┘
 //! ```
 //!
-//! * **In:** one datagram from a process of the bus's user, or of root. **Out:** a [`Signal`] that the tick reads without
-//!   waiting, and an answer that says whether a tick took it.
-//! * **Invariants**
-//!   * No shared memory, no start-up lock, no places, no cleaning up: a stop gets through when the bus is full, locked by
-//!     a stopped process, or out of memory (`tests/stop.rs`).
-//!   * It needs no descriptor, and no room on a disk, at the daemon. A client that can have neither is still heard; only
-//!     the answer may not reach it.
-//!   * Whatever arrives means stop, whatever it says: who floods the socket stops the robot, and denies nothing. Other
-//!     users cannot reach it: the folder and the socket are private, and the kernel tells who sends.
-//! * **Absent on purpose:** everything but stopping. To go on, ask on the control service.
+//! **In:** one datagram from a process of the bus's user or of root. **Out:** a [`Signal`] that the
+//! tick reads without waiting, and an answer that reports whether a tick took the stop. The socket
+//! only stops; clients resume over the control service.
+//!
+//! Invariants:
+//! * The path uses no shared memory, start-up lock, slot or clean-up. A stop arrives even if the
+//!   bus is full, locked by a suspended process or out of memory (`tests/stop.rs`).
+//! * The daemon needs no new descriptor and no disk space. A client without them can still send,
+//!   but may miss the answer.
+//! * Every datagram means stop, whatever its content. A process that floods the socket stops the
+//!   robot and blocks no other stop.
+//! * Other users have no access: folder and socket are private, and the kernel reports the sender.
 
 mod listener;
 mod request;
@@ -24,5 +26,4 @@ pub use listener::{Heard, Listener};
 pub use request::request;
 pub use signal::Signal;
 
-/// Name of the socket in the bus's folder.
 pub(crate) const STOP_SOCKET: &str = "stop";

@@ -1,4 +1,4 @@
-//! The client's side.
+//! The client's side of the stop socket.
 
 use std::fs::{self, Permissions};
 use std::io;
@@ -17,14 +17,14 @@ use crate::error::BusError;
 use crate::folder::Folder;
 use crate::name::BusName;
 
-/// Asks the daemon of a bus to stop at once and to stay stopped, and waits for its answer.
+/// Requests the daemon of a bus to stop at once and to stay stopped, and waits for its answer.
 ///
 /// Takes no lock, joins no bus, cleans nothing up.
 ///
 /// # Errors
-/// [`BusError::Absent`], [`BusError::OtherUser`] or [`BusError::NoServer`] if no daemon of this user runs on the bus;
-/// [`BusError::NoAnswer`] if it did not answer within `within`: the stop waits in its socket, and counts as soon as the
-/// daemon runs again.
+/// [`BusError::Absent`], [`BusError::OtherUser`] or [`BusError::NoServer`] if no daemon of this
+/// user runs on the bus; [`BusError::NoAnswer`] if it did not answer within `within`. The stop then
+/// stays in the socket and takes effect when the daemon runs again.
 pub fn request(bus: &BusName, reason: &str, within: Duration) -> Result<StopAnswer, BusError> {
     let begin = Instant::now();
     let folder = Folder::of(bus)?;
@@ -37,7 +37,8 @@ pub fn request(bus: &BusName, reason: &str, within: Duration) -> Result<StopAnsw
 struct Client<'a> {
     socket: UnixDatagram,
     folder: &'a Folder,
-    /// Its name, for the answer; `None` if the folder is full, then it has a name without a file.
+    /// Its file, for the answer; `None` if the folder is full: then the socket has an address
+    /// without a file.
     path: Option<PathBuf>,
 }
 
@@ -92,13 +93,13 @@ impl<'a> Client<'a> {
                 why: "the daemon is of another version; it received the stop",
             }),
             Err(e) if timed_out(&e) => Err(self.unanswered(within)),
-            // The daemon went away with the stop in its socket.
+            // The daemon ended before it read the stop.
             Err(e) if nobody(&e) => Err(self.no_daemon()),
             Err(e) => Err(BusError::io("hear from", &self.folder.path)(e)),
         }
     }
 
-    /// Sets what is left of the time, at least a millisecond.
+    /// Sets the socket timeouts to the remaining time, at least 1 ms.
     fn limit(&self, begin: Instant, within: Duration) -> Result<(), BusError> {
         let left = within.saturating_sub(begin.elapsed());
         let left = Some(left.max(Duration::from_millis(1)));
@@ -127,27 +128,28 @@ impl<'a> Client<'a> {
 impl Drop for Client<'_> {
     fn drop(&mut self) {
         if let Some(path) = &self.path {
-            // One that stays is removed with the bus.
+            // A file that remains is removed with the bus.
             let _ = fs::remove_file(path);
         }
     }
 }
 
-/// The folder is private; the mode lets the daemon answer root, whose files it could not write to otherwise.
+/// The folder is private. The mode lets the daemon answer a client of root.
 fn bind_at(path: &Path) -> io::Result<UnixDatagram> {
     let socket = UnixDatagram::bind(path)?;
     fs::set_permissions(path, Permissions::from_mode(0o666))?;
     Ok(socket)
 }
 
-/// The kernel draws a name without a file (`unix(7)`, autobind). Only the peer that it is connected to may write to it.
+/// The kernel chooses an address without a file (`unix(7)`, autobind). Only the connected peer can
+/// write to it.
 fn bind_nameless() -> io::Result<UnixDatagram> {
     let socket = socket(AddressFamily::UNIX, SocketType::DGRAM, None)?;
     bind(&socket, &SocketAddrUnix::new_unnamed())?;
     Ok(socket.into())
 }
 
-/// No socket there, or one that nobody has open any more.
+/// No socket there, or no process has it open.
 fn nobody(error: &io::Error) -> bool {
     matches!(
         error.kind(),

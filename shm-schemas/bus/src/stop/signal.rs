@@ -1,10 +1,10 @@
-//! The hand-over from the listener to the tick.
+//! Hand-over of a stop from the listener to the tick.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Counts the stops that were received and the last one that a tick took.
+/// Number of received stops and number of the last one that a tick took.
 ///
-/// Both sides are wait-free: one load or one store each, no loop.
+/// Both sides are wait-free: one load or one store each.
 #[derive(Debug, Default)]
 pub struct Signal {
     received: AtomicU64,
@@ -12,24 +12,26 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// For the tick: the number of a stop that no tick has taken yet. Ask every tick; stop; then [`Signal::take`] it.
+    /// For the tick: the number of a stop that no tick has taken yet. Poll it every tick; stop;
+    /// then call [`Signal::take`].
     #[must_use]
     pub fn pending(&self) -> Option<u64> {
         let received = self.received.load(Ordering::Acquire);
         (received != self.taken.load(Ordering::Relaxed)).then_some(received)
     }
 
-    /// For the tick: the stop with this number, and all before it, are in the commands from now on.
+    /// For the tick: confirms that its commands now include the stop with this number and all
+    /// earlier ones.
     pub fn take(&self, number: u64) {
         self.taken.store(number, Ordering::Release);
     }
 
-    /// For the listener: a stop was received. Returns its number, from 1.
+    /// For the listener: records a received stop. Returns its number, from 1.
     pub fn raise(&self) -> u64 {
         self.received.fetch_add(1, Ordering::AcqRel) + 1
     }
 
-    /// Whether a tick took the stop with this number.
+    /// Returns true once a tick took the stop with this number.
     #[must_use]
     pub fn is_taken(&self, number: u64) -> bool {
         self.taken.load(Ordering::Acquire) >= number

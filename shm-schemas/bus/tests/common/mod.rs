@@ -1,4 +1,5 @@
-//! Peers as real processes: a test starts its own executable again, and there only the test `peer` does something.
+//! Peers as separate processes: a test starts its own executable again, which then runs only the
+//! test `peer`.
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -10,22 +11,22 @@ use shm_bus::{Bus, BusName, Realtime};
 
 const ROLE: &str = "SHM_BUS_TEST_ROLE";
 
-/// On a file system that nobody else sees, and that is gone with the process.
+/// Runtime folder on a file system private to the peer process.
 pub(crate) const OWN_RUNTIME_DIR: &str = "/dev/shm/runtime";
-/// Mounts the two file systems that a bus uses, and goes on as the program that is named.
+/// Mounts the two file systems that a bus uses, then executes the given program.
 const MOUNT_SMALL_DISKS: &str = r#"
     mount -t tmpfs -o size=16m,nr_inodes=200 none /dev/shm &&
     mkdir "$XDG_RUNTIME_DIR" &&
     mount -t tmpfs -o size=1m,nr_inodes=200,mode=700 none "$XDG_RUNTIME_DIR" &&
     exec "$0" "$@""#;
 
-/// A peer process. It is killed (SIGKILL) when dropped.
+/// Peer process, killed (SIGKILL) on drop.
 pub(crate) struct Peer {
     child: Child,
 }
 
 impl Peer {
-    /// Starts a peer and waits until it says that it is ready.
+    /// Starts a peer and waits until it is ready.
     pub(crate) fn start(bus: &BusName, role: &str) -> Self {
         let mut peer = Self::spawn(bus, role);
         let stderr = peer.child.stderr.take().expect("piped");
@@ -43,16 +44,16 @@ impl Peer {
         peer
     }
 
-    /// Starts a peer and does not wait.
     pub(crate) fn spawn(bus: &BusName, role: &str) -> Self {
         let command = Command::new(std::env::current_exe().expect("own path"));
         Self::run(command, bus, role)
     }
 
-    /// Starts a peer as another user, from a copy that this user can reach.
+    /// Starts a peer as another user, from a copy of the executable that this user can read.
     pub(crate) fn spawn_as(bus: &BusName, role: &str, uid: u32) -> Self {
         let copy = std::env::temp_dir().join(bus.as_str());
-        // By a process of its own: what another thread's child still holds open for writing cannot be started.
+        // Copies in a child process: a file that another thread's child holds open for writing
+        // cannot be executed.
         let program = std::env::current_exe().expect("own path");
         let copied = Command::new("cp").args([&program, &copy]).status();
         assert!(copied.expect("cp starts").success(), "copied");
@@ -60,13 +61,13 @@ impl Peer {
         command.uid(uid).gid(uid).current_dir("/");
         command.env_remove("XDG_RUNTIME_DIR");
         let peer = Self::run(command, bus, role);
-        // It runs on without its name.
+        // The process continues after its file is removed.
         std::fs::remove_file(&copy).expect("removed");
         peer
     }
 
-    /// Starts a peer with a bus folder and a `/dev/shm` of its own, both small enough to fill. `None`, and says so, where
-    /// the kernel lets this user mount nothing.
+    /// Starts a peer with a private, small bus folder and `/dev/shm`. Returns `None` with a message
+    /// if this user may not mount.
     #[allow(clippy::print_stderr, reason = "a test that was not run says so")]
     pub(crate) fn spawn_on_small_disks(bus: &BusName, role: &str) -> Option<Self> {
         let apart = |script| {
@@ -103,13 +104,12 @@ impl Peer {
         self.child.id()
     }
 
-    /// Sends a signal, for example to stop the process.
     pub(crate) fn signal(&self, signal: rustix::process::Signal) {
         let pid = rustix::process::Pid::from_child(&self.child);
         rustix::process::kill_process(pid, signal).expect("the peer lives");
     }
 
-    /// Stops the process. The signal's sender may go on before every thread of it stands.
+    /// Suspends the process and waits until all its threads have stopped.
     pub(crate) fn stop(&self) {
         use rustix::process::{Signal, WaitOptions, waitpid};
         self.signal(Signal::STOP);
@@ -118,17 +118,16 @@ impl Peer {
         assert!(stands.is_some_and(|(_, status)| status.stopped()));
     }
 
-    /// Waits until the process ends by itself, and well.
+    /// Waits until the process exits successfully.
     pub(crate) fn succeed(mut self) {
         let mut said = String::new();
         let stderr = self.child.stderr.take();
-        // What was read before is gone; the rest tells why.
+        // The remaining output contains the cause.
         stderr.map(|mut stderr| stderr.read_to_string(&mut said));
         let status = self.child.wait().expect("waited");
         assert!(status.success(), "{status}:\n{said}");
     }
 
-    /// SIGKILL, and waits until the process is gone.
     pub(crate) fn kill(mut self) {
         self.end();
     }
@@ -145,25 +144,24 @@ impl Drop for Peer {
     }
 }
 
-/// In a peer process: the role to play and the bus to play it on. In the test itself: nothing.
+/// Role and bus of a peer process; `None` in the test itself.
 pub(crate) fn peer_role() -> Option<(String, BusName)> {
     let role = std::env::var(ROLE).ok()?;
     Some((role, BusName::from_env().expect("a valid name")))
 }
 
-/// In a peer process: tells the test that it may go on.
 #[allow(clippy::print_stderr, reason = "how a peer talks to its test")]
 pub(crate) fn ready() {
     eprintln!("ready");
 }
 
-/// In a peer process: ready, and here until killed.
+/// Reports ready, then sleeps until killed.
 pub(crate) fn sleep_on() {
     ready();
     std::thread::sleep(Duration::from_secs(60));
 }
 
-/// In a peer process: holds the lock under which others set something up, as one that was stopped meanwhile does.
+/// Holds the start-up lock, as a suspended process would.
 pub(crate) fn hold_startup_lock(name: &BusName) {
     let bus = Bus::join(name, "starting", Realtime::No).expect("joins");
     let mut file = std::fs::File::options()
@@ -175,7 +173,7 @@ pub(crate) fn hold_startup_lock(name: &BusName) {
     sleep_on();
 }
 
-/// Waits until a condition holds; a test that waits longer than 10 s hangs for another reason.
+/// Waits until a condition holds, at most 10 s.
 pub(crate) fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let begin = Instant::now();
     while !holds() {

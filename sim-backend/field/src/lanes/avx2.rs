@@ -20,7 +20,6 @@ impl Cpu {
 pub(crate) struct F32x8(__m256);
 #[derive(Clone, Copy)]
 pub(crate) struct I32x8(__m256i);
-/// All bits of a true lane are set.
 #[derive(Clone, Copy)]
 pub(crate) struct Mask8(__m256);
 
@@ -34,11 +33,12 @@ impl Vector for Mask8 {
     const WIDTH: usize = 8;
 }
 
-/// Calls an intrinsic of AVX2 on values whose existence proves that the processor has it.
+/// Calls an AVX2 intrinsic; the operands prove AVX2.
 macro_rules! avx2 {
     ($call:expr) => {
-        // SAFETY: the operands are lane values or a `Cpu`, which exist only after AVX2 was detected; loads, gathers and
-        // stores go through arrays whose length was checked, with indices masked to that length.
+        // SAFETY: the operands are lane values or a `Cpu`, which exist only after AVX2 was
+        // detected. Loads, gathers and stores use arrays of checked length, with indices masked to
+        // it.
         unsafe { $call }
     };
 }
@@ -192,8 +192,8 @@ impl Lanes for F32x8 {
         let level = avx2!(_mm256_set1_epi32(3));
         let left = avx2!(_mm256_and_si256(code.0, level));
         let right = avx2!(_mm256_and_si256(_mm256_srli_epi32::<2>(code.0), level));
-        // Levels are at most 2, so their sum is the code of a left wheel at `sum` for 0..=2 and 2 + 4·(sum − 2) above; the
-        // first row of `travel` and the row of left level 2 hold these five values.
+        // Levels are at most 2, so their sum has five values: `travel[sum]` up to 2, then
+        // `travel[2 + 4·(sum − 2)]`.
         let by_sum: [f32; 8] = [
             travel[0], travel[1], travel[2], travel[6], travel[10], 0.0, 0.0, 0.0,
         ];

@@ -34,11 +34,11 @@ impl Vector for Mask16 {
     const WIDTH: usize = 16;
 }
 
-/// Calls an intrinsic of AVX-512 F or DQ on values whose existence proves that the processor has it.
+/// Calls an AVX-512 intrinsic; the operands prove F and DQ.
 macro_rules! avx512 {
     ($call:expr) => {
-        // SAFETY: the operands are lane values or a `Cpu`, which exist only after AVX-512 F and DQ were detected; loads and stores
-        // go through arrays of sixteen elements, whose length the slice conversion checked.
+        // SAFETY: the operands are lane values or a `Cpu`, which exist only after AVX-512 F and DQ
+        // were detected. Loads and stores use slices whose length of sixteen was checked.
         unsafe { $call }
     };
 }
@@ -139,7 +139,7 @@ impl Lanes for F32x16 {
     fn sqrt(self) -> Self {
         Self(avx512!(_mm512_sqrt_ps(self.0)))
     }
-    /// The larger magnitude (11), without a sign (10).
+    /// Immediate: larger magnitude (11), sign cleared (10).
     #[inline(always)]
     fn max_abs(self, other: Self) -> Self {
         Self(avx512!(_mm512_range_ps::<0b1011>(self.0, other.0)))
@@ -148,7 +148,7 @@ impl Lanes for F32x16 {
     fn max(self, other: Self) -> Self {
         Self(avx512!(_mm512_max_ps(self.0, other.0)))
     }
-    /// The smaller magnitude (10), with the sign of the first (00).
+    /// Immediate: smaller magnitude (10), sign of the first operand (00).
     #[inline(always)]
     fn clamp(self, limit: Self) -> Self {
         Self(avx512!(_mm512_range_ps::<0b0010>(self.0, limit.0)))
@@ -194,7 +194,8 @@ impl Lanes for F32x16 {
     }
     #[inline(always)]
     fn cos_sin(heading: I32x16) -> (Self, Self) {
-        // The sine is the cosine a quarter turn, sixteen steps, earlier; both change sign half a turn later.
+        // The sine is the cosine a quarter turn (16 steps) earlier; both change sign after half a
+        // turn.
         let (first, second, last) = (&COSINE[..16], &COSINE[16..32], &COSINE[48..]);
         let half_turn = half_turn(heading);
         (
@@ -216,8 +217,7 @@ impl Lanes for F32x16 {
     }
 }
 
-/// The value of each heading's lowest five bits, its place within half a turn. That there is a heading is the proof of the
-/// instructions.
+/// Looks up the lowest five bits of each heading; `heading` proves the instructions.
 #[inline(always)]
 fn look_up(heading: I32x16, first: &[f32], second: &[f32]) -> F32x16 {
     let (first, second) = (F32x16::load(Cpu(()), first), F32x16::load(Cpu(()), second));
@@ -226,7 +226,7 @@ fn look_up(heading: I32x16, first: &[f32], second: &[f32]) -> F32x16 {
     )))
 }
 
-/// The sign bit of the headings in the second half of a turn.
+/// Sign bit of headings in the second half turn.
 #[inline(always)]
 fn half_turn(heading: I32x16) -> __m512i {
     avx512!(_mm512_and_si512(
@@ -235,7 +235,7 @@ fn half_turn(heading: I32x16) -> __m512i {
     ))
 }
 
-/// Changes the sign of the lanes whose sign bit is set.
+/// Changes the sign where the sign bit is set.
 #[inline(always)]
 fn flip(value: F32x16, sign: __m512i) -> F32x16 {
     F32x16(avx512!(_mm512_xor_ps(value.0, _mm512_castsi512_ps(sign))))

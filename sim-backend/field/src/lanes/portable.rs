@@ -1,4 +1,4 @@
-//! Eight lanes in plain arrays, for every processor; the compiler vectorises what it can.
+//! Eight lanes in plain arrays; the compiler vectorises where it can.
 
 use std::array::from_fn;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Sub};

@@ -1,9 +1,9 @@
-//! What the trial in each lane came to: the memory that outcomes are read from.
+//! Output data of each lane's trial.
 
 use super::seats::WIDEST;
 use crate::trial::{MAX_AGENTS, Outcome, Snapshot};
 
-/// Distances at one instant, and what was noted until then.
+/// Distances at one instant, rows read and arrival frame.
 #[repr(C, align(64))]
 pub(super) struct Results<const N: usize> {
     pub(super) goal_px: [f32; WIDEST],
@@ -13,7 +13,6 @@ pub(super) struct Results<const N: usize> {
 }
 
 impl<const N: usize> Results<N> {
-    /// The distances of one lane.
     pub(super) fn snapshot(&self, lane: usize) -> Snapshot {
         let mut agents_px = [0.0; MAX_AGENTS];
         for (to, from) in agents_px.iter_mut().zip(&self.agents_px) {
@@ -25,7 +24,6 @@ impl<const N: usize> Results<N> {
         }
     }
 
-    /// The outcome of one lane whose trial is over.
     pub(super) fn outcome(&self, lane: usize, executed: Snapshot) -> Outcome {
         Outcome {
             rows_read: self.rows_read[lane] as u32,

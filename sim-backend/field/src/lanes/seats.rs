@@ -1,11 +1,11 @@
-//! What each lane was given: the memory that trials are read from.
+//! Input data of each lane's trial.
 
 use crate::trial::Trial;
 
-/// Lanes of the widest vector: two of AVX-512.
+/// Lanes of two AVX-512 registers.
 pub(crate) const WIDEST: usize = 32;
 
-/// Starts, goal and tables of the trial in each lane; aligned so that no vector straddles two cache lines.
+/// Aligned so that no vector crosses a cache line.
 #[repr(C, align(64))]
 pub(super) struct Seats<const N: usize> {
     pub(super) x: [[f32; WIDEST]; N],
@@ -13,9 +13,9 @@ pub(super) struct Seats<const N: usize> {
     pub(super) heading: [[i32; WIDEST]; N],
     pub(super) goal_x: [f32; WIDEST],
     pub(super) goal_y: [f32; WIDEST],
-    /// Where the trial's stream of noise begins.
+    /// Initial noise state.
     pub(super) noise: [i32; WIDEST],
-    /// Per combination of the photo sensors, per agent: eight rows of the table.
+    /// Eight table rows per photo combination and agent.
     pub(super) words: [[[i32; WIDEST]; N]; 4],
 }
 

@@ -1,9 +1,9 @@
-//! Trials flow through the lanes: a lane whose trial is over takes the next one.
+//! Assignment of trials to lanes.
 //!
-//! A trial is over after its last frame, or as soon as it is back where it was [`STRIDE`] frames ago, as when nothing moves or
-//! when an agent dithers in front of an obstacle: a frame depends on nothing but the frame before, so it will be back there
-//! after every further stride, the last one included, and has read every row and reached every place that it ever will.
-//! Lanes are looked at once per stride, and filled again when enough of them are free.
+//! A trial is over after its last frame, or when its state equals the state [`STRIDE`] frames
+//! earlier (nothing moves, or an agent oscillates). Such a trial repeats the cycle to its end,
+//! because a frame depends only on the previous frame; it reads no new row and reaches no new
+//! position. Lanes are checked once per stride and refilled when enough are free.
 
 use super::Lanes;
 use super::kernel::Fields;
@@ -13,15 +13,15 @@ use crate::constants::Constants;
 use crate::obstacle::Obstacles;
 use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
 
-/// Frames between two looks at the lanes; divides both instants of measurement. Six catches cycles of 1, 2, 3 and 6 frames,
-/// the common ones, and looks seldom enough (measured).
+/// Frames between two checks; divides both measurement instants. Six detects the common cycles of
+/// 1, 2, 3 and 6 frames (measured).
 const STRIDE: u32 = 6;
 const _: () =
     assert!(EXECUTION_FRAMES.is_multiple_of(STRIDE) && TRIAL_FRAMES.is_multiple_of(STRIDE));
-/// Lanes are filled again once one in so many is free: if fewer must be, they fill too often; if more, they idle (measured).
+/// Lanes are refilled when one in this many is free. Larger: too frequent refills; smaller: idle
+/// lanes (measured).
 const FILL_ONE_IN: u32 = 8;
 
-/// Simulates every trial with `N` agents; one outcome per trial.
 #[inline(always)]
 pub(crate) fn run<T: Lanes, const N: usize, const WALLED: bool>(
     cpu: T::Cpu,
@@ -55,23 +55,22 @@ pub(crate) fn run<T: Lanes, const N: usize, const WALLED: bool>(
     }
 }
 
-/// Who sits where. A set of lanes is a word with one bit per lane.
+/// A set of lanes is a word with one bit per lane.
 struct LaneAllocation<'a, const N: usize> {
     seats: Seats<N>,
     queue: &'a [Trial],
     outcomes: &'a mut [Outcome],
-    /// Trials of the queue that have been given a lane.
     taken: usize,
-    /// The trial in each lane.
+    /// Trial of each lane.
     trial: [usize; WIDEST],
-    /// Lanes whose trial goes on.
+    /// Lanes with a running trial.
     live: u32,
-    /// Live lanes whose trial has not been measured at the end of its execution time.
+    /// Running lanes before the end of the execution time.
     unmeasured: u32,
 }
 
 impl<const N: usize> LaneAllocation<'_, N> {
-    /// Gives free lanes their next trials, if enough are free; says whether any trial goes on.
+    /// Refills if enough lanes are free; returns true while any trial runs.
     #[inline(always)]
     fn fill(&mut self, width: usize, admit: impl FnOnce(u32, &Seats<N>)) -> bool {
         let free = width as u32 - self.live.count_ones();
@@ -96,8 +95,8 @@ impl<const N: usize> LaneAllocation<'_, N> {
         lanes
     }
 
-    /// Writes down what was measured in the lanes that ended their execution time and in those that are over. A trial that is
-    /// over before the end of its execution time is in both sets.
+    /// Stores results at the end of execution and of trials. A trial that ends early is in both
+    /// sets.
     fn settle(&mut self, executed: u32, over: u32, results: &Results<N>) {
         for lane in lanes_of(executed) {
             self.outcomes[self.trial[lane]].executed = results.snapshot(lane);
@@ -111,7 +110,7 @@ impl<const N: usize> LaneAllocation<'_, N> {
     }
 }
 
-/// The lanes of a set, lowest first.
+/// Lanes of a set, lowest first.
 fn lanes_of(mut set: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = set.trailing_zeros() as usize;

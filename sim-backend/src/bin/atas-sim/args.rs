@@ -1,4 +1,4 @@
-//! The command line: what may be said.
+//! Command line of `atas-sim`.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -15,7 +15,7 @@ use crate::field_host::FieldArgs;
 use crate::output::Format;
 use crate::scene_args::SceneArgs;
 
-/// A simulated two-hand robot with tactile fingertips before a table of objects.
+/// Simulate two-hand robots with tactile fingertips, robots on wheels, and the swarm's field.
 #[derive(Debug, Parser)]
 #[command(name = "atas-sim", version, after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
 pub(crate) struct Cli {
@@ -25,23 +25,26 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Simulate: publish frames, joint states and truth; obey the daemon's commands.
+    /// Simulate a robot at a table: publish tactile frames, joint states and ground truth; execute
+    /// the daemon's commands.
     Run(RunArgs),
-    /// Host the swarm's field: publish what its robots sense, obey `ebts agents`, say what became of every goal.
+    /// Host the swarm's field: publish the robots' sensors, execute the wheel commands of
+    /// `ebts agents`, report every goal.
     Field(FieldArgs),
-    /// Host a course: two-hand arms on wheeled bases, each with an object to fetch and a goal to carry it to. In lock-step.
+    /// Host a course in lock-step: two-hand arms on wheeled bases, each carrying an object to a
+    /// goal.
     Course(CourseArgs),
     /// List the built-in objects.
     #[command(after_help = OBJECTS_HELP)]
     Objects {
-        /// How they are printed.
+        /// Output format.
         #[arg(long, value_enum, default_value = "human")]
         format: Format,
     },
     /// List the faults that `run --fault` can inject.
     #[command(after_help = "Example:\n  atas-sim faults")]
     Faults,
-    /// List the errors that `run --errors` and `atas eval --errors` can draw.
+    /// List the errors that `run --errors` and `atas eval --errors` can apply.
     #[command(after_help = "Example:\n  atas-sim errors")]
     Errors,
     /// Print completions for a shell.
@@ -49,13 +52,13 @@ pub(crate) enum Command {
         after_help = "Example:\n  atas-sim completions bash > /etc/bash_completion.d/atas-sim"
     )]
     Completions {
-        /// Which shell.
+        /// Shell.
         shell: clap_complete::Shell,
     },
     /// Write the manual pages into a folder.
     #[command(after_help = "Example:\n  atas-sim man /usr/local/share/man/man1")]
     Man {
-        /// The folder; it is made.
+        /// Folder; created if missing.
         folder: PathBuf,
     },
 }
@@ -91,22 +94,22 @@ Examples:
 pub(crate) struct RunArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Seed of noise, tremble, families and faults.
+    /// Seed of noise, tremble, random properties and faults.
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Wait for the daemon's answer to every tick: virtual time, repeatable bit for bit.
+    /// Wait for the daemon's response to every tick: virtual time, bit-identical runs.
     #[arg(long)]
     pub(crate) lockstep: bool,
     /// Bus to publish on.
     #[arg(long, env = BusName::ENV, default_value_t)]
     pub(crate) bus: BusName,
-    /// End after so many seconds of simulated time.
+    /// Stop after this simulated time, in seconds.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub(crate) duration: Option<Duration>,
-    /// Inject a fault, see `atas-sim faults`. May be given several times.
+    /// Inject a fault, see `atas-sim faults`; repeatable.
     #[arg(long = "fault", value_name = "FAULT")]
     pub(crate) faults: Vec<Fault>,
-    /// Robot to simulate: one that ships (`atas robot list`), or a robot file.
+    /// Robot to simulate: a built-in one (`atas robot list`) or a robot file.
     #[arg(long, value_name = "NAME|FILE", default_value_t = TWO_HAND_ARM.name.to_string())]
     pub(crate) robot: String,
 }
@@ -119,12 +122,11 @@ fn seconds(text: &str) -> Result<Duration, String> {
 }
 
 impl RunArgs {
-    /// The scene that the arguments describe.
     pub(crate) fn scene(&self, robot: &RobotModel) -> Result<Scene, Failure> {
         self.scene.scene(robot, self.seed)
     }
 
-    /// What a client would type to have its task done; `None` if there is none.
+    /// Client command for the task of the scene, if any.
     pub(crate) fn command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
         self.scene.command(robot, scene)
     }

@@ -1,10 +1,9 @@
-//! Everything that ends the process early, and the exit code it ends with.
+//! Errors that end the process, and its exit codes.
 
 use robot_model::ModelError;
 use shm_bus::BusError;
 use sim_backend::{ObjectError, SceneError, WorldFault};
 
-/// Why the simulation could not begin or go on.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     #[error(transparent)]
@@ -49,7 +48,7 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// The table of exit codes, for `--help`.
+    /// Table of exit codes for `--help`.
     pub(crate) const EXIT_CODES: &str = "\
 Exit codes:
   0  ended as asked: by --duration, after the last trial or the course, by SIGINT or SIGTERM
@@ -58,7 +57,7 @@ Exit codes:
   3  the bus could not be used
 Log: standard error, filtered by RUST_LOG (default info). With --format json an error is one JSON object there: {error, exit}.";
 
-    /// The exit code of what could not be printed.
+    /// Exit code for failed output.
     pub(crate) const UNWRITTEN: u8 = 1;
 
     pub(crate) fn exit_code(&self) -> u8 {

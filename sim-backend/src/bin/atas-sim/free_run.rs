@@ -1,5 +1,5 @@
-//! At the pace of the machine's clock: one tick every millisecond by absolute deadlines. What a late process missed is
-//! skipped and counted, never caught up; the phase is kept.
+//! Real-time run: one tick per millisecond at absolute deadlines. Missed ticks are skipped and
+//! counted; the phase is kept.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -13,10 +13,9 @@ use sim_backend::TICK_NS;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Ticks between two publications of the truth: 50 Hz.
+/// Publication period of the ground truth, ticks (50 Hz).
 const TRUTH_TICKS: u64 = 20;
 
-/// Runs until the duration is over or `stop` is set.
 pub(crate) fn run(
     session: &mut Session,
     duration: Option<Duration>,
@@ -42,7 +41,7 @@ pub(crate) fn run(
     Ok(())
 }
 
-/// What happened in the millisecond before the deadline, and what is sensed at it.
+/// Simulates the millisecond before the deadline, then publishes the sensors.
 fn tick(session: &mut Session, deadline_ns: u64) -> Result<(), Failure> {
     session.world.skip_to(deadline_ns - TICK_NS);
     let command = session.newest_command()?;
@@ -53,7 +52,7 @@ fn tick(session: &mut Session, deadline_ns: u64) -> Result<(), Failure> {
     session.publish().map(drop)
 }
 
-/// Sleeps; an error means that a signal ended the sleep early.
+/// Returns an error if a signal interrupts the sleep.
 pub(crate) fn sleep_until(deadline_ns: u64) -> rustix::io::Result<()> {
     let until = Timespec {
         tv_sec: (deadline_ns / 1_000_000_000).cast_signed(),

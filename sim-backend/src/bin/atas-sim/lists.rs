@@ -1,4 +1,4 @@
-//! Lists and texts on standard output: the built-in objects, the faults, the errors, completions, manual pages.
+//! Lists on standard output: built-in objects, faults, errors, completions, manual pages.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::args::Cli;
 use crate::failure::Failure;
 use crate::output::{Format, print, write};
 
-/// What programs are told of an object; an absent value means rigid, or crushed by nothing.
+/// Properties of an object, as JSON; an absent value means rigid or uncrushable.
 #[derive(Serialize)]
 struct ObjectRow {
     name: String,
@@ -58,7 +58,6 @@ impl ObjectRow {
     }
 }
 
-/// Lists the built-in objects and parts.
 pub(crate) fn objects(format: Format) -> Result<(), Failure> {
     let names = Object::names().chain(Object::part_names());
     let rows: Result<Vec<_>, _> = names
@@ -66,7 +65,7 @@ pub(crate) fn objects(format: Format) -> Result<(), Failure> {
         .collect();
     let rows = rows?;
     match format {
-        // Numbers and strings always have a JSON form.
+        // Serialisation cannot fail: only numbers and strings.
         Format::Json => print(
             &rows
                 .iter()
@@ -91,7 +90,6 @@ pub(crate) fn objects(format: Format) -> Result<(), Failure> {
     }
 }
 
-/// Lists the faults.
 pub(crate) fn faults() -> Result<(), Failure> {
     let mut lines = vec![
         "KIND[=VALUE]@START[+LENGTH][:TARGET], times in seconds, for example drop=0.3@2+0.5:right"
@@ -118,7 +116,6 @@ pub(crate) fn faults() -> Result<(), Failure> {
     print(&lines)
 }
 
-/// Lists the errors.
 pub(crate) fn errors() -> Result<(), Failure> {
     let mut lines = vec![
         "all, none, or NAME[=AMOUNT] separated by commas, for example crosstalk=3,yaw or all=0.5"
@@ -132,9 +129,8 @@ pub(crate) fn errors() -> Result<(), Failure> {
     print(&lines)
 }
 
-/// Prints completions.
 pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
-    // Into memory first: clap's generator panics where a pipe is closed or a disk is full.
+    // Buffered, because clap's generator panics if a pipe is closed or a disk is full.
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "atas-sim", &mut script);
     write(&script)

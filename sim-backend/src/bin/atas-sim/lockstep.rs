@@ -1,7 +1,7 @@
-//! In step with the daemon: the world goes on when the daemon has answered the joint state of this tick. Virtual time, so
-//! a run repeats bit for bit and goes as fast as both processes go.
+//! Lock-step with the daemon: the world advances once the daemon has answered the joint state of
+//! the tick. Time is virtual, so runs are bit-identical and as fast as both processes allow.
 //!
-//! The daemon ticks only while it has something to do; until then the world stands still, however long that takes.
+//! Without daemon response the world waits, without a time limit.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -12,13 +12,12 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::wait::Wait;
 
-/// Runs until the duration of simulated time is over or `stop` is set.
 pub(crate) fn run(
     session: &mut Session,
     duration: Option<Duration>,
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
-    // A command from before this world answers nothing of it.
+    // Discards commands of an earlier world.
     session.newest_command()?;
     while !stop.load(Ordering::Relaxed) && !session.has_lasted(duration) {
         session.publish_truth()?;
@@ -27,7 +26,7 @@ pub(crate) fn run(
                 Some(command) => Some(command),
                 None => return Ok(()),
             },
-            // A fault kept the joint state from the daemon: there is nothing that it could answer.
+            // A fault dropped the joint state, so no response can come.
             None => None,
         };
         session.advance(command.as_ref())?;
@@ -35,7 +34,7 @@ pub(crate) fn run(
     session.publish_truth()
 }
 
-/// The command that answers a joint state; `None` if the process shall end.
+/// Waits for the command that answers a joint state; returns `None` if `stop` is set.
 pub(crate) fn await_answer(
     session: &mut Session,
     sequence: u64,

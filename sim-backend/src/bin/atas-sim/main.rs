@@ -1,9 +1,11 @@
-//! `atas-sim`: the simulated robot as a process on the bus. See `atas-sim --help`.
+//! `atas-sim`: the simulators as a process on the bus. See `atas-sim --help`.
 //!
-//! Two ways to run: [`free_run`] follows the machine's clock at 1 kHz, [`lockstep`] waits for the daemon's answer to every
-//! tick and so repeats bit for bit. Both drive the same [`session::Session`].
-//! [`course_host`] carries such robots on wheels, in lock-step with their daemons, coordinators and tables.
-//! [`field_host`] is the other simulation: the swarm's field, at a frame rate or in lock-step with `ebts agents`.
+//! * [`free_run`] simulates a robot in real time at 1 kHz. [`lockstep`] waits for the daemon's
+//!   response to every tick, so runs are bit-identical. Both use [`session::Session`].
+//! * [`course_host`] simulates robots on wheeled bases, in lock-step with their daemons,
+//!   coordinators and tables.
+//! * [`field_host`] simulates the swarm's field, at a frame rate or in lock-step with
+//!   `ebts agents`.
 
 mod args;
 mod course_host;
@@ -70,7 +72,7 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
     outcome
 }
 
-/// Says what is simulated, and where a client would grasp it.
+/// Logs the scene and an example client command.
 fn announce(args: &RunArgs, robot: &RobotModel, scene: &Scene) {
     let pace = if args.lockstep { "lock-step" } else { "1 kHz" };
     let version = env!("CARGO_PKG_VERSION");
@@ -96,7 +98,6 @@ fn announce(args: &RunArgs, robot: &RobotModel, scene: &Scene) {
     }
 }
 
-/// A flag that SIGINT or SIGTERM sets.
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
     end::on_signals(&end::SIGNALS, end::AT_ONCE).map_err(Failure::Signals)
 }

@@ -1,4 +1,4 @@
-//! Standard output: in which form, and what becomes of it where nobody reads.
+//! Standard output: formats and write errors.
 
 use std::io::{self, ErrorKind, Write};
 
@@ -6,12 +6,12 @@ use clap::ValueEnum;
 
 use crate::failure::Failure;
 
-/// How results are printed.
+/// Output format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Format {
-    /// For people.
+    /// Human-readable text.
     Human,
-    /// For programs: one JSON object per line.
+    /// One JSON object per line.
     Json,
 }
 
@@ -21,7 +21,7 @@ pub(crate) fn print(lines: &[String]) -> Result<(), Failure> {
     write(text.as_bytes())
 }
 
-/// A reader that has seen enough closes the pipe; that is no failure. A full disk is one.
+/// Writes bytes to standard output. A closed pipe is not an error; a full disk is.
 pub(crate) fn write(bytes: &[u8]) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {

@@ -1,4 +1,4 @@
-//! What the command line says of the world, and the scene it amounts to.
+//! Command-line arguments of a scene, and the scene built from them.
 
 use std::str::FromStr;
 
@@ -10,46 +10,47 @@ use crate::failure::Failure;
 
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgs {
-    /// What the world is set up for.
+    /// Kind of scene.
     #[arg(long, value_enum, default_value = "table")]
     scene: SceneKind,
-    /// Object on the table: a built-in name or a TOML file, optionally with its place. May be given up to four times.
+    /// Object on the table: a built-in name or a TOML file, optionally with its position; up to
+    /// four times.
     #[arg(long = "object", value_name = "NAME|FILE[@X,Y[,YAW]]  (m, m, degrees)")]
     objects: Vec<ObjectArg>,
-    /// Cap to screw: a built-in name or a TOML file with a thread [default: cap]
+    /// Cap to screw on: a built-in name or a TOML file with a thread [default: cap]
     #[arg(long, value_name = "NAME|FILE")]
     cap: Option<String>,
-    /// Bottle to screw it on: a built-in name or a TOML file with a neck [default: open-bottle]
+    /// Bottle of the cap: a built-in name or a TOML file with a neck [default: open-bottle]
     #[arg(long, value_name = "NAME|FILE")]
     bottle: Option<String>,
-    /// Hand in front of which objects without a place stand; in assembly the hand that screws [default: right, where the
-    /// robot has it]
+    /// Hand in front of which objects without a position stand; in assembly, the hand that screws
+    /// [default: right, if present]
     #[arg(long, value_enum)]
     hand: Option<HandArg>,
-    /// Draw the objects' true properties and poses, and the place's height, from their families, by the seed.
+    /// Randomise object properties, object poses and the height of the target, from their families.
     #[arg(long)]
     vary: bool,
-    /// Errors of robot, skins and objects, and of what a client is told: all, or names with amounts, separated by commas;
-    /// `atas-sim errors` lists them.
+    /// Errors of robot, skins, objects and client knowledge: all, or comma-separated names with
+    /// amounts, see `atas-sim errors`
     #[arg(long, value_name = "NAME[=AMOUNT]", default_value = "none")]
     errors: Errors,
-    /// Scale of the fingertip sensors' noise.
+    /// Factor on the noise of the fingertip sensors.
     #[arg(long, default_value_t = 1.0)]
     noise: f64,
-    /// Frames per second of the fingertip sensors, 1 to 1000.
+    /// Frame rate of the fingertip sensors, 1 to 1000 Hz.
     #[arg(long, default_value_t = 1000)]
     rate_hz: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum SceneKind {
-    /// The objects on the table.
+    /// Objects on the table.
     Table,
-    /// One object on a plate, and a second plate to put it on.
+    /// One object on a plate, with a second plate as target.
     PickPlace,
-    /// A cap on the neck of a clamped bottle.
+    /// Cap on the neck of a clamped bottle.
     Screw,
-    /// A cap on a stand, and a free bottle.
+    /// Cap on a stand, and a free bottle.
     Assembly,
 }
 
@@ -68,7 +69,6 @@ impl HandArg {
     }
 }
 
-/// What an object is called, and where it stands if that was said.
 #[derive(Clone, Debug, PartialEq)]
 struct ObjectArg {
     name: String,
@@ -103,7 +103,6 @@ impl FromStr for ObjectArg {
 }
 
 impl SceneArgs {
-    /// The scene that the arguments describe, before a robot.
     pub(crate) fn scene(&self, robot: &RobotModel, seed: u64) -> Result<Scene, Failure> {
         let side = self.side(robot);
         if !robot.hand(side).is_present() {
@@ -125,7 +124,7 @@ impl SceneArgs {
         self.hand.map_or(robot.acting_side(), HandArg::side)
     }
 
-    /// What a client would type to have the task of this scene done; `None` if there is nothing to do.
+    /// Client command for the task of this scene, if any.
     pub(crate) fn command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
         let first = scene.grasp_hint(0)?;
         let (at, yaw_deg, width_mm) = (place(&first), first.yaw_rad.to_degrees(), mm(&first));
@@ -230,13 +229,13 @@ impl SceneArgs {
     }
 }
 
-/// Where a client is told to grasp, as it would type that.
+/// Position as a command-line argument.
 fn place(hint: &GraspHint) -> String {
     let [x, y, z] = hint.from_m;
     format!("{x:.3},{y:.3},{z:.4}")
 }
 
-/// How wide a client is told that the object is, mm.
+/// Width, mm.
 fn mm(hint: &GraspHint) -> String {
     format!("{:.1}", hint.width_m * 1e3)
 }

@@ -1,4 +1,4 @@
-//! One simulation on the bus: the world, its faults, its ports.
+//! Simulation on the bus: world, faults and ports.
 
 use std::time::Duration;
 
@@ -10,7 +10,6 @@ use sim_backend::{Sensed, World};
 
 use crate::failure::Failure;
 
-/// The world with its connections.
 pub(crate) struct Session {
     pub(crate) world: World,
     injector: Injector,
@@ -48,15 +47,15 @@ impl Session {
         })
     }
 
-    /// Moves the world's clock to the machine's and takes a fresh epoch: what a process does that follows real time.
+    /// Synchronises the world's clock to the machine's and takes a new epoch, for real time.
     pub(crate) fn follow_clock(&mut self, now_ns: u64) {
         self.world.set_writer_epoch(shm_bus::writer_epoch());
         self.world.skip_to(now_ns);
         self.first_ns = self.world.now_ns();
     }
 
-    /// Samples the sensors and publishes frames, then joints. Returns the counter of the joint state that a reader saw last
-    /// in this tick, if it saw one.
+    /// Publishes tactile frames, then joints. Returns the sequence number of the last joint state
+    /// delivered in this tick.
     pub(crate) fn publish(&mut self) -> Result<Option<u64>, Failure> {
         let (frames, joints) = (&self.frames, &self.joints);
         let (mut failure, mut seen) = (None, None);
@@ -75,7 +74,6 @@ impl Session {
         failure.map_or(Ok(seen), |failure: BusError| Err(failure.into()))
     }
 
-    /// Publishes the judge's view.
     pub(crate) fn publish_truth(&mut self) -> Result<(), Failure> {
         let mut truth = self.world.truth();
         truth.stamp.sequence = self.truths;
@@ -84,7 +82,7 @@ impl Session {
         Ok(self.truth.send(&truth)?)
     }
 
-    /// Lets readers that came late have the last frames and the last joint state.
+    /// Sends the last frames, joint state and truth to late readers.
     pub(crate) fn greet(&self) -> Result<(), Failure> {
         for side in Side::BOTH {
             self.frames[side.index()].connect_readers()?;
@@ -93,7 +91,7 @@ impl Session {
         Ok(self.truth.connect_readers()?)
     }
 
-    /// The newest command, if one came since the last call.
+    /// Returns the newest command since the last call.
     pub(crate) fn newest_command(&mut self) -> Result<Option<JointCommand>, Failure> {
         Ok(self
             .commands
@@ -101,24 +99,21 @@ impl Session {
             .then_some(self.command))
     }
 
-    /// Simulates one tick.
     pub(crate) fn advance(&mut self, command: Option<&JointCommand>) -> Result<(), Failure> {
         self.world.advance(command);
         self.world.fault().map_or(Ok(()), |fault| Err(fault.into()))
     }
 
-    /// Counts ticks that the machine's clock passed while the process was kept from running.
+    /// Counts ticks missed while the process did not run.
     pub(crate) fn miss(&mut self, ticks: u64) {
         self.missed_ticks += ticks;
     }
 
-    /// Whether so much simulated time has passed.
     pub(crate) fn has_lasted(&self, duration: Option<Duration>) -> bool {
         let elapsed_ns = u128::from(self.world.now_ns() - self.first_ns);
         duration.is_some_and(|duration| elapsed_ns >= duration.as_nanos())
     }
 
-    /// Says what became of the world.
     pub(crate) fn report(&self) {
         let truth = self.world.truth();
         tracing::info!(

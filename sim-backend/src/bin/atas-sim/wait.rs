@@ -1,4 +1,4 @@
-//! Waiting for an answer on the bus: eagerly at first, because answers usually come at once, then ever more politely.
+//! Wait for a response on the bus: spins first, then yields, then sleeps.
 
 use std::time::Duration;
 
@@ -6,14 +6,13 @@ use shm_bus::now_ns;
 
 use crate::failure::Failure;
 
-/// An answer within this time is awaited without giving up the core, ns. A tick of the daemon takes about 20 µs. Ours.
+/// Spin duration, ns. Design choice: a tick of the daemon takes about 20 µs.
 const SPIN_NS: u64 = 50_000;
-/// Until then the core is offered to others between looks, ns; afterwards the wait sleeps. Ours.
+/// Time until sleeping instead of yielding, ns. Design choice.
 const YIELD_NS: u64 = 2_000_000;
-/// Time between two looks of a long wait. Ours.
+/// Sleep between two checks. Design choice.
 const NAP: Duration = Duration::from_micros(500);
 
-/// A wait that has begun.
 pub(crate) struct Wait {
     begin_ns: u64,
 }
@@ -23,7 +22,7 @@ impl Wait {
         Self { begin_ns: now_ns() }
     }
 
-    /// Lets time pass between two looks. In a long wait `greet` lets readers that came late have what they shall answer.
+    /// Pauses between two checks; a long wait also calls `connect_readers` for late readers.
     pub(crate) fn pause(&self, greet: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
         let waited_ns = now_ns() - self.begin_ns;
         if waited_ns < SPIN_NS {

@@ -1,4 +1,4 @@
-//! A robot's coordinator on the bus: its pilot's eyes, ears and mouth.
+//! Coordinator of one robot: connects its [`Pilot`] to the bus.
 //!
 //! ```text
 //!  BaseState, WorldTruth ─┐                     ┌─▶ BaseCommand
@@ -6,9 +6,9 @@
 //!  GoalUpdate ────────────┘                     └─▶ ADVANCE
 //! ```
 //!
-//! Time stands still while a frame is decided: the simulator waits for the command, and the daemon does not tick beyond what it
-//! was allowed to without a goal. A goal is sent with no ticks allowed, so it begins in the very tick of its frame; when it has ended,
-//! ticks are allowed up to the next frame.
+//! Virtual time stops during a decision: the simulator waits for the command and the daemon for
+//! permission to tick. A goal is sent without permitted ticks and begins in the first tick of its
+//! frame. After its end, ticks are permitted up to the next frame.
 
 use atas_client::Session;
 use atas_evaluation::hybrid::Pilot;
@@ -21,10 +21,9 @@ use sim_backend::course::{FRAME_TICKS, SETTLE_TICKS};
 use sim_backend::{START_NS, TICK_NS};
 use std::time::Duration;
 
-/// How long the daemon may take to answer (ours: two hundred of its rounds).
+/// Longest time until the daemon replies (design choice: two hundred of its rounds).
 const ANSWER: Duration = Duration::from_millis(900);
 
-/// A coordinator at its place.
 pub(super) struct Coordinator {
     session: Session,
     pilot: Pilot,
@@ -35,11 +34,10 @@ pub(super) struct Coordinator {
     goals: GoalClient,
     controls: ControlClient,
     pending: Option<PendingGoal>,
-    /// The newest of each.
     state: BaseState,
     truth: WorldTruth,
     report: TickReport,
-    /// A state waits for its command.
+    /// True while a base state waits for its command.
     is_asked: bool,
 }
 
@@ -64,7 +62,8 @@ impl Coordinator {
         })
     }
 
-    /// Takes in what has come, and answers a frame if all that it needs is there. The phase that has begun, if one has, and when, s.
+    /// Polls all topics and answers a frame when its inputs are complete. Returns the phase that
+    /// has begun, with its time, s.
     pub(super) fn look(&mut self) -> anyhow::Result<Option<(&'static str, f64)>> {
         self.hear_goal()?;
         self.reports.newest(&mut self.report)?;
@@ -86,16 +85,16 @@ impl Coordinator {
         Ok(decision.began.map(|phase| (phase, now_s)))
     }
 
-    /// Whether the daemon's last tick before the frame was heard of, and with it the end of a goal, and where the object is in it.
+    /// Returns true if the report of the tick before the frame, the end of the goal and the
+    /// object's state have arrived.
     fn knows_all(&self) -> bool {
         let tick = self.first_tick(self.state.frame);
-        // Ticks before the first frame may have been before this process came, and no hand had anything to feel in them.
+        // Ticks before frame 0 may precede this process; no hand is in contact then.
         let has_heard = self.state.frame == 0 || self.report.tick + 1 == tick;
         let has_ended = self.pending.is_some() && self.report.goal_id == 0;
         self.truth.stamp.captured_ns == START_NS + tick * TICK_NS && has_heard && !has_ended
     }
 
-    /// The tick with which a frame begins.
     fn first_tick(&self, frame: u64) -> u64 {
         SETTLE_TICKS + frame * FRAME_TICKS
     }
@@ -119,7 +118,6 @@ impl Coordinator {
         Ok(())
     }
 
-    /// Allows ticks up to the next frame.
     fn advance(&self) -> anyhow::Result<()> {
         let request = ControlRequest {
             stamp: self.session.stamp(),
@@ -136,12 +134,10 @@ impl Coordinator {
         Ok(())
     }
 
-    /// Whether its robot's course is over.
     pub(super) fn is_done(&self) -> bool {
         self.pilot.ended().is_some()
     }
 
-    /// The pilot, and the world in the end.
     pub(super) fn end(&self) -> (&Pilot, &WorldTruth) {
         (&self.pilot, &self.truth)
     }

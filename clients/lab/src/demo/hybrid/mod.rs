@@ -1,11 +1,13 @@
-//! `atas demo hybrid`: one course, phase by phase, every part a process, in virtual time.
+//! `atas demo hybrid`: one course of mobile robots in virtual time, each component in a separate
+//! process.
 //!
 //! ```text
 //!  atas-sim course ◀── bus of robot 1 ──▶ atasd, ebts agents, coordinator
-//!                  ◀── bus of robot 2 ──▶ the same, with two robots
+//!                  ◀── bus of robot 2 ──▶ as for robot 1, with two robots
 //! ```
 //!
-//! This process is the coordinators and the judge. The same seed gives the bits of the same trial of `atas eval hybrid`.
+//! This process runs the coordinators and evaluates the course. For the same seed, the result
+//! equals that of `atas eval hybrid` bit for bit.
 
 mod coordinator;
 mod processes;
@@ -19,7 +21,6 @@ use sim_backend::course::Cast;
 
 use processes::Processes;
 
-/// `atas demo hybrid`.
 pub(super) fn hybrid(
     arguments: &DemoHybrid,
     interrupt: &Interrupt,
@@ -84,7 +85,6 @@ fn print(trial: &HybridTrial, hash: &str, output: &mut Output) -> anyhow::Result
     ))
 }
 
-/// Who has the say in a phase.
 fn say(name: &str) -> &'static str {
     use atas_evaluation::hybrid::{PHASES, Say};
     let phase = PHASES.iter().find(|phase| phase.name == name);

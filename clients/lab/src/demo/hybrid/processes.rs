@@ -1,4 +1,5 @@
-//! The processes of a course: one simulator, and for every robot a bus with a daemon, a table and a coordinator.
+//! Processes of a course: one simulator, and for each robot a bus with a daemon, a table process
+//! and a coordinator.
 
 use std::time::{Duration, Instant};
 
@@ -14,14 +15,15 @@ use super::super::child::Child;
 use super::super::logs::{self, Logs};
 use super::coordinator::Coordinator;
 
-/// How long a daemon may take to be there, and the simulator to report and end (ours: a loaded machine takes long).
+/// Longest time for a daemon to start, and for the simulator to report and end (design choice:
+/// allows for a loaded machine).
 const WITHIN: Duration = Duration::from_secs(15);
-/// Pause between two looks when nothing has come (ours: short against a round of the daemon's).
+/// Poll interval (design choice: short compared with a round of the daemon).
 const LOOK: Duration = Duration::from_micros(200);
-/// The task with which nothing is felt on the way.
+/// Configuration of the task without slip reaction while driving.
 const FROZEN: &str = include_str!("fetch-frozen.toml");
 
-/// All of them. The order of the fields is the order of the end.
+/// All processes of a course. Fields are dropped in this order.
 pub(super) struct Processes {
     coordinators: Vec<Coordinator>,
     robots: Vec<Child>,
@@ -32,7 +34,6 @@ pub(super) struct Processes {
 }
 
 impl Processes {
-    /// Starts them.
     pub(super) fn set(
         arguments: &DemoHybrid,
         cast: &Cast,
@@ -80,7 +81,6 @@ impl Processes {
         Ok(processes)
     }
 
-    /// Joins a robot's bus when its daemon is there.
     fn session(&mut self, index: usize) -> anyhow::Result<Session> {
         let session = Session::join(&self.buses[index])?;
         let begin = Instant::now();
@@ -95,8 +95,8 @@ impl Processes {
         Ok(session)
     }
 
-    /// Coordinates the robots to the end of their courses; `began` hears of every phase that one begins: its index, the phase, the
-    /// time in seconds.
+    /// Coordinates the robots to the end of their courses. Calls `began` for each new phase: robot
+    /// index, phase, time, s.
     pub(super) fn watch(
         mut self,
         interrupt: &Interrupt,
@@ -105,7 +105,7 @@ impl Processes {
         if let Err(error) = self.coordinate(interrupt, began) {
             if !interrupt.is_set() {
                 self.keep_logs();
-                // If a process died, its own words explain more than what its death led to.
+                // If a process died, its log explains more than the subsequent error.
                 self.check()?;
             }
             return Err(error);
@@ -131,7 +131,6 @@ impl Processes {
         Ok(())
     }
 
-    /// Hears from the simulator what only it knows, and judges.
     fn judge(&mut self) -> anyhow::Result<HybridTrial> {
         let begin = Instant::now();
         let mut lines = self.simulator.results();
@@ -160,7 +159,6 @@ impl Processes {
         })
     }
 
-    /// An error if one of the processes has ended.
     fn check(&mut self) -> anyhow::Result<()> {
         let robots = self.robots.iter_mut().try_for_each(Child::check);
         let checked = robots.and_then(|()| self.simulator.check());

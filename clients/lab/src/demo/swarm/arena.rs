@@ -1,4 +1,4 @@
-//! The processes of the demo on a bus of their own, watched until every goal had its trial.
+//! Processes of the swarm demo on a separate bus, supervised until every goal has been tried.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use super::super::child::Child;
 use super::super::logs::{self, Logs};
 use super::super::page::Page;
 
-/// Field, agents and who looks on. The order of the fields is the order of the end.
+/// Field process, agents and dashboard. Fields are dropped in this order.
 pub(super) struct Arena {
     page: Option<Page>,
     field: Child,
@@ -26,7 +26,8 @@ pub(super) struct Arena {
 }
 
 impl Arena {
-    /// Starts the field that a table was evolved for, and the agents, once the page is open if there shall be one.
+    /// Starts the field for which the table was evolved, then the agents; with a dashboard, waits
+    /// until its page is open.
     pub(super) fn set(
         arguments: &DemoSwarm,
         file: &TableFile,
@@ -37,7 +38,7 @@ impl Arena {
         let bus = FreshBus::new("demo");
         let logs = Logs::new(&bus)?;
         let field = host(arguments, file, &bus, &logs.folder)?;
-        // The field waits for its agents, and the agents for the page.
+        // The field waits for its agents, and the agents start after the page is open.
         let mut page = arguments
             .dashboard
             .then(|| Page::serve(&bus, &logs.folder))
@@ -56,7 +57,6 @@ impl Arena {
         })
     }
 
-    /// Shows the trials as they go on, and returns what became of them.
     pub(super) fn watch(
         mut self,
         interrupt: &Interrupt,
@@ -80,7 +80,8 @@ impl Arena {
         let (mut frame, mut told) = (AgentSensors::default(), 0);
         loop {
             interrupt.check("the demo ended its processes and wiped its bus")?;
-            // The field ends after its last trial: what it said counts before that it is gone.
+            // The field ends after its last trial: read its output before its exit is treated as an
+            // error.
             let (field, agents) = (self.field.check(), self.agents.check());
             let trials = self.reports()?;
             for trial in &trials[told..] {
@@ -105,7 +106,7 @@ impl Arena {
     }
 }
 
-/// Starts the field that a table was evolved for. Without a frame rate it runs in lock-step.
+/// Starts the field for which a table was evolved, in lock-step or at the requested frame rate.
 fn host(
     arguments: &DemoSwarm,
     file: &TableFile,
@@ -129,7 +130,6 @@ fn host(
     Child::start("atas-sim", &words, logs)
 }
 
-/// One trial in a sentence.
 fn sentence(trial: &TrialReport) -> String {
     let px = trial.outcomes[0].evaluated.goal_px;
     match trial.solved() {

@@ -1,7 +1,8 @@
-//! `atas demo swarm`: a team of robots, each driven by an evolved table in a process of its own, on a field in another.
+//! `atas demo swarm`: a team of robots on a field process, each driven by an evolved table in a
+//! separate process.
 //!
-//! What the bus carries is what evolution simulated: as long as no frame is missed, every goal is worth the very points
-//! that the table file says, and the demo holds the run to that.
+//! The bus carries the same data as the simulation during evolution. Without missed frames, the
+//! points of every goal equal those in the table file; the demo checks this.
 
 mod arena;
 mod report;
@@ -15,7 +16,6 @@ use ebts::table_file::TableFile;
 use arena::Arena;
 use report::Report;
 
-/// `atas demo swarm`.
 pub(crate) fn swarm(
     arguments: &DemoSwarm,
     interrupt: &Interrupt,

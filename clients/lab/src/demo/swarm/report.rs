@@ -1,4 +1,4 @@
-//! What the robots did with each goal, beside what evolution saw of the same table.
+//! Results per goal, compared with those of the same table during evolution.
 
 use std::path::Path;
 
@@ -7,7 +7,6 @@ use ebts::table_file::TableFile;
 use serde_json::{Value, json};
 use sim_backend::swarm::TrialReport;
 
-/// The result of a demo.
 pub(super) struct Report<'a> {
     pub(super) table: &'a str,
     pub(super) file: &'a TableFile,
@@ -16,7 +15,6 @@ pub(super) struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Prints it in the format asked for.
     pub(super) fn print(&self, output: &mut Output) -> anyhow::Result<()> {
         if output.is_json() {
             return output.json(&self.value());
@@ -74,7 +72,7 @@ impl Report<'_> {
         text
     }
 
-    /// An error if the robots were always told in time and did something else than in evolution.
+    /// Returns an error if no frame was missed and the points still differ from evolution.
     pub(super) fn verdict(&self) -> anyhow::Result<()> {
         if self.missed_frames() > 0 || self.is_as_evolved() {
             return Ok(());

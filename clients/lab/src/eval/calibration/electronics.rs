@@ -1,23 +1,24 @@
-//! A fingertip's electronics as nobody knows them who calibrates it: counts per newton, axes, crosstalk, offsets.
+//! Random electronics of a simulated fingertip, unknown to the calibration: gain, axes, crosstalk,
+//! offsets.
 
 use atas_sensors::calibration::{AXES, Calibration, FORMAT, Model, Quality};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use sim_backend::random::Random;
 
-/// Counts per newton (ours: from a step of 5 mN to one of 0.5 mN).
+/// Counts per newton (design choice: resolution of 5 mN to 0.5 mN).
 const COUNTS_PER_N: [f64; 2] = [200.0, 2000.0];
-/// How far the axes lie off those of the element, rad (ours: 10°, on top of being swapped and turned over).
+/// Largest rotation of the axes from those of the element, rad (design choice: 10°, in addition to
+/// permutation and sign).
 const TURNED_RAD: f64 = 0.17;
-/// Crosstalk of all elements alike, and of each by itself (the errors that `crosstalk` draws).
+/// Crosstalk of all elements together, and of each element (same values as the error `crosstalk`).
 const CROSSTALK: [f64; 2] = [0.08, 0.05];
-/// What a value says of silence, counts.
+/// Largest offset without contact, counts.
 const OFFSET: f64 = 500.0;
 
-/// Of one fingertip.
 pub(super) struct Electronics {
-    /// Per element, counts per newton.
+    /// Gain per element, counts per newton.
     counts_per_n: Vec<Matrix3<f64>>,
-    /// Per element, counts.
+    /// Offset per element, counts.
     zero: Vec<Vector3<f64>>,
 }
 
@@ -44,7 +45,7 @@ impl Electronics {
         }
     }
 
-    /// What they say of readings `[f_n, f_t1, f_t2]`, N, in whole counts.
+    /// Converts forces `[f_n, f_t1, f_t2]`, N, to whole counts.
     pub(super) fn counts(&self, readings_n: &[[f32; AXES]]) -> Vec<f64> {
         let elements = self.counts_per_n.iter().zip(&self.zero).zip(readings_n);
         elements
@@ -55,7 +56,7 @@ impl Electronics {
             .collect()
     }
 
-    /// The calibration that undoes them; `None` if they cannot be undone.
+    /// Returns the exact inverse calibration; `None` if a matrix is singular.
     pub(super) fn exact(&self) -> Option<Calibration> {
         let back = |matrix: &Matrix3<f64>| {
             let back = matrix.try_inverse()?;
@@ -79,7 +80,6 @@ impl Electronics {
     }
 }
 
-/// Axes in any order, each either way round.
 fn swapped(random: &mut Random) -> Matrix3<f64> {
     let mut order = [0, 1, 2];
     for last in (1..AXES).rev() {

@@ -1,13 +1,15 @@
-//! `atas eval calibration`: what a grasp loses by a calibration that was fitted to guided presses, against the exact one.
+//! `atas eval calibration`: compares grasps with a calibration fitted to guided presses and with
+//! the exact one.
 //!
 //! ```text
-//!  World ─▶ its Fingertips ─ Electronics nobody knows ─▶ session: presses.csv, steps.csv, block.csv ─▶ atas calibrate fit ─┐
-//!    └───▶ the same trial twice: readings ─ Electronics ─ counts ─┬─ the exact calibration ─▶ controller ─▶ judge          │
-//!                                                                 └─ the fitted one and its settings ◀────────────────────┘
+//!  World ─▶ fingertips ─ Electronics ─▶ session: presses, steps, block ─▶ atas calibrate fit ──┐
+//!    └───▶ each trial twice: force ─ Electronics ─ counts ─┬─ exact calibration ─▶ controller  │
+//!                                                          └─ fitted one and its settings ◀────┘
 //! ```
 //!
-//! * **Invariants:** a function of its arguments, whatever the number of threads. Both grasp the same member of an object's family
-//!   with the same fingertips, whose skins are up to 20 % stiffer or softer than the controller knows, noise × 1 to 2.
+//! * **Invariants:** the result depends on the arguments only, not on the number of threads. Both
+//!   runs of a trial use the same object and fingertips; skins are up to 20 % stiffer or softer
+//!   than the controller's model, noise × 1 to 2.
 
 mod electronics;
 mod session;
@@ -31,13 +33,12 @@ use sim_backend::random::Random;
 use electronics::Electronics;
 use session::Made;
 
-/// Stream of a trial's seed for electronics and person (ours: any that the world has not).
+/// Random stream of electronics and person (arbitrary, unused by the world).
 const STREAM: u64 = 0x6361_6c69;
-/// Scale of the sensors' noise, and the error of their skins ([`sim_backend::Errors`]).
+/// Scale of the sensor noise, and the named error of the skins ([`sim_backend::Errors`]).
 const NOISE: [f64; 2] = [1.0, 2.0];
 const ERRORS: &str = "tips";
 
-/// What became of it.
 #[derive(Serialize)]
 struct Report {
     trials: u64,
@@ -45,15 +46,14 @@ struct Report {
     purpose: &'static str,
     exact: Under,
     fitted: Under,
-    /// Successes under the exact calibration without those under the fitted one, per cent of the trials.
+    /// Success rate with the exact calibration minus that with the fitted one, percentage points.
     lost_points: f64,
-    /// Trials that only one of them succeeded in.
+    /// Trials that succeeded with one of the calibrations only.
     only_exact: u64,
     only_fitted: u64,
     fit: Quality,
 }
 
-/// Under one calibration.
 #[derive(Serialize)]
 struct Under {
     successes: u64,
@@ -63,24 +63,21 @@ struct Under {
     failures: BTreeMap<String, u64>,
 }
 
-/// How good the fitted calibrations are.
 #[derive(Serialize)]
 struct Quality {
     fingertips: usize,
-    /// Error along `f_n`, `f_t1`, `f_t2` on presses that were left out, over what was pressed: median and largest.
+    /// Relative error of `f_n`, `f_t1`, `f_t2` on held-out presses: median and maximum.
     error_share: [f64; AXES],
     error_share_most: [f64; AXES],
-    /// How far the compression of a fingertip at 1 N is from that of its skin, over it: median.
+    /// Relative error of the fingertip compression at 1 N: median.
     compression_error: f64,
 }
 
-/// The calibrations that one trial's fingertips got.
 struct Fit {
     error_share: Vec<[f64; AXES]>,
     compression_error: f64,
 }
 
-/// Runs it behind a bar and prints what became of it.
 pub(super) fn calibration(
     arguments: &CalibrationEvaluation,
     interrupt: &Interrupt,
@@ -121,7 +118,6 @@ fn plan(arguments: &CalibrationEvaluation) -> anyhow::Result<Plan> {
     })
 }
 
-/// The exact calibration of a hand's fingertips and the one that a person makes of them.
 fn wear(world: &World, side: Side, seed: u64) -> anyhow::Result<(Vec<Worn>, Fit)> {
     let mut random = Random::new(seed, STREAM);
     let mut tips: Vec<_> = (0..)
@@ -159,7 +155,8 @@ fn wear(world: &World, side: Side, seed: u64) -> anyhow::Result<(Vec<Worn>, Fit)
     Ok((worn.into(), fit))
 }
 
-/// Makes counts of every reading of a hand, and newtons of these again.
+/// Returns a filter that converts each frame of a hand to counts, and back to newtons with the
+/// calibrations.
 fn felt_through(
     electronics: std::rc::Rc<Vec<Electronics>>,
     calibrations: Vec<Calibration>,

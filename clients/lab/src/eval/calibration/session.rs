@@ -1,7 +1,9 @@
-//! A person with one fingertip after the other: loads them as `atas calibrate guide` says, records what they say, fits.
+//! Simulated calibration session: loads each fingertip as `atas calibrate guide` asks, records its
+//! counts and fits.
 //!
-//! Everything goes through the files that a user has: `presses.csv` as `atas-sensor --dry-run` writes it, `steps.csv`, `block.csv`,
-//! then the calibration and the daemon's configuration that `atas calibrate fit` makes of them.
+//! All data pass through the user's files: `presses.csv` in the format of `atas-sensor --dry-run`,
+//! `steps.csv`, `block.csv`, then the calibration and configuration written by
+//! `atas calibrate fit`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -21,32 +23,30 @@ use super::electronics::Electronics;
 use crate::calibrate::fit_files;
 use crate::calibrate::guide::{STEPS, loads, row};
 
-/// Frames per second of the recorded fingertip (ours: as slow ones stream), and how long each load rests, s.
+/// Frame rate of the fingertip (design choice: a slow sensor), Hz, and duration of each load, s.
 const RATE_HZ: u64 = 100;
 const RESTS_S: u64 = 1;
-/// How well a person knows the force (of it, standard deviation) and keeps its direction (rad). Ours: kitchen scales, and a degree.
+/// Standard deviations of the applied force (relative) and its direction (rad). Design choice:
+/// kitchen scales, one degree.
 const FORCE_ERROR: f64 = 0.01;
 const AIM_ERROR_RAD: f64 = 0.017;
-/// Loads on the rigid block, N: up to what the hand may press.
+/// Loads on the rigid block, N: up to the force limit of the hand.
 const BLOCK_N: [f64; 16] = [
     0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0,
 ];
-/// How well the closing is known, m, standard deviation (ours: an encoder's step).
+/// Standard deviation of the measured closing, m (design choice: one encoder step).
 const CLOSING_ERROR_M: f64 = 5e-6;
-/// When a recording begins, and how long a frame is, ns.
+/// Start time of the recording and frame period, ns.
 const BEGIN_NS: u64 = 1_000_000_000;
 const FRAME_NS: u64 = 1_000_000_000 / RATE_HZ;
 
-/// What was made of a hand's fingertips.
 pub(super) struct Made {
-    /// One per fingertip.
     pub(super) calibrations: Vec<Calibration>,
-    /// The controller's settings.
     pub(super) settings: Settings,
 }
 
-/// Calibrates the fingertips of a hand, working in an empty folder. The daemon is told of one after the other, as by several
-/// `--config`.
+/// Calibrates the fingertips of a hand in an empty folder. Configurations are applied one after the
+/// other, as by repeated `--config`.
 pub(super) fn calibrate(
     tips: &mut [Fingertip],
     electronics: &[Electronics],
@@ -89,7 +89,7 @@ pub(super) fn calibrate(
     Ok(made)
 }
 
-/// What the command line makes of words behind `atas calibrate`: the defaults are the user's.
+/// Parses arguments after `atas calibrate`, so that the user's defaults apply.
 fn action(words: &[&str]) -> anyhow::Result<Calibrate> {
     match Arguments::of(&[&["atas", "calibrate"], words].concat())?.command {
         Command::Calibrate { action } => Ok(action),
@@ -99,7 +99,7 @@ fn action(words: &[&str]) -> anyhow::Result<Calibrate> {
     }
 }
 
-/// Loads a fingertip as a person is guided, and records it: the tables of presses and of steps.
+/// Loads a fingertip as guided and records it; returns the tables of presses and steps.
 fn recorded(
     tip: &mut Fingertip,
     electronics: &Electronics,
@@ -136,7 +136,7 @@ fn recorded(
             "{}",
             row(from_ns, BEGIN_NS + (frame - 1) * FRAME_NS, load_n)
         )?;
-        // The next load takes a second to place.
+        // Placing the next load takes one second.
         frame += RATE_HZ;
     }
     drop(table);
@@ -160,20 +160,21 @@ fn reading(frame: u64) -> Reading {
     }
 }
 
-/// What a fingertip is truly loaded with by a person who is told a load, N.
+/// Returns the actual load of a person who aims at `load_n`, N, with errors of force and direction.
 fn loaded(load_n: [f64; AXES], random: &mut Random) -> [f64; AXES] {
     let mut draw = |deviation: f64| deviation * random.gaussian();
     let aim = Rotation3::new(Vector3::from_fn(|_, _| draw(AIM_ERROR_RAD)));
     (aim * Vector3::from(load_n) * (1.0 + draw(FORCE_ERROR))).into()
 }
 
-/// How the fingertips truly compress, as far as one law for all of them can say.
+/// Returns the exact compression law, fitted over all fingertips.
 pub(super) fn exact_block(tips: &mut [Fingertip]) -> anyhow::Result<Block> {
     let presses = pressed_block(tips, |_| 0.0);
     press_block(&presses, 0.0, tips.len() as u32).context("could not press a rigid block")
 }
 
-/// Presses a rigid block between the fingertips: closing, m, and force, N; `err` draws an error of a standard deviation.
+/// Presses a rigid block between the fingertips; returns closing, m, and force, N. `err` draws an
+/// error of a given standard deviation.
 fn pressed_block(tips: &mut [Fingertip], mut err: impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
     let press = |force_n: f64| {
         let closing_m: f64 = tips
@@ -196,11 +197,12 @@ fn block_table(presses: &[(f64, f64)]) -> anyhow::Result<String> {
     Ok(table)
 }
 
-/// Changes settings as the daemon would that is told such a configuration.
+/// Applies a configuration file to settings, as the daemon does.
 fn tell(settings: &mut Settings, path: &Path) -> anyhow::Result<()> {
     let told: toml::Table = std::fs::read_to_string(path)?.parse()?;
     let perception = told.get("perception").and_then(toml::Value::as_table);
-    // Whatever the thresholds were, the lower one goes out of the way first, and comes last: a table is in the order of its keys.
+    // Set the lower threshold to 0 first and last (keys are sorted): every order of the two
+    // thresholds is then valid.
     settings.perception.touch_off_n = 0.0;
     let numbers: Vec<_> = perception.into_iter().flatten().collect();
     for (key, value) in numbers.into_iter().rev() {

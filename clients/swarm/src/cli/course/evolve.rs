@@ -17,7 +17,7 @@ use field::Responses;
 
 use super::{Format, answer, spare, stop_flag, style, toml_file, unless_set};
 
-/// Courses on which an evolved table is tried that it was not evolved on.
+/// Held-out courses for the evaluation of an evolved table.
 pub(super) const HELD_OUT: u64 = 100;
 
 #[derive(Debug, Args)]
@@ -25,16 +25,18 @@ pub(super) const HELD_OUT: u64 = 100;
     after_help = "Example:\n  ebts evolve course --seed 1 --out mine-course.toml\n  atas eval hybrid --table mine-course.toml"
 )]
 pub(crate) struct EvolveCourseArgs {
-    /// Generations after the random population (with many more, tables learn the courses and not the task).
+    /// Generations after the random population.
+    ///
+    /// With many more, tables adapt to the courses instead of the task.
     #[arg(long, default_value_t = 60)]
     generations: u32,
-    /// Names the run: the same seed gives the same table, bit for bit.
+    /// Seed of the run: the same seed gives the same table, bit for bit.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
-    /// The table file to write.
+    /// Table file to write.
     #[arg(long, value_name = "FILE.toml", default_value = "course.toml", value_parser = toml_file)]
     out: PathBuf,
-    /// Replace a table file that is there already.
+    /// Replace an existing table file.
     #[arg(long)]
     overwrite: bool,
 }
@@ -46,7 +48,7 @@ struct Evolved<'a> {
     generations: u32,
     fitness: f32,
     points: GoalPoints,
-    /// Share of fresh courses driven to their end, with one robot and with two.
+    /// Share of unseen courses completed with one robot and with two.
     held_out: [f64; 2],
     groups_driven: u64,
     hash: &'a str,

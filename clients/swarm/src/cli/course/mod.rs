@@ -1,4 +1,4 @@
-//! Tables for the course of a robot with hands: `ebts evolve course`, and `ebts show` of such a table.
+//! `ebts evolve course`, and `ebts show` of a course table.
 
 mod evolve;
 mod show;

@@ -1,4 +1,4 @@
-//! `ebts show` of a course's table.
+//! `ebts show` of a course table.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -16,7 +16,6 @@ use field::{ROWS, SENSORS};
 use super::evolve::HELD_OUT;
 use super::{Format, answer};
 
-/// Names of the sensors, bit by bit.
 const NAMES: [&str; SENSORS] = [
     "IR left",
     "IR front",
@@ -25,7 +24,6 @@ const NAMES: [&str; SENSORS] = [
     "light right",
 ];
 
-/// Whether a file is a course's table.
 pub(in crate::cli) fn is_course_file(path: &Path) -> Result<bool> {
     Ok(CourseFile::is_one(&read_text(path)?))
 }
@@ -49,7 +47,6 @@ struct ShownRow {
     read: bool,
 }
 
-/// Shows a course's table in words.
 pub(in crate::cli) fn show(path: &Path, format: Format) -> Result<()> {
     let (file, table, rows_read) = CourseFile::read(path)?;
     let row = |row: usize| {
@@ -92,7 +89,6 @@ fn describe(path: &Path, shown: &Shown) -> String {
             false => row.sensors.join(", "),
         };
         let [left, right] = row.wheels;
-        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "  row {index:>2}: {sensors}: {} (wheels {left} {right})",

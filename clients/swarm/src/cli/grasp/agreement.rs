@@ -1,4 +1,4 @@
-//! `ebts agreement`: what the reduced grasp is worth.
+//! `ebts agreement`: agreement of reduced and full grasp simulation.
 
 use std::fmt::Write as _;
 
@@ -13,10 +13,10 @@ use super::{Format, answer, stop_flag, style};
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  ebts agreement --seeds 4")]
 pub(crate) struct AgreementArgs {
-    /// Members of each of the eight families of objects; 32 choices of rules are tried on each.
+    /// Members of each of the eight object families; 32 rule sets are simulated on each.
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
-    /// The first seed of the families.
+    /// First seed of the families.
     #[arg(long, default_value_t = 7_500_001)]
     first_seed: u64,
     /// Threads; all cores by default.

@@ -19,13 +19,12 @@ use ebts::grasp::table_file::GraspFile;
 
 use super::{Format, answer, spare, stop_flag, style, toml_file, unless_set};
 
-/// How a grasp is evolved.
 #[derive(Debug, Args)]
 pub(super) struct EvolutionArgs {
     /// Generations after the random population.
     #[arg(long, default_value_t = 2000)]
     pub(super) generations: u32,
-    /// Let Module 3 stand beside the table while it evolves; otherwise the table must find it.
+    /// Keep Module 3 active during evolution; otherwise the table must replace it.
     #[arg(long)]
     pub(super) with_module_3: bool,
 }
@@ -35,13 +34,13 @@ pub(super) struct EvolutionArgs {
 pub(crate) struct EvolveGraspArgs {
     #[command(flatten)]
     evolution: EvolutionArgs,
-    /// Names the run: the same seed gives the same table, bit for bit.
+    /// Seed of the run: the same seed gives the same table, bit for bit.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: u64,
-    /// The table file to write.
+    /// Table file to write.
     #[arg(long, value_name = "FILE.toml", default_value = "grasp.toml", value_parser = toml_file)]
     out: PathBuf,
-    /// Replace a table file that is there already.
+    /// Replace an existing table file.
     #[arg(long)]
     overwrite: bool,
 }
@@ -94,14 +93,13 @@ pub(in crate::cli) fn evolve(args: &EvolveGraspArgs, format: Format) -> Result<(
             evolved.wall_s
         );
         for (family, points) in families.iter().zip(evolved.points) {
-            // Writing to a string cannot fail.
             let _ = writeln!(text, "  {:<18} {points:>5.1}", family.name);
         }
         text
     })
 }
 
-/// One run; its table file, and how many grasps it simulated.
+/// Executes one run. Returns its table file and the number of simulated grasps.
 pub(super) fn run(
     families: &[Family],
     args: &EvolutionArgs,

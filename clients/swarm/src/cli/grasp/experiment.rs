@@ -1,4 +1,4 @@
-//! `ebts experiment grasp`: many runs, and the verdict on what they evolved.
+//! `ebts experiment grasp`: many runs and the verdict on their tables.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ use ebts::workers::pool;
 use super::evolve::{EvolutionArgs, run};
 use super::{Format, answer, stop_flag, style};
 
-/// Where the verdict's members of the families begin: nothing was evolved or tuned on them.
+/// First seed of the family members of the verdict; they are used neither in evolution nor tuning.
 const JUDGED_FROM: u64 = 7_600_001;
 
 #[derive(Debug, Args)]
@@ -40,16 +40,18 @@ pub(crate) struct ExperimentGraspArgs {
     /// Runs of the genetic algorithm.
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     seeds: u64,
-    /// The first seed; the others follow it.
+    /// First seed; the others follow it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64 / 2))]
     first_seed: u64,
-    /// Evolve only part i of n of the runs, and judge nothing: folders of shards are put together by copying their files.
+    /// Evolve only part i of n of the runs, without verdict.
+    ///
+    /// Shards are merged by copying their files into one folder.
     #[arg(long, value_name = "i/n")]
     shard: Option<Shard>,
-    /// Folder with one table file per run; runs that are there are not evolved again, but checked.
+    /// Folder with one table file per run; existing runs are verified instead of repeated.
     #[arg(long, default_value = "grasp")]
     out: PathBuf,
-    /// Members of each of the eight families of objects that the verdict is about.
+    /// Members of each of the eight object families for the verdict.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     members: u64,
     /// Threads; all cores by default.
@@ -57,16 +59,14 @@ pub(crate) struct ExperimentGraspArgs {
     threads: usize,
 }
 
-/// What an experiment found.
 #[derive(Serialize)]
 struct Verdict {
-    /// The fittest table in the reduced simulation: chosen without the verdict.
+    /// Score of the fittest table in the reduced simulation, chosen without the verdict.
     table: Score,
-    /// Median of the tables' success.
     tables_success_median: f64,
-    /// Best of the tables' success: chosen with it.
+    /// Best success of the tables, chosen with the verdict.
     tables_success_best: f64,
-    /// How many of the tables have found each module again, in every row that asks for it.
+    /// Number of tables that correspond to each module in every row to which it applies.
     again: Vec<(&'static str, usize)>,
     #[serde(flatten)]
     judged: Judged,
@@ -118,7 +118,6 @@ pub(in crate::cli) fn experiment(args: &ExperimentGraspArgs, format: Format) -> 
     answer(format, &found, || describe(&found, &figure_path))
 }
 
-/// The runs of the experiment, evolved or read.
 fn runs(
     args: &ExperimentGraspArgs,
     families: &[Family],
@@ -213,7 +212,6 @@ fn describe(found: &Verdict, figure: &Path) -> String {
     let mut row = |name: &str, score: &Score| {
         let number =
             |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
-        // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             " {name:<32} {:>5.1} % [{:>4.1}, {:>5.1}]   {:>5} {:>8} {:>8} {:>10} {:>7} {:>9.1} %",

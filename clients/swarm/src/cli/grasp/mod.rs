@@ -1,4 +1,5 @@
-//! Tables that feel: `ebts evolve grasp`, `ebts experiment grasp`, `ebts agreement`, and `ebts show` of such a table.
+//! Grasp tables: `ebts evolve grasp`, `ebts experiment grasp`, `ebts agreement`, and `ebts show` of
+//! a grasp table.
 
 mod agreement;
 mod evolve;

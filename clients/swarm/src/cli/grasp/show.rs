@@ -15,7 +15,6 @@ use ebts::grasp::words::{Again, found_again, sentences};
 
 use super::{Format, answer, print};
 
-/// Whether a file is a grasp table.
 pub(in crate::cli) fn is_grasp_file(path: &Path) -> Result<bool> {
     Ok(GraspFile::is_one(&read_text(path)?))
 }
@@ -31,7 +30,6 @@ struct Shown {
     again: Again,
 }
 
-/// Shows a grasp table in words, or as a task.
 pub(in crate::cli) fn show(path: &Path, task: Option<&str>, format: Format) -> Result<()> {
     let families = course::families()?;
     let (file, table) = GraspFile::read(path, &families)?;
@@ -61,7 +59,6 @@ pub(in crate::cli) fn show(path: &Path, task: Option<&str>, format: Format) -> R
             file.hash
         );
         for ((family, points), outcome) in families.iter().zip(file.points).zip(&outcomes) {
-            // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
                 "  {:<18} {points:>5.1}  {:?}, F_n {:.2} N of {:.2} N needed, {:.1} s",

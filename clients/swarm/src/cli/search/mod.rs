@@ -1,4 +1,4 @@
-//! `ebts search`: looks for a preset on which chosen findings of the paper hold.
+//! `ebts search`: searches for a preset on which chosen findings of the paper hold.
 
 mod words;
 
@@ -37,10 +37,10 @@ is an experiment in the folder, for ebts analyse, compare, find.";
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct SearchArgs {
-    /// A key of the preset and a range of numbers, or its values; several times for several keys.
+    /// A key of the preset and a numeric range or values; repeat for several keys.
     #[arg(long, required = true, value_name = "KEY=LOW..HIGH|KEY=V,...")]
     vary: Vec<Range>,
-    /// Findings that are to hold together.
+    /// Findings that must hold together.
     #[arg(
         long,
         value_delimiter = ',',
@@ -52,33 +52,34 @@ pub(crate) struct SearchArgs {
     evolution: EvolutionArgs,
     #[command(flatten)]
     engine: EngineArgs,
-    /// Presets of the first stage; each further stage has a third of them on twice as many further seeds.
+    /// Presets of the first stage.
+    ///
+    /// Each further stage has a third of them on twice as many further seeds.
     #[arg(long, default_value_t = 60)]
     candidates: usize,
-    /// Presets that get a verdict.
+    /// Presets that receive a verdict.
     #[arg(long, default_value_t = 3)]
     best: usize,
-    /// Names the draw of the presets.
+    /// Seed for the draw of the presets.
     #[arg(long, default_value_t = 1)]
     draw: u64,
     /// Runs per team size in the first stage.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u64).range(1..=10_000))]
     seeds: u64,
-    /// The first seed to choose with; the others follow it.
+    /// First seed used for choosing; the others follow it.
     #[arg(long, default_value_t = 1_000_001, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64 / 2))]
     first_seed: u64,
-    /// Runs per team size of the verdict.
+    /// Runs per team size for the verdict.
     #[arg(long, default_value_t = 80, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     verdict_seeds: u64,
-    /// The first seed of the verdict, with which nothing is chosen.
+    /// First seed of the verdict; these seeds choose nothing.
     #[arg(long, default_value_t = 9_000_001, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64 / 2))]
     verdict_first_seed: u64,
-    /// Folder of the search; continued if it is there already.
+    /// Folder of the search; an existing one is continued.
     #[arg(long, default_value = "search")]
     out: PathBuf,
 }
 
-/// What the search came to.
 #[derive(Serialize)]
 struct Searched {
     preset: String,
@@ -86,34 +87,30 @@ struct Searched {
     stages: Vec<Stage>,
     verdict_first_seed: u64,
     verdict_seeds: u64,
-    /// By the verdict, the likeliest first.
+    /// Presets by their verdict, the most probable first.
     best: Vec<Found>,
-    /// Over the candidates of the first stage.
+    /// Co-occurrence over the candidates of the first stage.
     together: Vec<Together>,
 }
 
 #[derive(Serialize)]
 struct Found {
     file: PathBuf,
-    /// The experiment of the verdict.
     folder: PathBuf,
     changes: String,
     preset: Preset,
-    /// By the seeds that chose it: too good, as whatever is chosen.
+    /// Score on the tuning seeds, which is optimistic because of the selection.
     tuning: Score,
-    /// By the seeds of the verdict.
     verdict: Score,
     all_hold: bool,
 }
 
-/// A candidate with what its runs said so far.
 struct Tried {
     candidate: Candidate,
     records: Vec<Record>,
     score: Score,
 }
 
-/// A search under way.
 struct Search<'a> {
     args: &'a SearchArgs,
     halving: Halving,
@@ -156,7 +153,8 @@ pub(super) fn search(args: SearchArgs, format: Format) -> Result<()> {
 }
 
 impl Search<'_> {
-    /// All stages; the best of the last, and which findings came together in the first.
+    /// Runs all stages. Returns the best candidates of the last and the co-occurrence of findings
+    /// in the first.
     fn tune(&self, candidates: Vec<Candidate>) -> Result<(Vec<Tried>, Vec<Together>)> {
         let mut tried: Vec<Tried> = candidates
             .into_iter()
@@ -182,7 +180,6 @@ impl Search<'_> {
         Ok((tried, pairs.unwrap_or_default()))
     }
 
-    /// Every candidate on the seeds of a stage.
     fn stage(&self, stage: &Stage, tried: &mut [Tried]) -> Result<()> {
         let bar = ProgressBar::new(tried.len() as u64).with_style(style("preset"));
         let mut best = 0.0_f64;
@@ -204,7 +201,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// The verdict over one candidate, with everything that an experiment has.
+    /// Runs the verdict of one candidate as a complete experiment.
     fn judge(&self, tried: Tried) -> Result<Found> {
         let Tried {
             candidate, score, ..

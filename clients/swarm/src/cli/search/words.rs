@@ -1,4 +1,4 @@
-//! What a search came to, in words and columns.
+//! Text output of a search.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,6 @@ use ebts::search::{Judged, Together};
 use super::{Found, Searched};
 use crate::cli::report::interval;
 
-/// All of it.
 pub(super) fn describe(searched: &Searched) -> String {
     let mut text = format!("search around preset {}\n\n", searched.preset);
     text += "stage  presets  runs per team size, further seeds\n";
@@ -38,7 +37,6 @@ pub(super) fn describe(searched: &Searched) -> String {
     text + &pairs(&searched.together)
 }
 
-/// Each finding of one preset, by the seeds that chose it and by those of the verdict.
 fn claims(found: &Found) -> String {
     let mut text = format!("  {:<43} chance  verdict [95 %]\n", "finding");
     let both = found.tuning.claims.iter().zip(&found.verdict.claims);
@@ -66,7 +64,6 @@ fn claims(found: &Found) -> String {
     text
 }
 
-/// Which findings exclude each other.
 fn pairs(together: &[Together]) -> String {
     let mut text =
         String::from("\npresets of stage 1 that show both of two findings, and each of them\n");

@@ -1,20 +1,19 @@
-//! The same shards and merge as Jobs of Kubernetes, in the JSON that `kubectl apply` reads.
+//! Kubernetes Jobs for the shards and the merge, as JSON for `kubectl apply`.
 //!
-//! Pods are gone when they have ended, so everything lies on a PersistentVolumeClaim that all of them mount in place of the
-//! folder; there each sweep has a folder of its own. The program is the image's.
+//! Files of a pod are lost when it ends. All pods therefore mount a PersistentVolumeClaim in place
+//! of the folder; each sweep has its own folder on it. The image contains the program.
 
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::{Parts, quoted};
 
-/// Where pods run, and where their runs stay.
 #[derive(Debug, Args)]
 pub(super) struct ClusterArgs {
-    /// Kubernetes: an image with ebts and sh, and with the files that the experiment names at the same place.
+    /// Kubernetes: image with ebts, sh and the files of the experiment at the same paths.
     #[arg(long, default_value = "ebts", value_parser = image)]
     image: String,
-    /// Kubernetes: the PersistentVolumeClaim that keeps the runs; the nodes' pods all write to it (ReadWriteMany).
+    /// Kubernetes: PersistentVolumeClaim for the runs, writable by all pods (ReadWriteMany).
     #[arg(long, default_value = "ebts", value_parser = object_name)]
     claim: String,
 }
@@ -28,7 +27,7 @@ fn image(text: &str) -> Result<String, String> {
     }
 }
 
-/// What Kubernetes takes for the name of an object (RFC 1123).
+/// Validates the name of a Kubernetes object (RFC 1123).
 fn object_name(text: &str) -> Result<String, String> {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit();
     let label = |label: &str| {
@@ -45,8 +44,8 @@ fn object_name(text: &str) -> Result<String, String> {
 }
 
 impl Parts {
-    /// A claim for those who have none. A run takes 1 kB in its shard and again in the merge, what is concluded from a shard 150 kB
-    /// (measured): a million runs in 10,000 shards fit twice.
+    /// Returns a claim for clusters without one. Measured: a run takes 1 kB in its shard and again
+    /// in the merge; the results of a shard take 150 kB. A million runs in 10,000 shards fit twice.
     pub(super) fn claim(&self) -> Value {
         json!({
             "apiVersion": "v1",
@@ -56,7 +55,8 @@ impl Parts {
         })
     }
 
-    /// One pod for each shard, begun again up to six times: it goes on where it was.
+    /// Returns a Job with one pod per shard, restarted up to six times; a restarted shard
+    /// continues.
     pub(super) fn indexed_job(&self) -> Value {
         let Self {
             arguments,
@@ -78,7 +78,6 @@ impl Parts {
         job("ebts", &spec)
     }
 
-    /// The merge, to be applied when the shards have ended.
     pub(super) fn merge_job(&self) -> Value {
         let out = quoted(&self.folder);
         let script = format!("exec ebts merge {out}/whole {out}/shard-*/");

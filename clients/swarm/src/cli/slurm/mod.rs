@@ -1,6 +1,8 @@
-//! `ebts slurm`: scripts that run an experiment in shards on a cluster, for Slurm, Kubernetes and GNU parallel.
+//! `ebts slurm`: writes scripts that run an experiment in shards on a cluster (Slurm, Kubernetes,
+//! GNU parallel).
 //!
-//! Only text is written: the shards, their checkpoints and the merge are those of `ebts experiment` and `ebts merge`.
+//! The scripts call `ebts experiment` and `ebts merge`, which provide shards, checkpoints and
+//! merge.
 
 mod kubernetes;
 
@@ -26,26 +28,25 @@ const EXAMPLES: &str = "Example:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct SlurmArgs {
-    /// Parts, one array task each.
+    /// Number of parts, one array task each.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
-    /// Tasks that run at the same time, at most.
+    /// Largest number of concurrent tasks.
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
     at_once: u32,
-    /// Threads of a task.
+    /// Threads per task.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
-    /// Folder for the scripts and the runs, on a file system that all nodes see.
+    /// Folder for the scripts and the runs, on a file system that all nodes share.
     #[arg(long)]
     out: PathBuf,
     #[command(flatten)]
     cluster: ClusterArgs,
-    /// What ebts experiment is told, without --shard, --out and --threads.
+    /// Arguments of ebts experiment, without --shard, --out and --threads.
     #[arg(last = true, required = true, value_name = "EXPERIMENT")]
     experiment: Vec<String>,
 }
 
-/// The arguments of an experiment on their own.
 #[derive(Parser)]
 #[command(name = "ebts experiment", disable_help_flag = true)]
 struct Experiment {
@@ -62,7 +63,7 @@ struct Written {
 pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
     let runs = check(&args.experiment)?;
     std::fs::create_dir_all(&args.out).map_err(Error::io("create folder", &args.out))?;
-    // Tasks begin in folders of their own choice.
+    // Absolute path, because tasks start in other folders.
     let out = args
         .out
         .canonicalize()
@@ -112,7 +113,7 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
     })
 }
 
-/// Refuses what is no experiment here rather than on a hundred nodes; says how many runs it has.
+/// Rejects invalid experiments before they reach the cluster; returns the number of runs.
 fn check(experiment: &[String]) -> Result<usize> {
     let refuse = |was: String| {
         let needs = "arguments of ebts experiment without --shard, --out and --threads";
@@ -137,7 +138,8 @@ fn check(experiment: &[String]) -> Result<usize> {
     Ok(runs.plan(runs.evolution.preset()?)?.jobs().len())
 }
 
-/// A word with the files that it names named from the root: `own.toml`, `--preset=own.toml`.
+/// Replaces the path of an existing file in an argument by its absolute path: `own.toml`,
+/// `--preset=own.toml`.
 fn from_anywhere(word: &str) -> String {
     let (option, value) = match word.split_once('=') {
         Some((option, value)) if option.starts_with("--") => (format!("{option}="), value),
@@ -149,7 +151,6 @@ fn from_anywhere(word: &str) -> String {
     }
 }
 
-/// A word as a shell reads it back.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,".contains(c);
     match !word.is_empty() && word.chars().all(plain) {
@@ -158,13 +159,11 @@ fn quoted(word: &str) -> String {
     }
 }
 
-/// What the scripts are made of.
 struct Parts {
-    /// This program, quoted for a shell.
+    /// Path of this program, quoted for a shell.
     program: String,
-    /// What it is told but for the shard, quoted for a shell.
+    /// Its arguments without the shard, quoted for a shell.
     arguments: String,
-    /// The folder of the sweep, from the root.
     folder: String,
     shards: u32,
     at_once: u32,
@@ -173,12 +172,11 @@ struct Parts {
 }
 
 impl Parts {
-    /// The folder, quoted for a shell.
     fn out(&self) -> String {
         quoted(&self.folder)
     }
 
-    /// One shard, wherever it runs. Begun again it goes on where it was.
+    /// Returns the script of one shard. A restarted shard continues.
     fn shard(&self) -> String {
         let Self {
             program,
@@ -194,8 +192,9 @@ impl Parts {
         )
     }
 
-    /// Slurm warns a minute before the time limit, and before it takes the node away where the cluster is set up to; the shard
-    /// then saves what is under way, and this one task is queued again. The number of the job alone may mean the whole array.
+    /// Returns the Slurm array script. Slurm sends SIGTERM a minute before the time limit, and on
+    /// preemption if so configured. The shard then saves its state and this task alone is queued
+    /// again; the job number alone could mean the whole array.
     fn array(&self) -> String {
         let Self {
             shards,

@@ -1,11 +1,11 @@
-//! Noise over lanes: the draws of [`crate::chance`], in the same order.
+//! Noise over lanes: draws of [`crate::noise`] in the same order.
 
 use super::Fields;
 use crate::chance::{PART_BITS, PARTS_LOG2, XORSHIFT};
 use crate::lanes::{Ints, Lanes};
 
 impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
-    /// What an agent's sensors say after chance; `ir` as 4 left, 8 front, 16 right.
+    /// `ir` as 4 left, 8 front, 16 right.
     #[inline(always)]
     pub(super) fn mislead(&mut self, ir: T::Ints, photo: [T::Mask; 2]) -> (T::Ints, [T::Mask; 2]) {
         let flip = self.c.noise.sensor_flips_per_1024;
@@ -24,13 +24,13 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         (ir ^ flips, seen)
     }
 
-    /// What a photo sensor says, which says the opposite where `flip` is 1.
+    /// Inverts a photo sensor where `flip` is 1.
     #[inline(always)]
     fn seen(&self, light: T::Mask, flip: T::Ints) -> T::Mask {
         T::is_zero(self.bit(light, 1) ^ self.int(1) ^ flip)
     }
 
-    /// A response code without the levels of wheels that slip.
+    /// Clears the levels of slipping wheels in a code.
     #[inline(always)]
     pub(super) fn slip(&mut self, code: T::Ints) -> T::Ints {
         let slip = self.c.noise.wheel_slips_per_1024;
@@ -40,7 +40,6 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         code & (stands ^ self.int(0b1111))
     }
 
-    /// The next word of every stream.
     #[inline(always)]
     fn draw(&mut self) -> T::Ints {
         let [left, right, last] = [
@@ -54,7 +53,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         self.noise
     }
 
-    /// 1 in the lanes where the event drawn by the `place`-th ten bits of a word happens, at a chance of so many parts.
+    /// Returns 1 where the event of the `place`-th ten bits occurs, at probability `parts` / 1024.
     #[inline(always)]
     fn happens(&self, word: T::Ints, place: i32, parts: u16) -> T::Ints {
         let drawn = word.shr(self.int(place * PARTS_LOG2 as i32)) & self.int(PART_BITS as i32);

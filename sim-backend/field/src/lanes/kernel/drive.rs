@@ -1,4 +1,4 @@
-//! How agents turn and drive, and how bodies meet.
+//! Motion of the agents and contact between bodies.
 
 use super::{Fields, Team};
 use crate::arithmetic::COINCIDENT_SQ;
@@ -6,7 +6,7 @@ use crate::lanes::{Ints, Lanes, Mask};
 use crate::obstacle::Body;
 
 impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
-    /// Turns agent `i` and says where it would go.
+    /// Turns agent `i`; returns its target position.
     #[inline(always)]
     fn turn_and_step(&mut self, i: usize, code: T::Ints) -> (T, T) {
         let (turn, travel) = T::drive(code, &self.c.travel);
@@ -23,7 +23,6 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         }
     }
 
-    /// An agent's coordinate, clamped into the field.
     #[inline(always)]
     fn inside(&self, coordinate: T) -> T {
         self.clamp(coordinate, self.c.agent_limit)
@@ -48,7 +47,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         self.push_object(met);
     }
 
-    /// Moves agents that overlap apart, pair by pair; says whether any did.
+    /// Returns true if any agents met.
     #[inline(always)]
     fn separate_agents(&mut self) -> bool {
         let mut met = false;
@@ -122,7 +121,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         each_agent!(i of N { self.give_way(i, pushed) });
     }
 
-    /// Puts agent `i` back where it overlaps an object that was pushed.
+    /// Moves agent `i` out of a pushed object.
     #[inline(always)]
     fn give_way(&mut self, i: usize, pushed: T::Mask) {
         let (touch, dx, dy, sq) = self.overlap(i);
@@ -139,7 +138,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         }
     }
 
-    /// The part of an overlap that the object yields to this many agents.
+    /// Share of an overlap that the object yields to these agents.
     #[inline(always)]
     fn push_for(&self, agents: T::Ints) -> T {
         let [one, two, three, four] = self.c.push;
@@ -152,7 +151,6 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         T::select(alone, self.v(one), several)
     }
 
-    /// Lanes in which a count is this one.
     #[inline(always)]
     fn are(&self, agents: T::Ints, count: i32) -> T::Mask {
         T::is_zero(agents + self.int(-count))
@@ -167,7 +165,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         });
     }
 
-    /// `met` says whether any agent has touched the object in this frame.
+    /// Sets `met` if the agent touches the object.
     #[inline(always)]
     fn drive_unless_blocked(&mut self, i: usize, code: T::Ints, push: T, met: &mut bool) {
         let from = (self.x[i], self.y[i]);
@@ -186,8 +184,8 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         self.y[i] = T::select(blocked, from.1, to.1);
     }
 
-    /// Agent `i`, on its way `to` a place, pushes the object and is held back by it, or is blocked. Says whether any touches
-    /// it.
+    /// Pushes the object on the way `to` a position, and holds back or blocks the agent. Returns
+    /// true on contact.
     #[inline(always)]
     fn push_ahead(&mut self, i: usize, to: &mut (T, T), blocked: &mut T::Mask, push: T) -> bool {
         let (dx, dy) = (self.object_x - to.0, self.object_y - to.1);
@@ -225,8 +223,8 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         true
     }
 
-    /// Lanes in which a body going `from` → `to` would come closer than contact to an agent other than `i`, and closer than
-    /// it was.
+    /// Lanes in which the move brings a body within contact of an agent other than `i`, and closer
+    /// than before.
     #[inline(always)]
     fn others_press(&self, i: usize, from: (T, T), to: (T, T), contact_sq: f32) -> T::Mask {
         let mut press = T::mask(self.cpu, 0);

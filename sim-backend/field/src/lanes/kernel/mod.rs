@@ -1,12 +1,11 @@
-//! The field model over lanes: the same operations in the same order as [`crate::World`], for `T::WIDTH` trials at once.
+//! Field model over lanes: operations of [`crate::World`] in the same order, for `T::WIDTH` trials.
 //!
-//! Work that no lane needs is skipped. A skipped block is one that would change nothing in any lane: its tests are false in
-//! all of them, with a margin of a pixel against rounding ([`Constants::cull_object_sq`] and its siblings). A block that runs
-//! because one lane needs it writes the other lanes through a mask.
+//! A block is skipped only if it changes nothing in any lane, with a margin of one pixel against
+//! rounding ([`Constants::cull_object_sq`]). Otherwise a mask protects the other lanes.
 
-/// Repeats a block for each agent of a team; unrolled where the lanes are registers. The compiler leaves blocks as long as the
-/// kernel's rolled up and the whole state in memory; unrolled, the frame of two and more agents takes 2 to 13 % less. Lanes
-/// in plain arrays are better left to the compiler, which needs half as long again for them unrolled (both measured).
+/// Repeats a block per agent, unrolled for register lanes. The compiler does not unroll long blocks
+/// and keeps the state in memory; unrolling saves 2 to 13 % per frame with two or more agents.
+/// Array lanes take half as long again if unrolled. Both measured.
 macro_rules! each_agent {
     ($i:ident of $team:ident $body:block) => {
         each_agent!($i of $team $body, 0 1 2 3)
@@ -40,11 +39,10 @@ use crate::constants::Constants;
 use crate::obstacle::Obstacles;
 use crate::preset::Contact;
 
-/// One value per agent.
 type Team<T, const N: usize> = [T; N];
 
-/// The state of `T::WIDTH` fields with `N` agents each; a kernel of its own for fields with walls or posts, so that nobody
-/// else pays for them.
+/// State of `T::WIDTH` fields. Fields with obstacles have a separate kernel, which keeps the others
+/// fast.
 pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize, const WALLED: bool> {
     cpu: T::Cpu,
     c: &'a Constants,
@@ -58,22 +56,20 @@ pub(in crate::lanes) struct Fields<'a, T: Lanes, const N: usize, const WALLED: b
     object_y: T,
     goal_x: T,
     goal_y: T,
-    /// Frames since the trial began.
+    /// Frames since the start.
     frame: T::Ints,
     rows_read: T::Ints,
     reached_frame: T::Ints,
-    /// The stream of noise; nobody reads it without noise.
     noise: T::Ints,
-    /// What each agent may see or touch in this frame.
     near: Team<Near, N>,
-    /// How many agents touch and face the object at the start of the frame.
+    /// Agents that touch and face the object at the start of the frame.
     facing: T::Ints,
-    /// Whether any lane's object is elsewhere than when arrivals were last noted.
+    /// True if any object moved since the last arrival check.
     object_moved: bool,
 }
 
-/// What an agent may see by IR or touch in this frame in some lane. Until bodies meet, an agent moves no further than its
-/// wheels turn: what is not near at the start of the frame stays out of reach until then.
+/// Bodies that an agent may detect or touch in this frame in some lane. Other bodies stay out of
+/// reach until bodies meet, because only wheels move an agent until then.
 #[derive(Clone, Copy, Default)]
 struct Near {
     walls: bool,
@@ -82,7 +78,7 @@ struct Near {
     agents: bool,
 }
 
-/// All that moves, and all that the next frame depends on.
+/// Dynamic state; without noise the next frame depends on nothing else.
 pub(in crate::lanes) struct Stance<T, const N: usize> {
     x: Team<T, N>,
     y: Team<T, N>,
@@ -93,7 +89,6 @@ pub(in crate::lanes) struct Stance<T, const N: usize> {
 }
 
 impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> {
-    /// Empty fields.
     #[inline(always)]
     pub(in crate::lanes) fn new(cpu: T::Cpu, c: &'a Constants, obstacles: &'a Obstacles) -> Self {
         let (zero, none) = (T::splat(cpu, 0.0), T::int_splat(cpu, 0));
@@ -120,7 +115,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
         }
     }
 
-    /// Begins the trials of `seats` in the lanes of the mask.
+    /// Starts the trials of `inputs` in the lanes of the mask.
     #[inline(always)]
     pub(in crate::lanes) fn admit(&mut self, lanes: T::Mask, seats: &Seats<N>) {
         let (zero, none) = (self.v(0.0), self.int(0));
@@ -146,7 +141,6 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
         self.noise = T::int_select(lanes, noise, self.noise);
     }
 
-    /// One frame of every field.
     #[inline(always)]
     pub(in crate::lanes) fn advance(&mut self, seats: &Seats<N>) {
         let codes = self.sense(seats);
@@ -171,13 +165,13 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
         T::int_splat(self.cpu, value)
     }
 
-    /// `value` in the lanes of the mask, 0 elsewhere.
+    /// `value` in the lanes of the mask, else 0.
     #[inline(always)]
     fn bit(&self, mask: T::Mask, value: i32) -> T::Ints {
         T::int_select(mask, self.int(value), self.int(0))
     }
 
-    /// Which lanes of agent `i` overlap the object, the vector from agent to object and its squared length.
+    /// Lanes in which agent `i` overlaps the object, the vector to the object, its squared length.
     #[inline(always)]
     fn overlap(&self, i: usize) -> (T::Mask, T, T, T) {
         let (dx, dy) = (self.object_x - self.x[i], self.object_y - self.y[i]);
@@ -205,13 +199,13 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
         self.reached_frame = T::int_select(beyond, self.reached_frame, first);
     }
 
-    /// One bit per lane whose trial is at this frame.
+    /// Lanes at this frame.
     #[inline(always)]
     pub(in crate::lanes) fn at_frame(&self, frame: u32) -> u32 {
         T::is_zero(self.frame + self.int(-(frame as i32))).bits()
     }
 
-    /// One bit per lane that is where it was `before`, and goes on from there as it did then.
+    /// Lanes whose state equals `before`; none with noise.
     #[inline(always)]
     pub(in crate::lanes) fn back_at(&self, before: &Stance<T, N>) -> u32 {
         if !self.c.noise.is_none() {
@@ -225,7 +219,6 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
         same.bits()
     }
 
-    /// All that moves.
     #[inline(always)]
     pub(in crate::lanes) fn stance(&self) -> Stance<T, N> {
         let Self {
@@ -247,7 +240,6 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
         }
     }
 
-    /// What every lane came to so far.
     #[inline(always)]
     pub(in crate::lanes) fn measure(&self) -> Results<N> {
         let mut results = Results {

@@ -1,4 +1,5 @@
-//! Walls and posts over lanes: the operations of [`crate::obstacle`] and of the reference's sight, in the same order.
+//! Walls and posts over lanes: operations of [`crate::obstacle`] and [`crate::sight`] in the same
+//! order.
 
 use super::Fields;
 use super::sense::Ray;
@@ -8,7 +9,7 @@ use crate::obstacle::{Body, Obstacle};
 use crate::trial::Point;
 
 impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
-    /// Adds what agent `i` sees by IR of walls and posts; says whether any is near in some lane.
+    /// Returns true if any obstacle is near in some lane.
     #[inline(always)]
     pub(super) fn see_obstacles(&self, mut seen: T::Ints, i: usize) -> (T::Ints, bool) {
         let mut near = false;
@@ -41,7 +42,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         self.ray(i, x - self.x[i], y - self.y[i])
     }
 
-    /// A place with the left, the front and the right IR sensor straight ahead.
+    /// A point in the frames of the left, front and right IR sensor.
     #[inline(always)]
     fn turned(&self, Ray { ahead, left, .. }: Ray<T>) -> [(T, T); 3] {
         let (cos, sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
@@ -54,7 +55,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         ]
     }
 
-    /// Whether the segment straight ahead crosses a wall between these ends.
+    /// Tests if the segment ahead crosses a wall.
     #[inline(always)]
     fn crosses(&self, from: (T, T), to: (T, T)) -> T::Mask {
         let zero = self.v(0.0);
@@ -65,7 +66,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         ahead.lt_among(beyond, zero.lt_among(ahead, apart))
     }
 
-    /// Where a body ends that goes `from` → `to`, and the lanes in which obstacles do not let it. What does not move stays.
+    /// Returns the end position and the blocked lanes. A body at rest stays.
     #[inline(always)]
     pub(super) fn settle(&self, body: Body, from: (T, T), to: (T, T)) -> ((T, T), T::Mask) {
         let moved = self.moved(from, to);
@@ -85,7 +86,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         (at, moved & self.bars(body, from, at))
     }
 
-    /// The same, where obstacles stop a body: it stays where it was in the lanes in which they do not let it.
+    /// Returns the end position; a blocked body stays at `from`.
     #[inline(always)]
     pub(super) fn settled(&self, body: Body, from: (T, T), to: (T, T)) -> (T, T) {
         if !WALLED {
@@ -98,7 +99,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         )
     }
 
-    /// Lanes in which a body may not go `from` → `to` as it is.
+    /// Lanes in which obstacles forbid the move.
     #[inline(always)]
     pub(super) fn bars(&self, body: Body, from: (T, T), to: (T, T)) -> T::Mask {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
@@ -134,7 +135,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         )
     }
 
-    /// The vector from the nearest point of the obstacle's line to a place.
+    /// Vector from the nearest point of the obstacle's line.
     #[inline(always)]
     fn apart_from(&self, obstacle: &Obstacle, (x, y): (T, T)) -> (T, T) {
         let (dx, dy) = (

@@ -1,10 +1,10 @@
-//! What the agents sense at the start of a frame, and which response their tables give.
+//! Sensors of the agents and responses of their tables.
 
 use super::{Fields, Near, Team};
 use crate::lanes::seats::Seats;
 use crate::lanes::{Ints, Lanes, Mask};
 
-/// A target in the frame of the agent that looks.
+/// Target in the agent's frame.
 #[derive(Clone, Copy)]
 pub(super) struct Ray<T> {
     pub(super) ahead: T,
@@ -13,7 +13,6 @@ pub(super) struct Ray<T> {
 }
 
 impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
-    /// The response code of every agent.
     #[inline(always)]
     pub(super) fn sense(&mut self, seats: &Seats<N>) -> Team<T::Ints, N> {
         let mut codes = self.see_agents();
@@ -41,7 +40,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         codes
     }
 
-    /// What the left and the right photo sensor of agent `i` see.
+    /// Left and right photo sensor of agent `i`.
     #[inline(always)]
     fn see_lights(&self, i: usize, object: Ray<T>) -> [T::Mask; 2] {
         let by_object = self.photo(object, self.c.object_light_sq);
@@ -62,8 +61,8 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         }
     }
 
-    /// What the IR sensors of every agent see of the other agents. What IR sensors see is written as 4 left, 8 front, 16
-    /// right: four times their part of the row, which is how far to shift a table word.
+    /// IR readings caused by other agents, as 4 left, 8 front, 16 right: four times their part of
+    /// the row, the shift of a table word.
     #[inline(always)]
     fn see_agents(&mut self) -> Team<T::Ints, N> {
         let mut ir = [self.int(0); N];
@@ -78,7 +77,6 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         ir
     }
 
-    /// Adds what agents `i` and `j` see of each other.
     #[inline(always)]
     fn see_each_other(
         &mut self,
@@ -100,7 +98,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         )
     }
 
-    /// Adds the IR sensors whose segments cut a circle.
+    /// Adds IR sensors whose segments intersect a circle.
     #[inline(always)]
     pub(super) fn ir(
         &self,
@@ -121,7 +119,6 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
             )
     }
 
-    /// Whether the segment straight ahead cuts a circle around this place.
     #[inline(always)]
     fn cuts(&self, ahead: T, left: T, radius_sq: f32) -> T::Mask {
         let zero = self.v(0.0);
@@ -129,7 +126,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         (beyond * beyond + left * left).lt_among(self.v(radius_sq), zero.lt(ahead))
     }
 
-    /// Adds the IR sensors whose tips lie beyond a wall.
+    /// Adds IR sensors whose segments end outside the field.
     #[inline(always)]
     fn see_walls(&self, seen: T::Ints, i: usize) -> T::Ints {
         let (side_cos, side_sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
@@ -152,7 +149,6 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         self.v(self.c.half_side).lt(x.max_abs(y))
     }
 
-    /// Whether the left and the right photo sensor see a light.
     #[inline(always)]
     fn photo(
         &self,
@@ -174,7 +170,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         ]
     }
 
-    /// Whether a light this far along a photo sensor's axis is inside its cone.
+    /// Tests if a light this far along the sensor's axis is inside its cone.
     #[inline(always)]
     fn in_cone(&self, along: T, distance_sq: T, near: T::Mask) -> T::Mask {
         let forward = self.v(0.0).lt_among(along, near);
@@ -184,7 +180,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         (self.v(self.c.cone_sq) * distance_sq).lt_among(along * along, forward)
     }
 
-    /// Agent `i`'s response code in its lowest four bits, as its wheels carry it out; notes the row that was read.
+    /// Response code in the lowest four bits, after wheel slip; records the row.
     #[inline(always)]
     fn look_up(&mut self, seats: &Seats<N>, i: usize, ir: T::Ints, photo: [T::Mask; 2]) -> T::Ints {
         if self.c.noise.is_none() {

@@ -1,4 +1,4 @@
-//! The command line of `atas-sim course`.
+//! Command line of `atas-sim course`.
 
 use clap::Args;
 use shm_bus::BusName;
@@ -16,31 +16,29 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
 pub(crate) struct CourseArgs {
-    /// Seed of the course, the bumps of its floor, the objects and the sensors' noise.
+    /// Seed of the course, its floor, the objects and the sensor noise.
     #[arg(long, default_value_t = 1)]
     pub(super) seed: u64,
-    /// What a robot has to fetch: a built-in name or a TOML file. Once for every robot, at most twice.
+    /// Object of a robot: a built-in name or a TOML file; once per robot, at most twice.
     #[arg(long = "object", value_name = "NAME|FILE", default_value = Scene::OBJECT)]
     objects: Vec<String>,
-    /// Bus of the robot, of two that of the first.
+    /// Bus of the first robot.
     #[arg(long, env = BusName::ENV, default_value_t)]
     bus: BusName,
     /// Bus of the second robot.
     #[arg(long, value_name = "BUS")]
     second_bus: Option<BusName>,
-    /// How results are printed.
+    /// Output format.
     #[arg(long, value_enum, default_value = "human")]
     pub(super) format: Format,
 }
 
 impl CourseArgs {
-    /// What the robots have to fetch.
     pub(super) fn objects(&self) -> Result<Vec<Object>, Failure> {
         let objects = self.objects.iter().map(|name| Object::named_or_file(name));
         Ok(objects.collect::<Result<_, _>>()?)
     }
 
-    /// Their buses.
     pub(super) fn buses(&self) -> Result<Vec<BusName>, Failure> {
         let buses: Vec<BusName> = std::iter::once(&self.bus)
             .chain(&self.second_bus)

@@ -1,12 +1,14 @@
-//! `atas-sim course`: hosts a course on the bus, in lock-step. Every robot has a bus of its own, on which it looks like any robot.
+//! `atas-sim course`: hosts a course on the bus in lock-step. Every robot has its own bus, like a
+//! stationary robot.
 //!
 //! ```text
-//!  every 100 ticks   truth, BaseState ─▶ coordinator ─ BaseCommand ─▶ AgentSensors ─▶ table ─ WheelCommands ─▶ bases
-//!  every tick        bases ─ ride ─▶ world ─ frames, joints ─▶ daemon ─ JointCommand ─▶ world
+//!  every 100 ticks   BaseState ─▶ coordinator ─ BaseCommand ─▶ AgentSensors ─▶ table ─▶ bases
+//!  every tick        bases ─ base motion ─▶ world ─▶ daemon ─ JointCommand ─▶ world
 //! ```
 //!
-//! Time goes on when everybody has answered, however long that takes. The table is asked only when it has the say. A robot whose
-//! coordinator says that its course is over stands still from then on; when all are over, the process ends.
+//! Time advances when all processes have answered, without a time limit. The table is read only if
+//! it controls the base. A robot stands still once its coordinator ends its course; the process
+//! ends after the last one.
 
 mod args;
 mod ports;
@@ -26,7 +28,7 @@ use crate::session::Session;
 pub(crate) use args::CourseArgs;
 use ports::Ports;
 
-/// Hosts the course until it is over or a signal comes.
+/// Hosts the course until it is over or a signal arrives.
 pub(crate) fn run(args: &CourseArgs) -> Result<(), Failure> {
     let stop = crate::stop_on_signal()?;
     let robot = RobotModel::two_hand_arm()?;
@@ -52,7 +54,6 @@ pub(crate) fn run(args: &CourseArgs) -> Result<(), Failure> {
     report::print(&stage.host, &stage.seats, args.format)
 }
 
-/// A robot's place: the world of its hands, and its connections.
 pub(crate) struct Seat {
     session: Session,
     ports: Ports,
@@ -72,7 +73,6 @@ impl Seat {
     }
 }
 
-/// The course with its robots.
 struct Stage<'a> {
     seats: Vec<Seat>,
     host: Host,
@@ -80,10 +80,9 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// From the first tick to the end of the course.
     fn perform(&mut self) -> Result<(), Failure> {
         for seat in &mut self.seats {
-            // A command from before this world answers nothing of it.
+            // Discards commands of an earlier world.
             seat.session.newest_command()?;
         }
         for _ in 0..SETTLE_TICKS {
@@ -110,7 +109,8 @@ impl Stage<'_> {
         }
     }
 
-    /// Asks the coordinators, one after the other, and tables that have the say; false if the process shall end.
+    /// Queries the coordinators in turn, and tables that control a base; returns false if the
+    /// process must end.
     fn frame(&mut self) -> Result<bool, Failure> {
         for (index, seat) in self.seats.iter_mut().enumerate() {
             let truth = seat.truth();
@@ -134,7 +134,7 @@ impl Stage<'_> {
         Ok(!(0..self.seats.len()).all(|index| self.host.is_over(index)))
     }
 
-    /// One tick of all robots whose course is not over; false if the process shall end.
+    /// Simulates one tick of all robots on course; returns false if the process must end.
     fn tick(&mut self) -> Result<bool, Failure> {
         let host = &self.host;
         let seats = self.seats.iter_mut().enumerate();

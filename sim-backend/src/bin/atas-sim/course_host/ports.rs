@@ -1,4 +1,4 @@
-//! A base's place on the bus: its coordinator and its table.
+//! Bus connections of a base to its coordinator and its table.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,8 +10,8 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::wait::Wait;
 
-/// States and sensors out, commands in. What answers anything but the newest question is dropped: the time stamp, which an
-/// answer repeats, tells even the answers to an earlier host apart.
+/// Accepts only answers to the newest request. The repeated time stamp also excludes answers to an
+/// earlier host.
 pub(super) struct Ports {
     states: Publisher<BaseState>,
     commands: Subscriber<BaseCommand>,
@@ -42,7 +42,7 @@ impl Ports {
         })
     }
 
-    /// What the coordinator says to this state; `None` if the process shall end.
+    /// Requests the coordinator's command; returns `None` if the process must end.
     pub(super) fn coordinate(
         &mut self,
         state: BaseState,
@@ -69,7 +69,7 @@ impl Ports {
         Ok(None)
     }
 
-    /// What the table says to a row; `None` if the process shall end.
+    /// Requests the table's response; returns `None` if the process must end.
     pub(super) fn look_up(
         &mut self,
         row: u8,
@@ -94,7 +94,6 @@ impl Ports {
         Ok(None)
     }
 
-    /// The stamp of the next question.
     fn stamp(&mut self) -> Stamp {
         self.stamp.sequence += 1;
         self.stamp.captured_ns = now_ns();

@@ -1,4 +1,4 @@
-//! What only the host knows of a course, on standard output when it has ended.
+//! Results of a course on standard output after its end.
 
 use sim_backend::course::{Ended, Host};
 
@@ -6,14 +6,14 @@ use super::Seat;
 use crate::failure::Failure;
 use crate::output::{self, Format};
 
-/// Prints one line per robot, in their order.
+/// Prints one line per robot, in lane order.
 pub(super) fn print(host: &Host, seats: &[Seat], format: Format) -> Result<(), Failure> {
     let seats = seats.iter().enumerate();
     let lines: Vec<String> = seats
         .map(|(robot, seat)| {
             let ended = host.ended(robot, &seat.truth());
             match format {
-                // Numbers and strings always have a JSON form.
+                // Serialisation cannot fail: only numbers and strings.
                 Format::Json => serde_json::to_string(&ended).unwrap_or_default(),
                 Format::Human => sentence(&ended),
             }

@@ -1,4 +1,4 @@
-//! The command line of `atas-sim field`.
+//! Command line of `atas-sim field`.
 
 use std::path::Path;
 
@@ -19,37 +19,37 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
 pub(crate) struct FieldArgs {
-    /// Field: R3, N, LB, LB2, paper, or a TOML file with every number of a preset.
+    /// Field: R3, N, N3, LB, LB2, LB3, LB4, paper, or the TOML file of a preset.
     #[arg(long, default_value = "R3")]
     preset: String,
     /// Robots on the field, 1 to 4.
     #[arg(long, default_value_t = 2)]
     agents: usize,
-    /// Every trial has this goal, 1 to 8 [default: goals 1 to 8 in turn].
+    /// Goal of every trial, 1 to 8 [default: goals 1 to 8 in turn].
     #[arg(long, value_name = "K")]
     goal: Option<u8>,
-    /// Trials, 270 frames each [default: 8, or 1 with --goal].
+    /// Number of trials, 270 frames each [default: 8, or 1 with --goal].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=10_000))]
     trials: Option<u16>,
-    /// Fields side by side, as many as 1024 robots make; from the second on with goals of other directions.
+    /// Parallel fields, at most 1024 robots in total; further fields have goals in other
+    /// directions.
     #[arg(long, default_value_t = 1)]
     fields: usize,
     /// Frames per second, 1 to 2000.
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=2000))]
     frame_rate_hz: u32,
-    /// Wait for the answer to every frame: as fast as both processes go, repeatable bit for bit.
+    /// Wait for every answer: bit-identical runs, as fast as both processes allow.
     #[arg(long)]
     pub(super) lockstep: bool,
-    /// Bus to host it on.
+    /// Bus of the field.
     #[arg(long, env = BusName::ENV, default_value_t)]
     pub(super) bus: BusName,
-    /// How results are printed.
+    /// Output format.
     #[arg(long, value_enum, default_value = "human")]
     pub(super) format: Format,
 }
 
 impl FieldArgs {
-    /// What the arguments ask to host.
     pub(super) fn settings(&self) -> Result<SwarmSettings, Failure> {
         let trials = self.trials.unwrap_or(match self.goal {
             Some(_) => 1,
@@ -64,12 +64,10 @@ impl FieldArgs {
         })
     }
 
-    /// Time between two frames.
     pub(super) fn period_ns(&self) -> u64 {
         1_000_000_000 / u64::from(self.frame_rate_hz)
     }
 
-    /// The pace in words, for the log.
     pub(super) fn pace(&self) -> String {
         if self.lockstep {
             "lock-step".to_owned()
@@ -79,7 +77,7 @@ impl FieldArgs {
     }
 }
 
-/// A preset by name, or from a file.
+/// Preset by name or from a file.
 fn preset(text: &str) -> Result<Preset, Failure> {
     if let Some(preset) = Preset::named(text) {
         return Ok(preset);

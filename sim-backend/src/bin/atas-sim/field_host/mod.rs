@@ -1,9 +1,9 @@
 //! `atas-sim field`: hosts the swarm's field on the bus.
 //!
-//! Every frame is published and answered once. At a frame rate, an answer that has not come when the next frame is due came
-//! too late: the robots stand still in that frame, and it is counted. So robots stop within one frame of the death of the
-//! process that told them what to do, and go on when it is back. In lock-step a frame takes as long as its answer takes.
-//! Either way the first frame waits for somebody to answer it.
+//! Every frame is published and answered once. At a frame rate, an answer missing at the next frame
+//! counts as missed and the robots stand still. If the controlling process dies, robots stop within
+//! one frame and continue when it returns. In lock-step the host waits for every answer. Both modes
+//! wait for the first answer.
 
 mod args;
 mod onlookers;
@@ -23,7 +23,7 @@ use onlookers::Onlookers;
 use ports::Ports;
 use report::Reporter;
 
-/// Hosts the field until all trials are over or a signal comes.
+/// Hosts the field until all trials are over or a signal arrives.
 pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
     let stop = crate::stop_on_signal()?;
     let swarm = Swarm::new(args.settings()?)?;
@@ -48,31 +48,29 @@ pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
     host.field.reporter.end(late_periods)
 }
 
-/// The field with its connections.
 struct Host<'a> {
     ports: Ports,
     field: Field,
     stop: &'a AtomicBool,
 }
 
-/// The swarm and those who are told of it.
 struct Field {
     swarm: Swarm,
     onlookers: Onlookers,
     reporter: Reporter,
-    /// When the robots were asked last.
+    /// Time of the last sensor publication.
     asked_ns: u64,
 }
 
 impl Host<'_> {
-    /// One frame per answer. No period is ever late.
+    /// Runs one frame per answer; no period is late.
     fn in_step(&mut self) -> Result<u64, Failure> {
         while self.goes_on() && self.frame_in_step()? {}
         Ok(0)
     }
 
-    /// One frame per period, by absolute deadlines. Returns the periods that this process itself was late for; they are
-    /// skipped, the phase is kept.
+    /// Runs one frame per period at absolute deadlines. Returns the missed periods; they are
+    /// skipped and the phase is kept.
     fn at_rate(&mut self, period_ns: u64) -> Result<u64, Failure> {
         let mut late_periods = 0;
         if !self.frame_in_step()? {
@@ -95,7 +93,7 @@ impl Host<'_> {
         Ok(late_periods)
     }
 
-    /// One frame, however long its answer takes; false if the process shall end.
+    /// Runs one frame; returns false if the process must end.
     fn frame_in_step(&mut self) -> Result<bool, Failure> {
         self.ask()?;
         let wait = Wait::begin();
@@ -110,7 +108,8 @@ impl Host<'_> {
         Ok(false)
     }
 
-    /// Asks the robots, then tells onlookers of the frame before; of the very first at once, for it may take long.
+    /// Publishes the sensors, then the previous frame to observers; the very first frame at once,
+    /// because its answer may take long.
     fn ask(&mut self) -> Result<(), Failure> {
         let Field {
             swarm,
@@ -125,7 +124,6 @@ impl Host<'_> {
         onlookers.tell()
     }
 
-    /// Lets those who came late have the present frame.
     fn greet(&self) -> Result<(), Failure> {
         self.ports.greet()?;
         self.field.onlookers.greet()
@@ -137,7 +135,7 @@ impl Host<'_> {
 }
 
 impl Field {
-    /// One frame of the robots; of a trial that ends with it onlookers learn at once how it ended.
+    /// Simulates one frame; reports the end of a trial to observers at once.
     fn drive(&mut self, answer: Answer<'_>) -> Result<(), Failure> {
         if self.onlookers.are_due(self.asked_ns) {
             self.onlookers.note(&self.swarm, answer, self.asked_ns);

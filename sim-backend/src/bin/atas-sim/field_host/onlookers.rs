@@ -1,5 +1,5 @@
-//! What onlookers are told of the field: as many frames as a picture shows, and how every trial ended. Robots are asked first, so
-//! that none of them waits for it, and it is told whether or not anybody looks.
+//! Publication of the field to observers: frames at a limited rate, and the end of every trial.
+//! Robots are served first. Publication does not depend on the presence of observers.
 
 use shm_bus::{Bus, Publisher, writer_epoch};
 use shm_schemas::{ArenaTruth, service};
@@ -7,14 +7,14 @@ use sim_backend::swarm::{Answer, Swarm};
 
 use crate::failure::Failure;
 
-/// Time from one told frame to the next at least, ns: 60 frames a second are all told, of more as many as a screen shows.
+/// Shortest frame interval, ns: all frames at 60 Hz, fewer at higher rates.
 const PICTURE_NS: u64 = 15_000_000;
 
-/// The arena on the bus.
+/// Publisher of the arena.
 pub(super) struct Onlookers {
     publisher: Publisher<ArenaTruth>,
     arena: Box<ArenaTruth>,
-    /// Whether they have not been told of what was noted last.
+    /// True if the last recorded frame is not published yet.
     has_news: bool,
 }
 
@@ -29,24 +29,21 @@ impl Onlookers {
         })
     }
 
-    /// Whether they have not been told of any frame.
     pub(super) fn know_nothing(&self) -> bool {
         self.arena.stamp.sequence == 0
     }
 
-    /// Whether it is time for another picture.
     pub(super) fn are_due(&self, captured_ns: u64) -> bool {
         captured_ns >= self.arena.stamp.captured_ns + PICTURE_NS
     }
 
-    /// Notes the frame of this time before its robots move, or how its trial ended.
+    /// Records a frame before its robots move, or the end of a trial.
     pub(super) fn note(&mut self, swarm: &Swarm, answer: Answer<'_>, captured_ns: u64) {
         self.arena.stamp.captured_ns = captured_ns;
         swarm.show(answer, &mut self.arena);
         self.has_news = true;
     }
 
-    /// Tells what was noted.
     pub(super) fn tell(&mut self) -> Result<(), Failure> {
         if std::mem::take(&mut self.has_news) {
             self.publisher.send(&self.arena)?;
@@ -55,7 +52,6 @@ impl Onlookers {
         Ok(())
     }
 
-    /// Lets those who came late have the newest frame.
     pub(super) fn greet(&self) -> Result<(), Failure> {
         Ok(self.publisher.connect_readers()?)
     }

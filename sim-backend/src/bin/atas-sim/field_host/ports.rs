@@ -1,4 +1,4 @@
-//! The field's place on the bus.
+//! Bus connections of the field.
 
 use shm_bus::{Bus, Publisher, Subscriber, now_ns, writer_epoch};
 use shm_schemas::{AgentSensors, WheelCommands, service};
@@ -6,7 +6,6 @@ use sim_backend::swarm::Swarm;
 
 use crate::failure::Failure;
 
-/// Sensors out, commands in.
 pub(super) struct Ports {
     publisher: Publisher<AgentSensors>,
     subscriber: Subscriber<WheelCommands>,
@@ -26,7 +25,7 @@ impl Ports {
         })
     }
 
-    /// Publishes what the robots sense now, and says when that was.
+    /// Publishes the robots' sensors; returns the time stamp.
     pub(super) fn publish(&mut self, swarm: &mut Swarm) -> Result<u64, Failure> {
         swarm.sense(&mut self.sensors);
         self.sensors.stamp.captured_ns = now_ns();
@@ -35,8 +34,8 @@ impl Ports {
         Ok(self.sensors.stamp.captured_ns)
     }
 
-    /// The answer to what was published last, if it has come. What answers anything else is dropped: the time stamp, which
-    /// an answer repeats, tells even the answers to an earlier host apart.
+    /// Returns the answer to the last publication if it has arrived; drops all others. The repeated
+    /// time stamp also excludes answers to an earlier host.
     pub(super) fn answer(&mut self) -> Result<Option<&WheelCommands>, Failure> {
         if !self.subscriber.newest(&mut self.commands)? {
             return Ok(None);
@@ -47,7 +46,6 @@ impl Ports {
         Ok(fits.then_some(&self.commands))
     }
 
-    /// Lets an agents process that came late have the present frame.
     pub(super) fn greet(&self) -> Result<(), Failure> {
         Ok(self.publisher.connect_readers()?)
     }

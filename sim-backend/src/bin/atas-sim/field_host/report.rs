@@ -1,11 +1,10 @@
-//! What became of every goal, on standard output, as soon as it is known.
+//! Results of the trials on standard output.
 
 use sim_backend::swarm::TrialReport;
 
 use crate::failure::Failure;
 use crate::output::{Format, print};
 
-/// Prints, and sums up.
 pub(super) struct Reporter {
     format: Format,
     trials: usize,
@@ -25,13 +24,12 @@ impl Reporter {
         }
     }
 
-    /// Prints a trial that has just ended.
     pub(super) fn note(&mut self, ended: Option<TrialReport>) -> Result<(), Failure> {
         let Some(report) = ended else {
             return Ok(());
         };
         let line = match self.format {
-            // Numbers and strings always have a JSON form.
+            // Serialisation cannot fail: only numbers and strings.
             Format::Json => serde_json::to_string(&report).unwrap_or_default(),
             Format::Human if self.trials == 0 => format!("{HEADER}\n{}", sentence(&report)),
             Format::Human => sentence(&report),
@@ -44,7 +42,7 @@ impl Reporter {
         Ok(())
     }
 
-    /// Says what it came to in all; the log has it for programs too.
+    /// Prints the totals and logs them for programs.
     pub(super) fn end(&self, late_periods: u64) -> Result<(), Failure> {
         let Self {
             trials,
@@ -66,7 +64,7 @@ impl Reporter {
 
 const HEADER: &str = "goal  distance px  reached at frame  points  missed frames  fields solved";
 
-/// One line of the table: field 0, and how many of all the fields were solved.
+/// Results of field 0, and the number of solved fields.
 fn sentence(report: &TrialReport) -> String {
     let outcome = &report.outcomes[0];
     let reached = match outcome.reached_frame {
