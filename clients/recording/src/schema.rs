@@ -146,7 +146,7 @@ mod tests {
         let size = size_of::<TickInputs>();
         for part in [
             format!(
-                "\n{}: {size} bytes: What one tick took in",
+                "\n{}: {size} bytes: Inputs of one tick",
                 TickInputs::TYPE_NAME
             ),
             "  tick: 24, 8, u64, [], -: Index of the tick".to_owned(),
