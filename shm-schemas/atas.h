@@ -52,7 +52,7 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
     return hash;
 }
 
-// How much fits into one payload.
+// Capacities of the payloads.
 #define ATAS_HANDS 2
 #define ATAS_FINGERS 4
 #define ATAS_ELEMENTS 64
@@ -131,9 +131,9 @@ enum atas_goal_kind {
     ATAS_GOAL_KIND_CUSTOM = 6,
     // Teleoperation: the acting hand tracks the targets streamed by the client
     // (GraspTarget).
-    ATAS_GOAL_KIND_FOLLOW = 7,
+    ATAS_GOAL_KIND_TELEOP = 7,
     // Teleoperation of both hands.
-    ATAS_GOAL_KIND_FOLLOW_BOTH = 8,
+    ATAS_GOAL_KIND_TELEOP_BOTH = 8,
 };
 
 // Reaction to the disconnection of the client.
@@ -272,12 +272,12 @@ enum atas_module_id {
     ATAS_MODULE_ID_CONTACT_GUARD = 11,
     // Lift verification: one pull-back during the lift distinguishes a suspended object from a
     // supported one.
-    ATAS_MODULE_ID_LOAD_TEST = 12,
+    ATAS_MODULE_ID_LIFT_VERIFICATION = 12,
     // Increases the grip by a fixed share on each slip; a baseline, not used by built-in
     // tasks.
     ATAS_MODULE_ID_SLIP_REACTION = 13,
     // Teleoperation: tracks streamed targets with limited speed, acceleration and jerk.
-    ATAS_MODULE_ID_FOLLOW = 14,
+    ATAS_MODULE_ID_TELEOP = 14,
     // Commands fingers and hand from the behaviour table of the task (paper section III).
     ATAS_MODULE_ID_BEHAVIOUR_TABLE = 15,
 };
@@ -400,7 +400,7 @@ enum atas_cause {
     // The hand holds no object, which the task requires.
     ATAS_CAUSE_HAND_EMPTY = 64,
     // At this width the fingertips would be too misaligned for tactile sensing.
-    ATAS_CAUSE_DOMES_ASKEW = 65,
+    ATAS_CAUSE_FINGERTIPS_MISALIGNED = 65,
     // The target stream of the client has ended or pauses; the hand stops and keeps its grip.
     ATAS_CAUSE_TARGETS_STOPPED = 70,
     // A target failed its checksum.
@@ -459,7 +459,7 @@ enum atas_sensor_bit {
     // The hand has lifted the object by more than 3 mm.
     ATAS_SENSOR_BIT_LIFTED = 5,
     // Every fingertip has had a friction margin for 100 ms.
-    ATAS_SENSOR_BIT_SPARE = 6,
+    ATAS_SENSOR_BIT_FRICTION_MARGIN = 6,
 };
 
 // Light that the photo sensors of a base detect.
@@ -471,15 +471,15 @@ enum atas_light {
 };
 
 // Subsystem that controls the robot.
-enum atas_say {
+enum atas_control_owner {
     // No owner: the base brakes and stands.
-    ATAS_SAY_NOBODY = 0,
+    ATAS_CONTROL_OWNER_NONE = 0,
     // The behaviour table drives the base.
-    ATAS_SAY_TABLE = 1,
+    ATAS_CONTROL_OWNER_TABLE = 1,
     // The hand works; the base stands.
-    ATAS_SAY_HAND = 2,
+    ATAS_CONTROL_OWNER_HAND = 2,
     // The course is over: the base brakes and stays.
-    ATAS_SAY_OVER = 3,
+    ATAS_CONTROL_OWNER_OVER = 3,
 };
 
 // Incident that ended the course of a base.
@@ -1118,7 +1118,7 @@ typedef struct atas_status {
     // Ticks started by the arrival of the expected frames.
     uint64_t ticks_on_arrival;
     // Ticks started by the timeout because an expected frame did not arrive.
-    uint64_t ticks_in_vain;
+    uint64_t ticks_without_frame;
     // Records dropped because the queue to the supervisor was full.
     uint64_t dropped_records;
     // Active or last goal, 0 if none.
@@ -1162,7 +1162,7 @@ _Static_assert(offsetof(atas_status, ticks) == 120, "atas_status.ticks");
 _Static_assert(offsetof(atas_status, missed_ticks) == 128, "atas_status.missed_ticks");
 _Static_assert(offsetof(atas_status, late_ticks) == 136, "atas_status.late_ticks");
 _Static_assert(offsetof(atas_status, ticks_on_arrival) == 144, "atas_status.ticks_on_arrival");
-_Static_assert(offsetof(atas_status, ticks_in_vain) == 152, "atas_status.ticks_in_vain");
+_Static_assert(offsetof(atas_status, ticks_without_frame) == 152, "atas_status.ticks_without_frame");
 _Static_assert(offsetof(atas_status, dropped_records) == 160, "atas_status.dropped_records");
 _Static_assert(offsetof(atas_status, goal_id) == 168, "atas_status.goal_id");
 _Static_assert(offsetof(atas_status, goal_kind) == 176, "atas_status.goal_kind");
@@ -1699,11 +1699,11 @@ typedef struct atas_base_state {
     double goal_m[2];
     // Distance to the robot with the right of way, m; infinite if this robot has it or no
     // robot needs it.
-    double first_m;
+    double right_of_way_m;
     // 1 while the object stands on the ground and its light is visible.
     uint32_t object_stands;
     // 1 while the wheels are stopped.
-    uint32_t stands;
+    uint32_t wheels_stopped;
     // Incident that ended the course.
     uint32_t mishap; // enum atas_mishap
     // Written as zero.
@@ -1716,9 +1716,9 @@ _Static_assert(offsetof(atas_base_state, stamp) == 0, "atas_base_state.stamp");
 _Static_assert(offsetof(atas_base_state, frame) == 24, "atas_base_state.frame");
 _Static_assert(offsetof(atas_base_state, object_m) == 32, "atas_base_state.object_m");
 _Static_assert(offsetof(atas_base_state, goal_m) == 48, "atas_base_state.goal_m");
-_Static_assert(offsetof(atas_base_state, first_m) == 64, "atas_base_state.first_m");
+_Static_assert(offsetof(atas_base_state, right_of_way_m) == 64, "atas_base_state.right_of_way_m");
 _Static_assert(offsetof(atas_base_state, object_stands) == 72, "atas_base_state.object_stands");
-_Static_assert(offsetof(atas_base_state, stands) == 76, "atas_base_state.stands");
+_Static_assert(offsetof(atas_base_state, wheels_stopped) == 76, "atas_base_state.wheels_stopped");
 _Static_assert(offsetof(atas_base_state, mishap) == 80, "atas_base_state.mishap");
 _Static_assert(offsetof(atas_base_state, pad) == 84, "atas_base_state.pad");
 
@@ -1729,7 +1729,7 @@ typedef struct atas_base_command {
     // Frame that this command answers.
     uint64_t frame;
     // Control owner.
-    uint32_t say; // enum atas_say
+    uint32_t owner; // enum atas_control_owner
     // Light that the base detects. With the goal light the base drives gently, because the
     // robot carries the object.
     uint32_t light; // enum atas_light
@@ -1739,7 +1739,7 @@ _Static_assert(sizeof(atas_base_command) == 40, "atas_base_command");
 _Static_assert(_Alignof(atas_base_command) == 8, "atas_base_command");
 _Static_assert(offsetof(atas_base_command, stamp) == 0, "atas_base_command.stamp");
 _Static_assert(offsetof(atas_base_command, frame) == 24, "atas_base_command.frame");
-_Static_assert(offsetof(atas_base_command, say) == 32, "atas_base_command.say");
+_Static_assert(offsetof(atas_base_command, owner) == 32, "atas_base_command.owner");
 _Static_assert(offsetof(atas_base_command, light) == 36, "atas_base_command.light");
 
 // Ground truth of one simulated object.

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# The Debian package built, installed, run, upgraded, removed and purged: in a root of its own (dpkg --root, whose scripts are
-# told by DPKG_ROOT where to work), so that nothing of this machine is touched and no chroot is needed.
+# Builds, installs, runs, upgrades, removes and purges the Debian package in a private root (dpkg --root; its scripts use
+# DPKG_ROOT), so that this machine is not changed and no chroot is needed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 work=$(mktemp -d)
 root=$work/root
 trap 'rm -rf "$work"' EXIT
-check() { "$@" || { echo "package: not so: $*"; exit 1; }; }
+check() { "$@" || { echo "package: check failed: $*"; exit 1; }; }
 in_root() { dpkg --root="$root" --force-script-chrootless --force-depends --force-not-root --force-confold "$@"; }
 state() { dpkg-query --root="$root" -W -f '${db:Status-Abbrev} ${Version}' atas 2>/dev/null || true; }
 
 first=$PWD/$(.ci/package dev 0.1.0-1)
-# The next version: the same files.
+# Next version with the same files.
 dpkg-deb -R "$first" "$work/next"
 sed -i 's/^Version: .*/Version: 0.1.0-2/' "$work/next/DEBIAN/control"
 dpkg-deb --root-owner-group -Zgzip -z1 -b "$work/next" "$work/next.deb" >/dev/null
@@ -33,7 +33,7 @@ for program in atas atas-robot atas-sensor atas-sim atasd ebts; do
     check test -e "$root/usr/share/fish/vendor_completions.d/$program.fish"
 done
 
-# Daemon, simulator and client from the package's files, under a notify socket of this test's own.
+# Runs daemon, simulator and client of the package with a private notify socket.
 python3 - "$root" "$work" <<'RUN'
 import json, os, signal, socket, subprocess, sys
 root, work = sys.argv[1:]
@@ -55,7 +55,7 @@ def until(word):
         pass
 
 def visit():
-    """A user in the gate's group looks on and may not command, as the installed configuration has it."""
+    """With the installed configuration, a member of the gate's group may observe and stop, but not command."""
     group, path = 60601, f"{work}/gate.sock"
     door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     door.bind(path)
@@ -81,7 +81,7 @@ try:
     goal = ask("grasp", "--at", "0.32,-0.15,0.0345", "--width", "50", "--lift", "10", "--hold", "0.05")
     assert goal["state"] == "succeeded", goal
     assert ask("status")["mode"], "a mode"
-    # The laboratory's program is found beside this one.
+    # atas finds the laboratory program in its folder.
     assert ask("explain", "last")["state"] == "succeeded"
     if os.geteuid() == 0:
         visit()
@@ -92,7 +92,7 @@ finally:
     for process in (robot, daemon):
         process.kill()
         process.wait()
-print("package: daemon, simulator and client ran from its files")
+print("package: daemon, simulator and client ran")
 RUN
 
 echo '# mine' >> "$root/etc/atas/atas.toml"

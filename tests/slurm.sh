@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# What `ebts slurm` writes, under a real Slurm: munge, one slurmctld and two slurmd on this machine, all in a temporary folder.
-# One node is killed in the middle of its task, another task is warned as before a time limit; both are queued again, the merge
-# waits for them, and its bytes are those of one run.
+# Tests the scripts of `ebts slurm` with a real Slurm: munge, one slurmctld and two slurmd on this machine, in a temporary folder.
+# One node is killed during its task and another task gets a time limit warning. Both tasks are queued again, the merge waits for
+# them, and its result equals that of a single run.
 #   cargo build --workspace && tests/slurm.sh
-# Exit codes: 0 all so, 1 not so, 77 NOT RUN.
+# Exit codes: 0 passed, 1 failed, 77 not run.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export PATH=$PATH:/usr/sbin
 for program in munged slurmctld slurmd sbatch; do
     command -v "$program" >/dev/null || {
-        echo "slurm: NOT RUN: there is no $program; apt-get install --no-install-recommends slurmctld slurmd slurm-client munge" >&2
+        echo "slurm: NOT RUN: $program is not installed; run apt-get install --no-install-recommends slurmctld slurmd slurm-client munge" >&2
         exit 77
     }
 done
@@ -19,7 +19,7 @@ export SLURM_CONF=$work/slurm.conf
 declare -A pids=()
 finish() {
     local status=$?
-    # Tasks first: they end with their node's daemon only if it is told.
+    # Tasks first: they do not end with their node's daemon.
     scancel --full --signal=KILL --user="$(id -un)" 2>/dev/null || true
     for name in "${!pids[@]}"; do kill "${pids[$name]}" 2>/dev/null || true; done
     wait
@@ -27,13 +27,13 @@ finish() {
     rm -rf "$work"
 }
 trap finish EXIT
-# Says what was not so.
-check() { "$@" || { echo "slurm: not so: $*"; exit 1; }; }
-# Waits for something, and says what it was if it does not come.
+# Runs a check; reports a failure.
+check() { "$@" || { echo "slurm: check failed: $*"; exit 1; }; }
+# Waits for a condition; reports a timeout.
 until_so() {
     local end=$((SECONDS + 300))
     until "$@"; do
-        [ $SECONDS -lt $end ] || { echo "slurm: not so within 300 s: $*"; exit 1; }
+        [ $SECONDS -lt $end ] || { echo "slurm: timed out after 300 s: $*"; exit 1; }
         sleep 0.2
     done
 }
@@ -50,7 +50,7 @@ SlurmctldPort=$port
 SlurmUser=$user
 SlurmdUser=$user
 AuthType=auth/munge
-# A task that is queued again waits for its old credentials to expire.
+# A requeued task waits until its old credentials expire.
 AuthInfo=socket=$work/munge.socket,cred_expire=5
 StateSaveLocation=$work/state
 SlurmctldPidFile=$work/slurmctld.pid
@@ -58,7 +58,7 @@ SlurmdPidFile=$work/slurmd-%n.pid
 SlurmdSpoolDir=$work/spool-%n
 SlurmdTimeout=10
 ReturnToService=2
-# No control groups and no accounts: one machine, no service manager.
+# No control groups and accounting: one machine without service manager.
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/none
@@ -96,7 +96,7 @@ running() { [ "$(squeue --noheader --states=running --jobs="${job}_$1" --format=
 has_runs() { running "$1" && [ -s "sweep/shard-$1/runs.jsonl" ]; }
 queued_again() { scontrol show job "${job}_$1" | grep -q ' Restarts=[1-9]'; }
 
-# The power fails: a node's daemon, and everything above the shard on it, is gone at once.
+# Power failure: kills a node's daemon and all parent processes of its shard at once.
 until_so has_runs 1
 lost=$(squeue --noheader --jobs="${job}_1" --format=%N)
 process=$(pgrep -f -- "--out $work/sweep/shard-1$")
@@ -110,9 +110,9 @@ finished=$(wc -l <sweep/shard-1/runs.jsonl)
 head -n "$finished" sweep/shard-1/runs.jsonl >finished.jsonl
 echo "node $lost killed with $finished runs of shard 1 finished"
 
-# A warning, as before a time limit: the task saves what is under way and queues itself again.
+# Time limit warning: the task saves its state and queues itself again.
 until_so has_runs 2
-# scancel asks again while the task is being queued again, and would warn it a second time: what counts is what comes of the first.
+# The timeout prevents scancel from sending a second warning while the task is requeued.
 timeout 2 scancel --batch --signal=TERM "${job}_2" || true
 until_so queued_again 2
 echo "shard 2 warned with $(wc -l <sweep/shard-2/runs.jsonl) runs finished, queued again"
@@ -130,4 +130,4 @@ for file in runs.csv curves.csv findings.json best-{1,2,3,4}.toml fig14.svg; do
     check cmp "one/$file" "sweep/whole/$file"
 done
 check cmp <(sort one/runs.jsonl) <(sort sweep/whole/runs.jsonl)
-echo "slurm: the bytes of one run, after a node was killed and a task was warned ($(slurmctld -V))"
+echo "slurm: passed: result equals a single run after a node failure and a time limit warning ($(slurmctld -V))"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Records a grasp, exports it, and lets Rerun's command line say what it finds: transforms, points, scalars, log messages.
-# Rerun is a stranger to us: what it understands, others do.
+# Records and exports a grasp, and checks with Rerun's command line that it contains transforms, points, scalars and log messages.
+# Rerun is independent of this project, so other viewers can read the export as well.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=$PWD/target/debug
@@ -34,9 +34,9 @@ target/rerun/bin/rerun mcap convert "$work/run-ros2.mcap" --output "$work/run.rr
 target/rerun/bin/rerun rrd print -vv "$work/run.rrd" > "$work/printed"
 for part in Transform3D:translation Points3D:positions Scalars:scalars TextLog:text /tf /joint_states /right/finger1/elements \
     /right/f2 /right/module/slip /events; do
-    grep -q -- "$part" "$work/printed" || { echo "the viewer found no $part"; exit 1; }
+    grep -q -- "$part" "$work/printed" || { echo "viewer: $part is missing in the export"; exit 1; }
 done
-echo "the viewer found transforms, points, scalars and log messages"
+echo "viewer: transforms, points, scalars and log messages found"
 
 target/rerun/bin/python - "$work" <<'CHECK'
 import csv, json, sys
@@ -49,7 +49,7 @@ table = parquet.read_table(f"{work}/run.parquet")
 assert len(rows) == table.num_rows == told["csv"]["ticks"], "one row per tick"
 assert table.column_names == list(rows[0]), "the same columns"
 pressed = table.column("right_finger1_normal_n").to_pylist()
-# Both came from the same 32 bits: the digits of the one are read back as the other, with no rounding in between.
+# Both formats contain the same 32-bit values; parsing the digits must not round.
 assert np.array_equal(np.float32(pressed), np.float32([row["right_finger1_normal_n"] for row in rows]))
 assert max(pressed) > 1.0, "a grip"
 for kind, t in told.items():

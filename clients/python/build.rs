@@ -1,5 +1,7 @@
-//! The library goes into a wheel, where nobody looks for lines: without symbols it is a fifth of the size. It is told here and not to
-//! maturin, whose own way would have this crate compiled anew each time that cargo and maturin take turns.
+//! Strips the symbols of the library, which makes the wheel five times smaller.
+//!
+//! The flag is set here and not in maturin, because maturin's own flag would recompile this crate
+//! at each alternation with cargo.
 
 fn main() {
     println!("cargo::rustc-cdylib-link-arg=-s");

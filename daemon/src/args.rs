@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use atas_process::exit::Exit;
 use clap::{CommandFactory, Parser, Subcommand, ValueEnum};
 use shm_bus::BusName;
 
@@ -9,11 +10,11 @@ use crate::config::Source;
 
 /// The 1 kHz ATAS daemon: reads tactile sensors, commands joints, executes goals.
 #[derive(Clone, Debug, Parser)]
-#[command(version, after_help = AFTER, args_conflicts_with_subcommands = true)]
+#[command(version, after_help = format!("{AFTER_HELP}\n\n{}", Exit::TABLE), args_conflicts_with_subcommands = true)]
 pub struct Args {
     /// Command to run instead of the daemon.
     #[command(subcommand)]
-    pub instead: Option<Instead>,
+    pub command: Option<Command>,
     /// The bus to run on; all processes of one robot use the same.
     #[arg(long, value_name = "NAME", env = BusName::ENV, default_value_t)]
     pub bus: BusName,
@@ -48,7 +49,7 @@ pub struct Args {
 
 /// Commands other than running the daemon.
 #[derive(Clone, Debug, Subcommand)]
-pub enum Instead {
+pub enum Command {
     /// Print completions for a shell.
     #[command(after_help = "Example:\n  atasd completions bash > /etc/bash_completion.d/atasd")]
     Completions {
@@ -75,7 +76,7 @@ impl From<LogFormat> for atas_process::log::LogFormat {
     }
 }
 
-const AFTER: &str = "\
+const AFTER_HELP: &str = "\
 Examples:
   atasd
   atasd --bus left-arm --robot my_arm.toml
@@ -83,17 +84,8 @@ Examples:
   atasd --check-config --set grasp.f2_max_n=6
   atasd --print-tasks
 
-Signals: SIGTERM and SIGINT stop the robot and the daemon, a second one at once; SIGHUP reads the configuration again.
-
-Exit codes:
-  0         stopped as asked
-  1         failed while running
-  2         wrong command line
-  3         configuration refused
-  4         another daemon owns the bus
-  5         the bus could not be opened
-  6         real time is required and was refused
-  130, 143  stopped at once by a second SIGINT or SIGTERM";
+Signals: SIGTERM and SIGINT stop the robot and the daemon, a second one at once; SIGHUP reloads the configuration.
+A second one ends the daemon with exit code 130 or 143.";
 
 impl Args {
     /// Source of the configuration.

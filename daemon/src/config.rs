@@ -17,8 +17,8 @@ mod layout;
 mod source;
 mod tasks;
 
-pub use error::{ConfigError, Place, Problem};
-pub use keys::{known_keys, nearest_parameter};
+pub use error::{ConfigError, Location, Problem};
+pub use keys::{known_keys, suggested_parameter};
 pub use layout::{CustomLayout, LayoutChoice};
 pub use source::Source;
 pub use tasks::{TaskProblem, Tasks};
@@ -26,9 +26,9 @@ pub use tasks::{TaskProblem, Tasks};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use atas_core::{HandWiring, Settings, Wiring, settings};
+use atas_core::{HandSensorSetup, SensorSetup, Settings, settings};
 use atas_process::configuration::GroupRight;
-use robot_model::{HandModel, ModelError, RobotModel, Side, TWO_HAND_ARM};
+use robot_model::{HandModel, HandSide, ModelError, RobotModel, TWO_HAND_ARM};
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 
@@ -57,7 +57,7 @@ pub struct Config {
     /// Modules 0 and 4: screwing.
     pub screw: settings::Screw,
     /// Teleoperation by a client.
-    pub follow: settings::Follow,
+    pub teleop: settings::Teleop,
     /// Motion of the hand.
     pub motion: settings::Motion,
     /// Safety gate.
@@ -128,13 +128,13 @@ pub enum Cpu {
     /// Core with this number.
     Core(u32),
     /// `"any"`: chosen by the kernel.
-    Any(AnyWord),
+    Any(AnyCpu),
 }
 
 /// The word `any`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum AnyWord {
+pub enum AnyCpu {
     /// `"any"`.
     Any,
 }
@@ -179,7 +179,7 @@ impl Default for Realtime {
         Self {
             mode: RealtimeMode::Try,
             priority: 80,
-            cpu: Cpu::Any(AnyWord::Any),
+            cpu: Cpu::Any(AnyCpu::Any),
             rate_hz: 1000,
             spin_us: 50,
             keep_awake: true,
@@ -202,7 +202,7 @@ impl Default for Robot {
 impl Default for HandSensor {
     fn default() -> Self {
         Self {
-            layout: LayoutChoice::of_robot(),
+            layout: LayoutChoice::from_robot(),
             fingers: 0,
             rate_hz: 1000.0,
             required: true,
@@ -221,7 +221,7 @@ impl Config {
             place: self.place,
             screw: self.screw,
             motion: self.motion,
-            follow: self.follow,
+            teleop: self.teleop,
             safety: self.safety,
         }
     }
@@ -235,7 +235,7 @@ impl Config {
             grasp: settings.grasp,
             place: settings.place,
             screw: settings.screw,
-            follow: settings.follow,
+            teleop: settings.teleop,
             motion: settings.motion,
             safety: settings.safety,
             ..self.clone()
@@ -246,12 +246,16 @@ impl Config {
     ///
     /// # Errors
     /// [`ConfigError`] for a layout that [`Source::load`] would reject.
-    pub fn wiring(&self, robot: &RobotModel, writer_epoch: u64) -> Result<Wiring, ConfigError> {
-        let [left, right] = Side::BOTH.map(|side| robot.hand(side));
-        Ok(Wiring {
+    pub fn sensor_setup(
+        &self,
+        robot: &RobotModel,
+        writer_epoch: u64,
+    ) -> Result<SensorSetup, ConfigError> {
+        let [left, right] = HandSide::BOTH.map(|side| robot.hand(side));
+        Ok(SensorSetup {
             hands: [
-                self.hands.left.wiring(left, "hands.left.layout")?,
-                self.hands.right.wiring(right, "hands.right.layout")?,
+                self.hands.left.sensor_setup(left, "hands.left.layout")?,
+                self.hands.right.sensor_setup(right, "hands.right.layout")?,
             ],
             joints_required: self.robot.joints_required,
             tick_s: 1.0 / f64::from(self.realtime.rate_hz),
@@ -282,11 +286,11 @@ impl Config {
 }
 
 impl HandSensor {
-    fn wiring(&self, hand: &HandModel, key: &str) -> Result<HandWiring, ConfigError> {
+    fn sensor_setup(&self, hand: &HandModel, key: &str) -> Result<HandSensorSetup, ConfigError> {
         let unsound = || {
             let (key, value) = (key.to_owned(), format!("{:?}", self.layout));
-            let needs = keys::needs(&key).unwrap_or_default();
-            ConfigError(vec![Problem::Value {
+            let needs = keys::permitted_values(&key).unwrap_or_default();
+            ConfigError(vec![Problem::InvalidValue {
                 place: None,
                 key,
                 value,
@@ -294,10 +298,10 @@ impl HandSensor {
             }])
         };
         let fingers = match self.fingers {
-            0 => hand.finger_count().max(1),
+            0 => hand.fingertip_count().max(1),
             fingers => fingers,
         };
-        Ok(HandWiring {
+        Ok(HandSensorSetup {
             layout: self.layout.resolve(hand).ok_or_else(unsound)?,
             fingers,
             required: self.required && hand.is_present(),

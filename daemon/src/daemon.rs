@@ -4,6 +4,7 @@ use std::io;
 use std::thread::{Builder, JoinHandle};
 
 use atas_core::Controller;
+use atas_process::exit::Exit;
 use crossbeam::channel::{Sender, bounded};
 use robot_model::ModelError;
 use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, stop, writer_epoch};
@@ -11,7 +12,7 @@ use shm_schemas::StatusFlags;
 
 use crate::args::Args;
 use crate::config::{self, Config, ConfigError};
-use crate::link::{self, SupervisorEnd, TickEnd};
+use crate::link::{self, RealtimeSide, SupervisorSide};
 use crate::pacer::{FreePacer, LockStep, Pacer};
 use crate::panics::{self, TICK_THREAD};
 use crate::realtime::{self, Granted, Refused};
@@ -40,7 +41,7 @@ pub enum Failure {
     #[error(transparent)]
     Realtime(#[from] Refused),
     /// Operating system.
-    #[error("could not start because of: {0}")]
+    #[error("could not start: {0}")]
     System(#[from] io::Error),
     /// Tick thread.
     #[error(transparent)]
@@ -57,18 +58,15 @@ impl From<OpenError> for Failure {
 }
 
 impl Failure {
-    /// Exit code for output that could not be written.
-    pub const UNWRITTEN: u8 = 1;
-
-    /// The exit code, see the [crate's table](crate).
+    /// Returns the exit code.
     #[must_use]
-    pub fn exit_code(&self) -> u8 {
+    pub fn exit_code(&self) -> Exit {
         match self {
-            Self::System(_) | Self::Ticks(_) => 1,
-            Self::Config(_) | Self::Robot(_) => 3,
-            Self::Bus(BusError::Owned { .. }) => 4,
-            Self::Bus(_) => 5,
-            Self::Realtime(_) => 6,
+            Self::System(_) | Self::Ticks(_) => Exit::Failed,
+            Self::Config(_) | Self::Robot(_) => Exit::Input,
+            Self::Bus(error) if error.is_in_use() => Exit::InUse,
+            Self::Bus(_) => Exit::Bus,
+            Self::Realtime(_) => Exit::Realtime,
         }
     }
 }
@@ -84,12 +82,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     tracing::info!(version, %bus, configuration = %source, hash = format_args!("{hash:016x}"), "starting");
     let owner = OwnerLock::take(&args.bus, ROLE)?;
     let signals = Signals::install()?;
-    panics::note_those_of_the_tick();
+    panics::install_hook();
     let robot = config.robot_model()?;
-    let wiring = config.wiring(&robot, if args.lockstep { 1 } else { writer_epoch() })?;
+    let wiring = config.sensor_setup(&robot, if args.lockstep { 1 } else { writer_epoch() })?;
     let controller = Box::new(Controller::new(&robot, wiring, config.settings()));
     let mut granted = realtime::lock_memory(&config.realtime)?;
-    if let Err(refused) = realtime::keep_awake(&config.realtime, &mut granted) {
+    if let Err(refused) = realtime::limit_idle_latency(&config.realtime, &mut granted) {
         tracing::info!("{refused}");
     }
     let stops = StopThread::start(stop::Listener::open(&owner)?, &config.realtime)?;
@@ -109,7 +107,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 fn supervise(
     args: &Args,
-    link: SupervisorEnd,
+    link: SupervisorSide,
     state: SupervisorState,
     signals: Signals,
     ticks: JoinHandle<()>,
@@ -123,7 +121,7 @@ fn supervise(
     // `supervised` contains a panic of the tick thread.
     let _joined = ticks.join();
     let (ended, mut supervisor) = supervised?;
-    supervisor.conclude();
+    supervisor.finish();
     Ok(ended?)
 }
 
@@ -136,7 +134,7 @@ fn flags(granted: &Granted, lockstep: bool, joints_required: bool) -> u32 {
         (lockstep, StatusFlags::LOCKSTEP),
         (granted.fifo, StatusFlags::REALTIME),
         (granted.locked, StatusFlags::MEMORY_LOCKED),
-        (granted.awake.is_some(), StatusFlags::KEPT_AWAKE),
+        (granted.idle_latency.is_some(), StatusFlags::KEPT_AWAKE),
         (!joints_required, StatusFlags::SENSE_ONLY),
     ]
     .into_iter()
@@ -148,7 +146,7 @@ fn free_pacer(realtime: &config::Realtime) -> FreePacer {
     let period_ns = 1_000_000_000 / u64::from(realtime.rate_hz);
     let pacer = FreePacer::new(period_ns, u64::from(realtime.spin_us) * 1000);
     if realtime.phase_lock {
-        pacer.locked(
+        pacer.with_phase_lock(
             u64::from(realtime.phase_offset_us) * 1000,
             u64::from(realtime.arrival_wait_us) * 1000,
         )
@@ -167,7 +165,7 @@ struct Start {
 
 impl Start {
     /// Starts the tick thread and waits until its ports and scheduling are set up, or failed.
-    fn spawn(self, link: TickEnd) -> Result<(JoinHandle<()>, Granted), Failure> {
+    fn spawn(self, link: RealtimeSide) -> Result<(JoinHandle<()>, Granted), Failure> {
         let (send, receive) = bounded(1);
         let ticks = Builder::new()
             .name(TICK_THREAD.to_owned())
@@ -176,19 +174,19 @@ impl Start {
         match receive.recv() {
             Ok(started) => Ok((ticks, started?)),
             Err(_) => {
-                let note = panics::take_note().unwrap_or_default();
+                let note = panics::take_message().unwrap_or_default();
                 Err(io::Error::other(format!("the tick thread panicked: {note}")).into())
             }
         }
     }
 
-    fn run(self, link: TickEnd, started: &Sender<Result<Granted, Failure>>) {
+    fn run(self, link: RealtimeSide, started: &Sender<Result<Granted, Failure>>) {
         // The receiver waits for exactly one message.
-        match self.begin(link) {
+        match self.set_up(link) {
             Ok((mut ticks, granted, _bus)) => {
                 let _sent = started.send(Ok(granted));
                 ticks.run();
-                realtime::leave();
+                realtime::leave_realtime();
             }
             Err(failure) => {
                 let _sent = started.send(Err(failure));
@@ -196,7 +194,7 @@ impl Start {
         }
     }
 
-    fn begin(self, link: TickEnd) -> Result<(TickLoop, Granted, Bus), Failure> {
+    fn set_up(self, link: RealtimeSide) -> Result<(TickLoop, Granted, Bus), Failure> {
         let Self {
             bus,
             config,
@@ -212,7 +210,7 @@ impl Start {
             Pacer::Free(free_pacer(realtime))
         };
         let ticks = TickLoop::open(&bus, controller, pacer, link, realtime.rate_hz)?;
-        realtime::enter(realtime, &mut granted)?;
+        realtime::enter_tick_thread(realtime, &mut granted)?;
         Ok((ticks, granted, bus))
     }
 }

@@ -14,21 +14,21 @@ use shm_schemas::{GraspTarget, HandFrame, JointCommand, JointState, OrderKind, S
 
 /// Number of buffers of 12 KiB, locked memory: 0.128 s of supervisor delay at 1 kHz, about thirty
 /// rounds. Design choice.
-const BOXES: usize = 128;
+const BUFFERS: usize = 128;
 /// Filled buffers beyond which lock-step waits. They limit its pace to 8,000 ticks per second, at
 /// which a recorder may lag 36 ms. Design choice.
-const WAITING: usize = BOXES / 4;
+const QUEUED_MAX: usize = BUFFERS / 4;
 /// Buffers that circulate while the supervisor keeps up, few enough to stay in the processor's
 /// cache. Design choice.
-const WARM: usize = 8;
+const CACHED: usize = 8;
 
 /// Tick side of the log.
 #[derive(Debug)]
 pub struct LogWriter {
     /// Recently used free buffers, taken first.
-    warm: Consumer<Box<TickInputs>>,
-    spare: Consumer<Box<TickInputs>>,
-    full: Producer<Box<TickInputs>>,
+    cached: Consumer<Box<TickInputs>>,
+    free: Consumer<Box<TickInputs>>,
+    filled: Producer<Box<TickInputs>>,
     sequence: u64,
     dropped: Arc<AtomicU64>,
 }
@@ -36,31 +36,31 @@ pub struct LogWriter {
 /// Supervisor side of the log.
 #[derive(Debug)]
 pub struct LogReader {
-    warm: Producer<Box<TickInputs>>,
-    spare: Producer<Box<TickInputs>>,
-    full: Consumer<Box<TickInputs>>,
+    cached: Producer<Box<TickInputs>>,
+    free: Producer<Box<TickInputs>>,
+    filled: Consumer<Box<TickInputs>>,
     dropped: Arc<AtomicU64>,
 }
 
 /// Creates a log with all buffers free.
 #[must_use]
 pub fn input_log() -> (LogWriter, LogReader) {
-    let (warm_in, warm) = RingBuffer::new(WARM);
-    let (mut spare_in, spare) = RingBuffer::new(BOXES);
-    let (full_in, full) = RingBuffer::new(BOXES);
+    let (warm_in, warm) = RingBuffer::new(CACHED);
+    let (mut spare_in, spare) = RingBuffer::new(BUFFERS);
+    let (full_in, full) = RingBuffer::new(BUFFERS);
     while spare_in.push(Box::default()).is_ok() {}
     let dropped = Arc::<AtomicU64>::default();
     let writer = LogWriter {
-        warm,
-        spare,
-        full: full_in,
+        cached: warm,
+        free: spare,
+        filled: full_in,
         sequence: 0,
         dropped: Arc::clone(&dropped),
     };
     let reader = LogReader {
-        warm: warm_in,
-        spare: spare_in,
-        full,
+        cached: warm_in,
+        free: spare_in,
+        filled: full,
         dropped,
     };
     (writer, reader)
@@ -68,7 +68,7 @@ pub fn input_log() -> (LogWriter, LogReader) {
 
 impl LogWriter {
     /// Records the inputs and the command of a tick.
-    pub fn keep(&mut self, inputs: &Inputs<'_>, command: &JointCommand) {
+    pub fn record(&mut self, inputs: &Inputs<'_>, command: &JointCommand) {
         let frames = inputs.frames.iter().map(|frames| frames.len());
         let parts = frames
             .chain([inputs.targets.len()])
@@ -78,7 +78,7 @@ impl LogWriter {
         let first = self.sequence;
         self.sequence += parts as u64;
         for part in 0..parts {
-            let Some(mut blank) = self.warm.pop().or_else(|_| self.spare.pop()).ok() else {
+            let Some(mut blank) = self.cached.pop().or_else(|_| self.free.pop()).ok() else {
                 let lost = (parts - part) as u64;
                 self.dropped.fetch_add(lost, Ordering::Relaxed);
                 return;
@@ -91,14 +91,14 @@ impl LogWriter {
             (blank.part, blank.parts) = (part as u32, parts as u32);
             fill(&mut blank, inputs, part, command);
             // The queue has room for all buffers.
-            let _kept = self.full.push(blank);
+            let _kept = self.filled.push(blank);
         }
     }
 
     /// Returns true if few parts are queued. Lock-step waits for this, so that nothing is lost.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        BOXES - self.full.slots() < WAITING
+        BUFFERS - self.filled.slots() < QUEUED_MAX
     }
 }
 
@@ -106,14 +106,14 @@ impl LogReader {
     /// The next part; recycle it after use.
     #[must_use]
     pub fn next_part(&mut self) -> Option<Box<TickInputs>> {
-        self.full.pop().ok()
+        self.filled.pop().ok()
     }
 
     /// Returns a buffer to the free ones.
-    pub fn give_back(&mut self, used: Box<TickInputs>) {
-        if let Err(rtrb::PushError::Full(used)) = self.warm.push(used) {
+    pub fn recycle(&mut self, used: Box<TickInputs>) {
+        if let Err(rtrb::PushError::Full(used)) = self.cached.push(used) {
             // The queue has room for all buffers.
-            let _kept = self.spare.push(used);
+            let _kept = self.free.push(used);
         }
     }
 
@@ -147,8 +147,8 @@ fn fill(blank: &mut TickInputs, inputs: &Inputs<'_>, part: usize, command: &Join
         None => {}
     }
     blank.has_target = u32::from(part < inputs.targets.len());
-    if inputs.order.is_some() || blank.order.kind != OrderKind::NONE {
-        blank.order = record::write_order(inputs.order);
+    if inputs.request.is_some() || blank.order.kind != OrderKind::NONE {
+        blank.order = record::write_request(inputs.request);
     }
     blank.command = *command;
 }
@@ -156,9 +156,13 @@ fn fill(blank: &mut TickInputs, inputs: &Inputs<'_>, part: usize, command: &Join
 #[cfg(test)]
 mod tests {
     use super::*;
-    use atas_core::{Order, Tick};
+    use atas_core::{OperatorRequest, Tick};
 
-    fn inputs<'a>(index: u64, frames: &'a [HandFrame], order: Option<&'a Order>) -> Inputs<'a> {
+    fn inputs<'a>(
+        index: u64,
+        frames: &'a [HandFrame],
+        order: Option<&'a OperatorRequest>,
+    ) -> Inputs<'a> {
         Inputs {
             tick: Tick {
                 index,
@@ -167,27 +171,30 @@ mod tests {
             frames: [frames, &[]],
             joints: None,
             targets: &[],
-            order,
+            request: order,
         }
     }
 
     #[test]
-    fn a_used_box_carries_nothing_over() {
+    fn recycled_buffer_is_cleared() {
         let (mut log, mut reader) = input_log();
         let command = JointCommand::default();
         let frame = HandFrame {
             finger_count: 2,
             ..HandFrame::default()
         };
-        log.keep(&inputs(0, &[frame], Some(&Order::Recover)), &command);
+        log.record(
+            &inputs(0, &[frame], Some(&OperatorRequest::Recover)),
+            &command,
+        );
         let first = reader.next_part().expect("a part");
         assert_eq!(
             (first.has_frame, first.order.kind),
             ([1, 0], OrderKind::RECOVER)
         );
         assert_eq!(first.frames[0], frame);
-        reader.give_back(first);
-        log.keep(&inputs(1, &[], None), &command);
+        reader.recycle(first);
+        log.record(&inputs(1, &[], None), &command);
         let mut second = reader.next_part().expect("a part");
         assert_eq!((second.stamp.sequence, second.parts), (1, 1));
         (second.stamp, second.tick, second.parts) = (Stamp::default(), 0, 0);
@@ -195,21 +202,21 @@ mod tests {
     }
 
     #[test]
-    fn several_frames_are_several_parts() {
+    fn several_frames_give_several_parts() {
         let (mut log, mut reader) = input_log();
         let frame = |finger_count| HandFrame {
             finger_count,
             ..HandFrame::default()
         };
-        log.keep(
+        log.record(
             &inputs(5, &[frame(1), frame(2), frame(3)], None),
             &JointCommand::default(),
         );
         for part in 0..3 {
-            let told = reader.next_part().expect("a part");
-            assert_eq!((told.part, told.parts, told.tick), (part, 3, 5));
+            let reported = reader.next_part().expect("a part");
+            assert_eq!((reported.part, reported.parts, reported.tick), (part, 3, 5));
             assert_eq!(
-                (told.frames[0].finger_count, told.stamp.sequence),
+                (reported.frames[0].finger_count, reported.stamp.sequence),
                 (part + 1, u64::from(part))
             );
         }
@@ -217,30 +224,30 @@ mod tests {
     }
 
     #[test]
-    fn what_finds_no_blank_box_is_counted_and_missing_from_the_sequence() {
+    fn dropped_parts_are_counted_and_leave_gap() {
         let (mut log, mut reader) = input_log();
-        for index in 0..BOXES as u64 + 3 {
-            log.keep(&inputs(index, &[], None), &JointCommand::default());
+        for index in 0..BUFFERS as u64 + 3 {
+            log.record(&inputs(index, &[], None), &JointCommand::default());
         }
         assert_eq!(reader.dropped(), 3);
         while let Some(part) = reader.next_part() {
-            reader.give_back(part);
+            reader.recycle(part);
         }
-        log.keep(&inputs(9, &[], None), &JointCommand::default());
+        log.record(&inputs(9, &[], None), &JointCommand::default());
         let after = reader.next_part().expect("a part");
-        assert_eq!(after.stamp.sequence, BOXES as u64 + 3);
+        assert_eq!(after.stamp.sequence, BUFFERS as u64 + 3);
     }
 
     #[test]
-    fn there_is_room_until_a_few_parts_wait() {
+    fn has_room_is_false_with_queued_parts() {
         let (mut log, mut reader) = input_log();
-        for index in 0..WAITING as u64 {
+        for index in 0..QUEUED_MAX as u64 {
             assert!(log.has_room(), "{index}");
-            log.keep(&inputs(index, &[], None), &JointCommand::default());
+            log.record(&inputs(index, &[], None), &JointCommand::default());
         }
         assert!(!log.has_room());
         let part = reader.next_part().expect("a part");
-        reader.give_back(part);
+        reader.recycle(part);
         assert!(log.has_room());
     }
 }

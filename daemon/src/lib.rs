@@ -24,31 +24,20 @@
 //!
 //! Decisions about motion are in crate `atas`; robot and sensor drivers are separate processes.
 //!
-//! # Exit codes
-//!
-//! | code | meaning |
-//! |---|---|
-//! | 0 | ended by SIGTERM or SIGINT, the robot at rest |
-//! | 1 | failed while running |
-//! | 2 | wrong command line |
-//! | 3 | configuration rejected |
-//! | 4 | another daemon owns the bus |
-//! | 5 | the bus could not be opened |
-//! | 6 | real time is required but not available |
-//! | 130, 143 | ended at once by a second SIGINT or SIGTERM |
+//! Exit codes: [`atas_process::exit::Exit`]; 130 or 143 after a second SIGINT or SIGTERM.
 
 pub mod args;
+pub mod cache_warm_up;
 pub mod config;
 pub mod daemon;
-pub mod figures;
-pub mod guard;
 pub mod input_log;
 pub mod link;
 pub mod pacer;
+pub mod panic_guard;
 mod panics;
 pub mod ports;
 pub mod realtime;
+pub mod statistics;
 mod stop_thread;
 pub mod supervisor;
 pub mod tick;
-pub mod warm;

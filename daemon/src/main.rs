@@ -4,7 +4,7 @@ use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use atas_process::{command_line, log};
-use atasd::args::{Args, Instead};
+use atasd::args::{Args, Command};
 use atasd::config::Tasks;
 use atasd::daemon::{self, Failure};
 use clap::Parser;
@@ -12,7 +12,7 @@ use clap::Parser;
 fn main() -> ExitCode {
     let args = match Args::try_parse() {
         Ok(args) => args,
-        Err(error) => return command_line::end("atasd", &error, Failure::UNWRITTEN),
+        Err(error) => return command_line::exit_without_work("atasd", &error),
     };
     let log = match log::start(args.log_format.into()) {
         Ok(log) => log,
@@ -23,7 +23,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             tracing::error!("{failure}");
-            ExitCode::from(failure.exit_code())
+            failure.exit_code().into()
         }
     };
     drop(log);
@@ -31,7 +31,7 @@ fn main() -> ExitCode {
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
-    if let Some(Instead::Completions { shell }) = args.instead {
+    if let Some(Command::Completions { shell }) = args.command {
         print(&Args::completions(shell))
     } else if args.print_tasks {
         print(Tasks::built_in_text().trim_start().as_bytes())

@@ -15,14 +15,14 @@ mod spin;
 
 pub use lockstep::LockStep;
 pub use phase::{Arrivals, Awaited, PhaseLock};
-pub use schedule::{Began, Schedule, TickStart};
+pub use schedule::{Schedule, StartReason, TickStart};
 pub use spin::SpinMargin;
 
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
 
-use crate::link::TickEnd;
+use crate::link::RealtimeSide;
 use crate::ports::{InputPorts, STREAMS};
 
 /// Time base of the ticks.
@@ -40,7 +40,7 @@ impl Pacer {
     pub fn wait(
         &mut self,
         ports: &mut InputPorts,
-        link: &TickEnd,
+        link: &RealtimeSide,
         pursues_goal: bool,
         warm: impl FnOnce(&InputPorts),
     ) -> Option<TickStart> {
@@ -52,12 +52,12 @@ impl Pacer {
 
     /// Receives the inputs of the tick. In lock-step the joint state is already received, because
     /// it sets the tick's time.
-    pub fn take_in(&self, ports: &mut InputPorts) {
+    pub fn receive(&self, ports: &mut InputPorts) {
         match self {
-            Self::Free(_) => ports.look(),
+            Self::Free(_) => ports.poll(),
             Self::LockStep(_) => {
-                ports.look_for_frames();
-                ports.look_for_targets();
+                ports.poll_frames();
+                ports.poll_targets();
             }
         }
     }
@@ -70,9 +70,9 @@ impl Pacer {
 
     /// Adapts the next deadline to a tick; returns true if the ticks are phase-locked to the
     /// frames.
-    pub fn learn(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> bool {
+    pub fn adapt(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> bool {
         match self {
-            Self::Free(pacer) => pacer.learn(start, streams),
+            Self::Free(pacer) => pacer.adapt(start, streams),
             Self::LockStep(_) => false,
         }
     }
@@ -80,10 +80,10 @@ impl Pacer {
 
 /// Initial estimate of the cache warm-up's duration, ns (measured: 10 to 45 µs when cold). Design
 /// choice.
-const WARM_NS: u64 = 18_000;
+const WARM_UP_NS: u64 = 18_000;
 /// Upper bound of the wait for late frames, as a divisor of the period: the tick needs the rest.
 /// Design choice.
-const PATIENCE_PERIODS: u64 = 4;
+const WAIT_MAX_DIVISOR: u64 = 4;
 
 /// Pacer that follows the clock.
 #[derive(Debug)]
@@ -93,9 +93,9 @@ pub struct FreePacer {
     schedule: Option<Schedule>,
     margin: SpinMargin,
     /// Duration of the warm-up: a later start would pass the deadline.
-    warming: SpinMargin,
+    warm_up_margin: SpinMargin,
     phase: Option<PhaseLock>,
-    patience_ns: u64,
+    wait_max_ns: u64,
 }
 
 impl FreePacer {
@@ -107,28 +107,28 @@ impl FreePacer {
             period_ns,
             schedule: None,
             margin: SpinMargin::new(spin_max_ns),
-            warming: SpinMargin::from(WARM_NS, spin_max_ns),
+            warm_up_margin: SpinMargin::starting_at(WARM_UP_NS, spin_max_ns),
             phase: None,
-            patience_ns: 0,
+            wait_max_ns: 0,
         }
     }
 
     /// Adds a phase lock: frames arrive about `lag_ns` after their stamps, and a late one is
-    /// awaited for at most `patience_ns`.
+    /// awaited for at most `wait_max_ns`.
     #[must_use]
-    pub fn locked(self, lag_ns: u64, patience_ns: u64) -> Self {
+    pub fn with_phase_lock(self, lag_ns: u64, patience_ns: u64) -> Self {
         Self {
             phase: Some(PhaseLock::new(self.period_ns, lag_ns)),
-            patience_ns: patience_ns.min(self.period_ns / PATIENCE_PERIODS),
+            wait_max_ns: patience_ns.min(self.period_ns / WAIT_MAX_DIVISOR),
             ..self
         }
     }
 
-    fn learn(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> bool {
+    fn adapt(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> bool {
         let (Some(phase), Some(schedule)) = (&mut self.phase, &mut self.schedule) else {
             return false;
         };
-        schedule.shift(phase.correct(start, streams));
+        schedule.shift(phase.update(start, streams));
         phase.is_locked()
     }
 
@@ -142,23 +142,28 @@ impl FreePacer {
         let awaited = self
             .phase
             .map_or_else(Awaited::default, |phase| phase.awaited(deadline_ns));
-        let early_ns = (self.margin.ns() + self.warming.ns()).min(self.margin.max_ns());
+        let early_ns = (self.margin.ns() + self.warm_up_margin.ns()).min(self.margin.max_ns());
         let awake_ns = deadline_ns.saturating_sub(early_ns);
         if now_ns() < awake_ns {
             sleep_until(awake_ns);
             self.margin.observe(now_ns().saturating_sub(awake_ns));
         }
         let begin_ns = now_ns();
-        if begin_ns + self.warming.ns() < deadline_ns {
+        if begin_ns + self.warm_up_margin.ns() < deadline_ns {
             warm(ports);
-            self.warming.observe(now_ns().saturating_sub(begin_ns));
+            self.warm_up_margin
+                .observe(now_ns().saturating_sub(begin_ns));
         }
-        ports.begin();
-        let (now, began, late_ns) = if awaited.is_something() {
-            look_until(ports, &awaited, deadline_ns, self.patience_ns)
+        ports.begin_tick();
+        let (now, began, late_ns) = if awaited.is_any() {
+            poll_until(ports, &awaited, deadline_ns, self.wait_max_ns)
         } else {
             let now = spin_until(deadline_ns);
-            (now, Began::AtDeadline, now.saturating_sub(deadline_ns))
+            (
+                now,
+                StartReason::AtDeadline,
+                now.saturating_sub(deadline_ns),
+            )
         };
         schedule.begin(now, began, late_ns)
     }
@@ -166,32 +171,32 @@ impl FreePacer {
 
 /// Polls until the awaited payloads have arrived or the time limit is reached. Returns the time,
 /// the reason of the start and the delay. Payloads stay queued for the tick.
-fn look_until(
+fn poll_until(
     ports: &mut InputPorts,
     awaited: &Awaited,
     deadline_ns: u64,
     patience_ns: u64,
-) -> (u64, Began, u64) {
+) -> (u64, StartReason, u64) {
     // Queued payloads may belong to the previous frame; later ones are new.
-    ports.look();
+    ports.poll();
     let missing = awaited.missing(&ports.captured_ns());
     let mut looked_ns = now_ns();
     if missing == [false; STREAMS] {
         return (
             looked_ns,
-            Began::FoundWaiting,
+            StartReason::AlreadyArrived,
             looked_ns.saturating_sub(deadline_ns),
         );
     }
     let latest_ns = deadline_ns + patience_ns;
     loop {
-        let has_come = ports.have_news(&missing);
+        let has_come = ports.have_payloads(&missing);
         let now = now_ns();
         if has_come {
-            return (now, Began::OnArrival, now - looked_ns);
+            return (now, StartReason::OnArrival, now - looked_ns);
         }
         if now >= latest_ns {
-            return (now, Began::InVain, now - latest_ns);
+            return (now, StartReason::TimedOut, now - latest_ns);
         }
         looked_ns = now;
         std::hint::spin_loop();

@@ -2,7 +2,7 @@
 //! are allocated at the start.
 
 use atas_core::io::TARGETS_PER_TICK;
-use atas_core::{Inputs, Order, Tick};
+use atas_core::{Inputs, OperatorRequest, Tick};
 use shm_bus::{Bus, BusError, Subscriber};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{GraspTarget, HandFrame, JointState, View, service};
@@ -23,7 +23,7 @@ pub struct InputPorts {
     targets: Box<[GraspTarget; TARGETS_PER_TICK]>,
     target_count: usize,
     newest: JointState,
-    has_news: bool,
+    has_joints: bool,
     failures: u64,
 }
 
@@ -51,35 +51,35 @@ impl InputPorts {
             targets: Box::default(),
             target_count: 0,
             newest: JointState::default(),
-            has_news: false,
+            has_joints: false,
             failures: 0,
         })
     }
 
     /// Discards the inputs of the last tick.
-    pub fn begin(&mut self) {
+    pub fn begin_tick(&mut self) {
         self.hands.iter_mut().for_each(|hand| hand.count = 0);
-        self.has_news = false;
+        self.has_joints = false;
         self.target_count = 0;
     }
 
     /// Receives new payloads: hands before joints, in the order of sending, then targets. At most
     /// [`FRAMES_PER_TICK`] frames per hand between two calls of [`InputPorts::begin`].
-    pub fn look(&mut self) {
-        self.look_for_frames();
-        self.look_for_joints();
-        self.look_for_targets();
+    pub fn poll(&mut self) {
+        self.poll_frames();
+        self.poll_joints();
+        self.poll_targets();
     }
 
     /// Receives frames only.
-    pub fn look_for_frames(&mut self) {
+    pub fn poll_frames(&mut self) {
         for hand in &mut self.hands {
-            self.failures += u64::from(hand.take().is_err());
+            self.failures += u64::from(hand.receive().is_err());
         }
     }
 
     /// Receives targets of a teleoperation client; surplus targets wait for the next tick.
-    pub fn look_for_targets(&mut self) {
+    pub fn poll_targets(&mut self) {
         let Self {
             stream,
             targets,
@@ -97,19 +97,19 @@ impl InputPorts {
     /// Returns true if each of these streams has a waiting payload. Polls in reverse order of
     /// sending: the check ends early while the last stream has none.
     #[must_use]
-    pub fn have_news(&self, streams: &[bool; STREAMS]) -> bool {
+    pub fn have_payloads(&self, streams: &[bool; STREAMS]) -> bool {
         let [left, right] = self.hands.each_ref().map(|hand| &hand.port);
-        (!streams[2] || self.joints.has_news())
-            && (!streams[1] || right.has_news())
-            && (!streams[0] || left.has_news())
+        (!streams[2] || self.joints.has_payload())
+            && (!streams[1] || right.has_payload())
+            && (!streams[0] || left.has_payload())
     }
 
     /// Receives the newest joint state only; false if none has arrived since [`InputPorts::begin`].
-    pub fn look_for_joints(&mut self) -> bool {
+    pub fn poll_joints(&mut self) -> bool {
         let taken = self.joints.newest(&mut self.newest);
         self.failures += u64::from(taken.is_err());
-        self.has_news |= taken.unwrap_or(false);
-        self.has_news
+        self.has_joints |= taken.unwrap_or(false);
+        self.has_joints
     }
 
     /// Unvalidated stamp of the newest payload of each stream, ns; 0 if there is none. Only for the
@@ -150,13 +150,13 @@ impl InputPorts {
 
     /// The received inputs, for the controller.
     #[must_use]
-    pub fn inputs<'a>(&'a self, tick: Tick, order: Option<&'a Order>) -> Inputs<'a> {
+    pub fn inputs<'a>(&'a self, tick: Tick, order: Option<&'a OperatorRequest>) -> Inputs<'a> {
         Inputs {
             tick,
             frames: self.hands.each_ref().map(|hand| &hand.frames[..hand.count]),
-            joints: self.has_news.then_some(&self.newest),
+            joints: self.has_joints.then_some(&self.newest),
             targets: &self.targets[..self.target_count],
-            order,
+            request: order,
         }
     }
 }
@@ -173,7 +173,7 @@ impl HandPort {
         })
     }
 
-    fn take(&mut self) -> Result<(), BusError> {
+    fn receive(&mut self) -> Result<(), BusError> {
         let Self {
             port,
             frames,

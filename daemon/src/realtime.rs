@@ -24,11 +24,11 @@ const TIMER_SLACK_NS: u64 = 1;
 
 /// Device that limits the wake-up latency of idle cores. The limit holds while the file is open and
 /// so ends with the process; per-core settings would outlive a killed daemon.
-const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
+const IDLE_LATENCY_DEVICE: &str = "/dev/cpu_dma_latency";
 
 /// Real-time request refused by the kernel.
 #[derive(Debug, thiserror::Error)]
-#[error("could not {what} because of: {source}; {cure}")]
+#[error("could not {what}: {source}; {cure}")]
 pub struct Refused {
     what: String,
     source: io::Error,
@@ -43,13 +43,13 @@ pub struct Granted {
     /// Memory is locked.
     pub locked: bool,
     /// Open idle-latency device.
-    pub awake: Option<File>,
+    pub idle_latency: Option<File>,
     /// Refused requests.
     pub refused: Vec<Refused>,
 }
 
 impl Granted {
-    fn note(&mut self, mode: RealtimeMode, result: Result<(), Refused>) -> Result<bool, Refused> {
+    fn record(&mut self, mode: RealtimeMode, result: Result<(), Refused>) -> Result<bool, Refused> {
         match result {
             Ok(()) => Ok(true),
             Err(refused) if mode == RealtimeMode::Require => Err(refused),
@@ -68,7 +68,7 @@ impl Granted {
 pub fn lock_memory(realtime: &Realtime) -> Result<Granted, Refused> {
     let mut granted = Granted::default();
     if realtime.mode != RealtimeMode::Off {
-        granted.locked = granted.note(realtime.mode, mlockall())?;
+        granted.locked = granted.record(realtime.mode, mlockall())?;
     }
     Ok(granted)
 }
@@ -78,19 +78,20 @@ pub fn lock_memory(realtime: &Realtime) -> Result<Granted, Refused> {
 ///
 /// # Errors
 /// [`Refused`], for the log.
-pub fn keep_awake(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> {
+pub fn limit_idle_latency(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> {
     if realtime.mode == RealtimeMode::Off || !realtime.keep_awake {
         return Ok(());
     }
     let wish = |mut file: File| file.write_all(&0_i32.to_ne_bytes()).map(|()| file);
     let opened = OpenOptions::new()
         .write(true)
-        .open(IDLE_LATENCY)
+        .open(IDLE_LATENCY_DEVICE)
         .and_then(wish);
-    granted.awake = Some(opened.map_err(|source| Refused {
-        what: format!("keep the cores awake through {IDLE_LATENCY}"),
+    granted.idle_latency = Some(opened.map_err(|source| Refused {
+        what: format!("limit the idle latency of the cores through {IDLE_LATENCY_DEVICE}"),
         source,
-        cure: "install daemon/systemd/60-atas.rules, which gives the group atas the right, or set realtime.keep_awake to false",
+        cure: "install daemon/systemd/60-atas.rules, which gives the group atas access, or set \
+            realtime.keep_awake to false",
     })?);
     Ok(())
 }
@@ -99,17 +100,17 @@ pub fn keep_awake(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refu
 ///
 /// # Errors
 /// [`Refused`] under `require`; under `try` refusals are added to `granted.refused`.
-pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> {
+pub fn enter_tick_thread(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> {
     if realtime.mode == RealtimeMode::Off {
         return Ok(());
     }
     let mode = realtime.mode;
     if let Cpu::Core(core) = realtime.cpu {
-        granted.note(mode, pin(core))?;
+        granted.record(mode, pin(core))?;
     }
     // Only affects threads without `SCHED_FIFO`; a failure is harmless.
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(TIMER_SLACK_NS));
-    granted.fifo = granted.note(mode, schedule_fifo(realtime.priority))?;
+    granted.fifo = granted.record(mode, schedule_fifo(realtime.priority))?;
     if granted.fifo {
         limit_compute_time();
     }
@@ -119,14 +120,14 @@ pub fn enter(realtime: &Realtime, granted: &mut Granted) -> Result<(), Refused> 
 
 /// Makes the calling thread real-time at the next lower priority: it mostly sleeps, but must run at
 /// once when needed. A refusal has no effect.
-pub fn enter_below_the_tick(realtime: &Realtime) {
+pub fn enter_stop_thread(realtime: &Realtime) {
     if realtime.mode != RealtimeMode::Off && realtime.priority > 1 {
         let _ordinary = schedule_fifo(realtime.priority - 1);
     }
 }
 
 /// Makes the tick thread non-real-time again, because closing ports may exceed the computing limit.
-pub fn leave() {
+pub fn leave_realtime() {
     scheduling::leave_fifo();
 }
 
@@ -152,8 +153,8 @@ fn schedule_fifo(priority: u32) -> Result<(), Refused> {
     scheduling::enter_fifo(priority.cast_signed()).map_err(|source| Refused {
         what: format!("run the tick thread under SCHED_FIFO at priority {priority}"),
         source,
-        cure: "raise LimitRTPRIO (ulimit -r) to the priority, or set realtime.mode to \"try\"; \
-               in a container or a kernel with RT_GROUP_SCHED, give its cgroup real-time time",
+        cure: "raise LimitRTPRIO (ulimit -r) to this priority, or set realtime.mode to \"try\"; in \
+            a container or with RT_GROUP_SCHED, give the cgroup a real-time budget",
     })
 }
 
@@ -181,25 +182,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn off_asks_for_nothing() {
+    fn mode_off_requests_nothing() {
         let realtime = Realtime {
             mode: RealtimeMode::Off,
             ..Realtime::default()
         };
-        let mut granted = lock_memory(&realtime).expect("nothing to refuse");
-        enter(&realtime, &mut granted).expect("nothing to refuse");
+        let mut granted = lock_memory(&realtime).expect("nothing is requested");
+        enter_tick_thread(&realtime, &mut granted).expect("nothing is requested");
         assert!(!granted.fifo && !granted.locked && granted.refused.is_empty());
     }
 
     #[test]
-    fn a_core_that_does_not_exist_is_refused_and_try_goes_on() {
+    fn missing_core_is_refused_and_try_continues() {
         let mut granted = Granted::default();
         assert!(
             !granted
-                .note(RealtimeMode::Try, pin(1023))
+                .record(RealtimeMode::Try, pin(1023))
                 .expect("try never fails")
         );
         assert!(granted.refused[0].to_string().contains("core 1023"));
-        assert!(granted.note(RealtimeMode::Require, pin(1023)).is_err());
+        assert!(granted.record(RealtimeMode::Require, pin(1023)).is_err());
     }
 }

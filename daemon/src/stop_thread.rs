@@ -11,7 +11,7 @@ use std::io;
 use std::sync::Arc;
 use std::thread::{Builder, JoinHandle};
 
-use shm_bus::stop::{Heard, Listener, Signal};
+use shm_bus::stop::{Listener, ReceivedStop, Signal};
 
 use crate::config::Realtime;
 use crate::realtime;
@@ -31,8 +31,8 @@ impl StopThread {
         let listener = Arc::new(listener);
         let (server, realtime) = (Arc::clone(&listener), realtime.clone());
         let serve = move || {
-            realtime::enter_below_the_tick(&realtime);
-            server.serve(tell);
+            realtime::enter_stop_thread(&realtime);
+            server.serve(log_stop);
         };
         let thread = Builder::new()
             .name("atasd-stop".to_owned())
@@ -59,12 +59,12 @@ impl Drop for StopThread {
     }
 }
 
-fn tell(heard: Heard) {
-    let Heard {
+fn log_stop(received: ReceivedStop) {
+    let ReceivedStop {
         number,
         pid,
         reason,
         outcome,
-    } = heard;
-    tracing::warn!(number, pid, %reason, %outcome, "asked to stop at once");
+    } = received;
+    tracing::warn!(number, pid, %reason, %outcome, "stop requested");
 }

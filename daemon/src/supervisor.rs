@@ -1,7 +1,7 @@
 //! Supervisor, the non-real-time side: everything that may wait, allocate, log or fail without
 //! effect on the robot.
 //!
-//! Every 4 ms it reads the records of the ticks ([`SupervisorEnd`]) and publishes them. It also
+//! Every 4 ms it reads the records of the ticks ([`SupervisorSide`]) and publishes them. It also
 //! answers goals and control requests, cleans up dead peers, feeds the service manager's watchdog
 //! and polls the signals.
 //!
@@ -26,11 +26,11 @@ use std::io;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use atas_core::Order;
+use atas_core::OperatorRequest;
 use shm_bus::{Bus, BusError, now_ns};
 use shm_schemas::{Cause, Reason};
 
-use crate::link::{News, SupervisorEnd};
+use crate::link::{Notification, SupervisorSide};
 use controls::ControlService;
 use event_log::EventLog;
 use flight::FlightRecorder;
@@ -41,12 +41,12 @@ use telemetry::Telemetry;
 
 /// Pause between two rounds, short against the 100 ms that a person notices. A round takes about 15
 /// µs. Design choice.
-const ROUND: Duration = Duration::from_millis(4);
+const ROUND_PERIOD: Duration = Duration::from_millis(4);
 /// Interval of the clean-up after dead peers (bus design: 100 to 500 ms).
-const CLEAN_EVERY: Duration = Duration::from_millis(250);
+const CLEAN_INTERVAL: Duration = Duration::from_millis(250);
 /// Time limit from a signal to the end: the ramp to a stop takes some tens of milliseconds (fault
 /// catalogue F60: 200 ms).
-const STOP_WITHIN: Duration = Duration::from_millis(150);
+const STOP_TIMEOUT: Duration = Duration::from_millis(150);
 /// Commands at rest published after the ramp, so that the robot receives them.
 const REST_TICKS: u32 = 5;
 
@@ -54,7 +54,7 @@ const REST_TICKS: u32 = 5;
 #[derive(Debug)]
 pub struct Supervisor {
     bus: Bus,
-    link: SupervisorEnd,
+    link: SupervisorSide,
     state: SupervisorState,
     goals: GoalService,
     controls: ControlService,
@@ -74,7 +74,7 @@ pub enum OpenError {
     #[error(transparent)]
     Bus(#[from] BusError),
     /// Thread creation.
-    #[error("could not start a thread because of: {0}")]
+    #[error("could not start a thread: {0}")]
     Thread(#[from] io::Error),
 }
 
@@ -90,7 +90,7 @@ impl Supervisor {
     /// [`OpenError`] if a port or a thread cannot be created.
     pub fn open(
         bus: Bus,
-        link: SupervisorEnd,
+        link: SupervisorSide,
         state: SupervisorState,
         signals: Signals,
     ) -> Result<Self, OpenError> {
@@ -121,14 +121,14 @@ impl Supervisor {
         let mut clean_at = Instant::now();
         let mut stop_by: Option<Instant> = None;
         loop {
-            self.round();
+            self.run_round();
             if Instant::now() >= clean_at {
                 self.bus.clean_dead();
-                clean_at = Instant::now() + CLEAN_EVERY;
+                clean_at = Instant::now() + CLEAN_INTERVAL;
             }
             if ticks.is_finished() {
                 return Err(TickThreadEnded(
-                    crate::panics::take_note().unwrap_or_default(),
+                    crate::panics::take_message().unwrap_or_default(),
                 ));
             }
             if stop_by.is_none() && self.signals.stop_requested() {
@@ -138,18 +138,18 @@ impl Supervisor {
             if stop_by.is_some_and(|by| at_rest || Instant::now() >= by) {
                 return Ok(());
             }
-            std::thread::sleep(ROUND);
+            std::thread::sleep(ROUND_PERIOD);
         }
     }
 
     /// Publishes the remaining records after the last tick.
-    pub fn conclude(&mut self) {
-        self.take_records();
+    pub fn finish(&mut self) {
+        self.process_records();
     }
 
-    fn round(&mut self) {
-        self.link.supervise(now_ns());
-        self.take_records();
+    fn run_round(&mut self) {
+        self.link.report_alive(now_ns());
+        self.process_records();
         let Self {
             goals,
             controls,
@@ -165,46 +165,49 @@ impl Supervisor {
             manager.reloading();
             match state.reload(link) {
                 Ok(_) => tracing::info!("configuration reloaded"),
-                Err(why) => tracing::error!("kept the configuration: {why}"),
+                Err(why) => tracing::error!("configuration not changed: {why}"),
             }
             manager.ready();
         }
-        manager.attend(state.ticks_seen);
+        manager.report_ticks(state.record_count);
         self.telemetry.publish_view(&self.state, &mut self.link);
         self.telemetry.publish_status(&self.state, &mut self.link);
     }
 
-    fn take_records(&mut self) {
+    fn process_records(&mut self) {
         while let Some(record) = self.link.next_record() {
-            self.state.learn(&record);
+            self.state.update(&record);
             self.telemetry.publish_record(&record);
-            self.flight.note(&record.report);
-            self.event_log.watch_record(&record);
+            self.flight.record(&record.report);
+            self.event_log.check_record(&record);
             let stopped = self.signals.stop_requested() && record.at_rest;
             self.resting_ticks = if stopped { self.resting_ticks + 1 } else { 0 };
         }
-        while let Some(news) = self.link.next_news() {
-            self.telemetry.publish_news(&self.state, &mut self.link);
+        while let Some(news) = self.link.next_notification() {
+            self.telemetry
+                .publish_notified_status(&self.state, &mut self.link);
             match news {
-                News::Taken(ticket) => self.controls.settle(ticket),
-                News::Goal(update) => self.goals.tell(&update),
+                Notification::Taken(ticket) => self.controls.complete(ticket),
+                Notification::Goal(update) => self.goals.forward_update(&update),
             }
         }
         while let Some(event) = self.link.next_event() {
             self.telemetry.publish_event(&event);
             self.event_log.write_event(&event);
-            self.flight.watch(&event);
+            self.flight.save_on_fault(&event);
         }
         self.recording.publish(self.link.input_log());
-        self.event_log.watch_dropped(self.link.dropped());
+        self.event_log.check_dropped(self.link.dropped());
     }
 
     fn begin_stop(&mut self) -> Instant {
-        tracing::info!("asked to stop; ramping to a stop");
+        tracing::info!("stop requested by a signal; ramping to a stop");
         self.manager.stopping();
         self.resting_ticks = 0;
         // The queue of stops has room: no other source stops in every tick.
-        let _ticket = self.link.order(Order::Stop(Reason::of(Cause::SHUTDOWN)));
-        Instant::now() + STOP_WITHIN
+        let _ticket = self
+            .link
+            .request(OperatorRequest::Stop(Reason::new(Cause::SHUTDOWN)));
+        Instant::now() + STOP_TIMEOUT
     }
 }

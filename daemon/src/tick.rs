@@ -8,17 +8,17 @@
 //!
 //! The supervisor computes the statistics.
 
-use atas_core::{Controller, Order, Tick};
+use atas_core::{Controller, OperatorRequest, Tick};
 use robot_model::RobotVector;
 use shm_bus::{Bus, BusError, Publisher, now_ns};
 use shm_schemas::capacity::STAGES;
 use shm_schemas::{JointCommand, TickReport, service};
 
-use crate::guard::{Guard, Step};
-use crate::link::{TickEnd, TickRecord, Ticketed};
-use crate::pacer::{Arrivals, Began, Pacer, TickStart};
+use crate::cache_warm_up::CacheWarmUp;
+use crate::link::{RealtimeSide, TickRecord, Ticketed};
+use crate::pacer::{Arrivals, Pacer, StartReason, TickStart};
+use crate::panic_guard::{PanicGuard, Step};
 use crate::ports::{InputPorts, STREAMS};
-use crate::warm::DryTick;
 
 /// Indices in [`TickReport::stage_ns`] after the controller's stages.
 const PUBLISH: usize = 5;
@@ -34,13 +34,13 @@ const VIEW_HZ: u64 = 60;
 pub struct TickLoop {
     pacer: Pacer,
     ports: InputPorts,
-    guard: Guard,
-    dry_tick: DryTick,
+    panic_guard: PanicGuard,
+    cache_warm_up: CacheWarmUp,
     last_tick: Tick,
     period_ns: u64,
     commands: Publisher<JointCommand>,
-    link: TickEnd,
-    watch: Stopwatch,
+    link: RealtimeSide,
+    stopwatch: Stopwatch,
     counts: Counts,
 }
 
@@ -49,7 +49,7 @@ struct Counts {
     ticks: u64,
     late: u64,
     on_arrival: u64,
-    in_vain: u64,
+    timed_out: u64,
     unsent: u64,
     status_every: u64,
     view_every: u64,
@@ -64,29 +64,29 @@ impl TickLoop {
         bus: &Bus,
         controller: Box<Controller>,
         pacer: Pacer,
-        mut link: TickEnd,
+        mut link: RealtimeSide,
         rate_hz: u32,
     ) -> Result<Self, BusError> {
         let commands = bus.publisher(service::JOINT_COMMAND)?;
         let status_every = (u64::from(rate_hz) / STATUS_HZ).max(1);
-        let dry_tick = DryTick::new(&controller);
-        let guard = Guard::new(controller);
-        link.leave_snapshot(&guard.status(now_ns()));
+        let dry_tick = CacheWarmUp::new(&controller);
+        let panic_guard = PanicGuard::new(controller);
+        link.push_snapshot(&panic_guard.status(now_ns()));
         Ok(Self {
             pacer,
             ports: InputPorts::open(bus)?,
-            guard,
-            dry_tick,
+            panic_guard,
+            cache_warm_up: dry_tick,
             last_tick: Tick::default(),
             period_ns: 1_000_000_000 / u64::from(rate_hz.max(1)),
             commands,
             link,
-            watch: Stopwatch::default(),
+            stopwatch: Stopwatch::default(),
             counts: Counts {
                 ticks: 0,
                 late: 0,
                 on_arrival: 0,
-                in_vain: 0,
+                timed_out: 0,
                 unsent: 0,
                 status_every,
                 view_every: (u64::from(rate_hz) / VIEW_HZ).max(1),
@@ -104,72 +104,74 @@ impl TickLoop {
         let Self {
             pacer,
             ports,
-            guard,
-            dry_tick,
+            panic_guard,
+            cache_warm_up,
             last_tick,
             period_ns,
             commands,
             link,
-            watch,
+            stopwatch,
             counts,
         } = self;
         let warm = |ports: &InputPorts| {
-            if let Some(controller) = guard.controller() {
-                dry_tick.run(controller, &ports.inputs(*last_tick, None), *period_ns);
+            if let Some(controller) = panic_guard.controller() {
+                cache_warm_up.run(controller, &ports.inputs(*last_tick, None), *period_ns);
             }
         };
-        let Some(start) = pacer.wait(ports, link, guard.pursues_goal(), warm) else {
+        let Some(start) = pacer.wait(ports, link, panic_guard.has_active_goal(), warm) else {
             return false;
         };
-        watch.start();
-        pacer.take_in(ports);
+        stopwatch.start();
+        pacer.receive(ports);
         *last_tick = start.tick;
-        let order = order_for(link, &start, pacer.is_free());
-        let inputs = ports.inputs(start.tick, order.as_ref().map(|o| &o.order));
-        let step = guard.step(&inputs, |stage| watch.passed(stage as usize));
-        watch.passed(REPORT);
+        let order = request_for(link, &start, pacer.is_free());
+        let inputs = ports.inputs(start.tick, order.as_ref().map(|o| &o.request));
+        let step = panic_guard.step(&inputs, |stage| stopwatch.lap(stage as usize));
+        stopwatch.lap(REPORT);
         let sent = commands.send(step.command);
-        link.published();
-        watch.passed(PUBLISH);
+        link.confirm_stop();
+        stopwatch.lap(PUBLISH);
         counts.count(&start, sent.is_ok());
-        let body_ns = watch.total_ns();
+        let body_ns = stopwatch.total_ns();
         if let Some(input_log) = link.input_log() {
-            input_log.keep(&inputs, step.command);
-            watch.passed(RECORDING);
+            input_log.record(&inputs, step.command);
+            stopwatch.lap(RECORDING);
         }
-        let mut record = record_of(&step, &start, watch.stage_ns, body_ns);
+        let mut record = record_of(&step, &start, stopwatch.stage_ns, body_ns);
         record.bus_failures = counts.unsent + ports.failures();
-        record.phase_locked = pacer.learn(&start, arrivals(&record.report, ports));
+        record.phase_locked = pacer.adapt(&start, arrivals(&record.report, ports));
         let is_news = step.goal_update.is_some() || !step.events.is_empty();
         let ticket = order.map_or(0, |order| order.ticket);
         let goal_update = step.goal_update.copied();
-        link.leave(&record, step.events);
+        link.push_record(&record, step.events);
         if is_news || ticket != 0 || counts.ticks.is_multiple_of(counts.status_every) {
-            link.leave_snapshot(&counts.complete(guard.status(start.tick.now_ns), &start));
+            link.push_snapshot(&counts.complete(panic_guard.status(start.tick.now_ns), &start));
         }
         // After the snapshot: a client that reacts to the notification must not read an older
         // status.
-        link.leave_news(ticket, goal_update.as_ref());
+        link.push_notifications(ticket, goal_update.as_ref());
         if counts.ticks.is_multiple_of(counts.view_every) {
-            link.leave_view(|view| ports.write_view(start.tick, view));
+            link.push_view(|view| ports.write_view(start.tick, view));
         }
-        if let (Pacer::LockStep(pacer), Some(Order::Recover)) = (pacer, order.map(|o| o.order)) {
-            pacer.settle();
+        if let (Pacer::LockStep(pacer), Some(OperatorRequest::Recover)) =
+            (pacer, order.map(|o| o.request))
+        {
+            pacer.restart_settling();
         }
         true
     }
 }
 
 /// Request of the supervisor or stop socket; on the clock, a silent supervisor causes a hold.
-fn order_for(link: &mut TickEnd, start: &TickStart, is_free: bool) -> Option<Ticketed> {
-    let order = link.take_order(start.settling);
+fn request_for(link: &mut RealtimeSide, start: &TickStart, is_free: bool) -> Option<Ticketed> {
+    let order = link.take_request(start.settling);
     if order.is_some() || !is_free {
         return order;
     }
-    let reason = link.supervision(start.tick.now_ns);
+    let reason = link.supervisor_timeout(start.tick.now_ns);
     reason.is_some().then_some(Ticketed {
         ticket: 0,
-        order: Order::Hold(reason),
+        request: OperatorRequest::Hold(reason),
     })
 }
 
@@ -177,8 +179,8 @@ impl Counts {
     fn count(&mut self, start: &TickStart, sent: bool) {
         self.ticks += 1;
         self.late += u64::from(start.is_late);
-        self.on_arrival += u64::from(start.began == Began::OnArrival);
-        self.in_vain += u64::from(start.began == Began::InVain);
+        self.on_arrival += u64::from(start.reason == StartReason::OnArrival);
+        self.timed_out += u64::from(start.reason == StartReason::TimedOut);
         self.unsent += u64::from(!sent);
     }
 
@@ -186,7 +188,7 @@ impl Counts {
         status.ticks = self.ticks;
         status.late_ticks = self.late;
         status.ticks_on_arrival = self.on_arrival;
-        status.ticks_in_vain = self.in_vain;
+        status.ticks_without_frame = self.timed_out;
         status.missed_ticks = start.missed;
         status
     }
@@ -202,9 +204,9 @@ fn record_of(
     let frame_age_ns = ages.min().unwrap_or(u64::MAX);
     let report = TickReport {
         missed_ticks: start.missed,
-        wake_late_ns: clipped(start.late_ns),
+        wake_late_ns: saturated_u32(start.late_ns),
         stage_ns,
-        sensor_to_command_ns: clipped(frame_age_ns.saturating_add(u64::from(body_ns))),
+        sensor_to_command_ns: saturated_u32(frame_age_ns.saturating_add(u64::from(body_ns))),
         ..*step.report
     };
     TickRecord {
@@ -254,17 +256,17 @@ impl Stopwatch {
         self.stage_ns = [0; STAGES];
     }
 
-    fn passed(&mut self, stage: usize) {
+    fn lap(&mut self, stage: usize) {
         let now = now_ns();
-        self.stage_ns[stage] = clipped(now - self.last_ns);
+        self.stage_ns[stage] = saturated_u32(now - self.last_ns);
         self.last_ns = now;
     }
 
     fn total_ns(&self) -> u32 {
-        clipped(self.last_ns - self.started_ns)
+        saturated_u32(self.last_ns - self.started_ns)
     }
 }
 
-fn clipped(ns: u64) -> u32 {
+fn saturated_u32(ns: u64) -> u32 {
     u32::try_from(ns).unwrap_or(u32::MAX)
 }

@@ -3,17 +3,17 @@
 //! `cargo test -p atasd --test allocation -- --nocapture` prints the durations of the ticks.
 
 #[path = "daemon/support.rs"]
-#[expect(dead_code, reason = "only the scripted world is needed here")]
+#[expect(dead_code, reason = "only the scripted world is used here")]
 mod support;
 
 use std::io::Write as _;
 use std::sync::Arc;
 
 use allocation_counter::measure;
-use atas_core::{Controller, Goal, Order, Settings, Wiring};
-use atasd::figures::Figures;
+use atas_core::{Controller, Goal, OperatorRequest, SensorSetup, Settings};
 use atasd::link::link;
 use atasd::pacer::{LockStep, Pacer};
+use atasd::statistics::TickStatistics;
 use atasd::tick::TickLoop;
 use robot_model::RobotModel;
 use shm_bus::{Bus, FreshBus, Realtime};
@@ -28,7 +28,7 @@ const PERIOD_NS: u64 = 1_000_000;
 /// Index of the recording in [`shm_schemas::TickReport::stage_ns`].
 const RECORDING: usize = 7;
 
-fn grasp() -> Order {
+fn grasp() -> OperatorRequest {
     let request = GoalRequest {
         goal_id: 1,
         kind: GoalKind::GRASP,
@@ -38,27 +38,27 @@ fn grasp() -> Order {
         lift_m: 0.03,
         ..GoalRequest::default()
     };
-    Order::Start(Goal::resolve(&request, &[]).expect("built in"))
+    OperatorRequest::Start(Goal::resolve(&request, &[]).expect("built in"))
 }
 
 #[test]
-fn a_tick_allocates_once_per_published_command() {
-    print_figures("not recording", &pursue(false));
+fn tick_allocates_once_per_command() {
+    print_durations("not recording", &run_ticks(false));
 }
 
 #[test]
-fn recording_allocates_nothing_more() {
-    print_figures("recording", &pursue(true));
+fn recording_allocates_nothing() {
+    print_durations("recording", &run_ticks(true));
 }
 
 /// Runs ticks with an active goal, each of which must allocate once.
-fn pursue(recording: bool) -> Costs {
+fn run_ticks(recording: bool) -> Durations {
     let name = FreshBus::new("alloc");
-    let mut world = World::on(&name);
+    let mut world = World::open(&name);
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
     let controller = Box::new(Controller::new(
         &robot,
-        Wiring::default(),
+        SensorSetup::default(),
         Settings::default(),
     ));
     let bus = Bus::open(&name, "atasd", Realtime::Yes).expect("the bus opens");
@@ -66,23 +66,23 @@ fn pursue(recording: bool) -> Costs {
     let pacer = Pacer::LockStep(LockStep::new());
     let mut ticks =
         TickLoop::open(&bus, controller, pacer, tick_end, 1000).expect("the ports open");
-    assert!(supervisor.order(grasp()).is_some());
-    let mut costs = Costs {
-        figures: Figures::new().expect("valid bounds"),
+    assert!(supervisor.request(grasp()).is_some());
+    let mut costs = Durations {
+        statistics: TickStatistics::new().expect("valid bounds"),
         recording_ns: Vec::new(),
     };
     for index in 0..WARM_UP + TICKS {
         world.publish((index + 1) * PERIOD_NS);
         let allocations = measure(|| assert!(ticks.run_once())).count_total;
-        world.listen();
+        world.receive();
         let record = supervisor
             .next_record()
-            .expect("every tick leaves a record");
+            .expect("every tick pushes a record");
         while supervisor.next_event().is_some() {}
         if let Some(input_log) = supervisor.input_log() {
-            let part = input_log.next_part().expect("every tick leaves a part");
+            let part = input_log.next_part().expect("every tick pushes a part");
             assert_eq!(part.command.crc32, record.report.command_crc32);
-            input_log.give_back(part);
+            input_log.recycle(part);
         }
         if index >= WARM_UP {
             assert_eq!(
@@ -90,7 +90,7 @@ fn pursue(recording: bool) -> Costs {
                 (Mode::RUN, 1),
                 "tick {index}"
             );
-            costs.figures.record(&record);
+            costs.statistics.record(&record);
             costs.recording_ns.push(record.report.stage_ns[RECORDING]);
         }
     }
@@ -98,14 +98,14 @@ fn pursue(recording: bool) -> Costs {
 }
 
 /// Durations of the ticks.
-struct Costs {
-    figures: Figures,
+struct Durations {
+    statistics: TickStatistics,
     recording_ns: Vec<u32>,
 }
 
-fn print_figures(what: &str, costs: &Costs) {
+fn print_durations(what: &str, costs: &Durations) {
     let mut status = Status::default();
-    costs.figures.write(&mut status);
+    costs.statistics.write(&mut status);
     let tick = status.tick;
     let us = |ns: u64| ns as f64 * 1e-3;
     let mut recording_ns = costs.recording_ns.clone();

@@ -17,9 +17,9 @@ code! {
 
 code! {
     /// Subsystem that controls the robot.
-    Say as "atas.Say.v1" {
+    ControlOwner as "atas.ControlOwner.v1" {
         /// No owner: the base brakes and stands.
-        NOBODY = 0, "nobody";
+        NONE = 0, "none";
         /// The behaviour table drives the base.
         TABLE = 1, "table";
         /// The hand works; the base stands.
@@ -57,11 +57,11 @@ payload! {
         pub goal_m: [f64; 2],
         /// Distance to the robot with the right of way, m; infinite if this robot has it or no
         /// robot needs it.
-        pub first_m: f64,
+        pub right_of_way_m: f64,
         /// 1 while the object stands on the ground and its light is visible.
         pub object_stands: u32,
         /// 1 while the wheels are stopped.
-        pub stands: u32,
+        pub wheels_stopped: u32,
         /// Incident that ended the course.
         pub mishap: Mishap,
         /// Written as zero.
@@ -77,7 +77,7 @@ payload! {
         /// Frame that this command answers.
         pub frame: u64,
         /// Control owner.
-        pub say: Say,
+        pub owner: ControlOwner,
         /// Light that the base detects. With the goal light the base drives gently, because the
         /// robot carries the object.
         pub light: Light,

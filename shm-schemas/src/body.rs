@@ -10,11 +10,11 @@ const NAMES: [&str; 11] = [
     "forearm",
     "wrist",
     "palm",
-    "finger 1 at its root",
-    "finger 1 at its middle",
+    "finger 1 root",
+    "finger 1 middle",
     "fingertip 1",
-    "finger 2 at its root",
-    "finger 2 at its middle",
+    "finger 2 root",
+    "finger 2 middle",
     "fingertip 2",
 ];
 
@@ -33,6 +33,13 @@ pub struct BodyPair(pub [Body; 2]);
 
 impl BodyPair {
     /// Encodes the pair as an index.
+    ///
+    /// ```
+    /// use shm_schemas::BodyPair;
+    ///
+    /// let pair = BodyPair::from_index(5);
+    /// assert_eq!(pair.index(), 5);
+    /// ```
     #[must_use]
     pub fn index(self) -> usize {
         let [first, second] = self.0.map(|body| body.hand << 4 | body.joint & 0xf);
@@ -41,7 +48,7 @@ impl BodyPair {
 
     /// Decodes the pair of an index.
     #[must_use]
-    pub fn read(index: u32) -> Self {
+    pub fn from_index(index: u32) -> Self {
         let pair = index.saturating_sub(1) as usize;
         Self([pair >> 8, pair & 0xff].map(|body| Body {
             hand: body >> 4,

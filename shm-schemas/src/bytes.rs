@@ -8,9 +8,9 @@ use serde::de::{Error, SeqAccess, Visitor};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Visitor that reads a `T` from exactly `size_of::<T>()` bytes.
-pub(crate) struct BytesOf<T>(pub(crate) PhantomData<T>);
+pub(crate) struct BytesVisitor<T>(pub(crate) PhantomData<T>);
 
-impl<'de, T: FromBytes + IntoBytes> Visitor<'de> for BytesOf<T> {
+impl<'de, T: FromBytes + IntoBytes> Visitor<'de> for BytesVisitor<T> {
     type Value = T;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -43,7 +43,7 @@ macro_rules! as_bytes {
 
         impl<'de $(, const $n: usize)?> serde::Deserialize<'de> for $name $(<$n>)? {
             fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                deserializer.deserialize_bytes($crate::bytes::BytesOf(core::marker::PhantomData))
+                deserializer.deserialize_bytes($crate::bytes::BytesVisitor(core::marker::PhantomData))
             }
         }
     };

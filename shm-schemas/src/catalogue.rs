@@ -25,7 +25,7 @@ pub const CODES: &[&CodeType] = &[
     &record::OrderKind::CODE,
     &sensor_bit::SensorBit::CODE,
     &base::Light::CODE,
-    &base::Say::CODE,
+    &base::ControlOwner::CODE,
     &base::Mishap::CODE,
 ];
 

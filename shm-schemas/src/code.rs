@@ -30,12 +30,12 @@ macro_rules! code {
             /// Schema of the code for other languages.
             pub const CODE: $crate::schema::CodeType = $crate::schema::CodeType {
                 name: stringify!($name),
-                about: &[$($doc),*],
+                doc: &[$($doc),*],
                 values: &[$($crate::schema::CodeValue {
                     number: $number,
                     name: stringify!($value),
                     text: $text,
-                    about: &[$($vdoc),*],
+                    doc: &[$($vdoc),*],
                 }),*],
             };
 
@@ -68,7 +68,7 @@ macro_rules! code {
         #[cfg(feature = "serde")]
         $crate::bytes::as_bytes!($name);
 
-        impl $crate::schema::Described for $name {
+        impl $crate::schema::HasSchema for $name {
             const TYPE: $crate::schema::Type = $crate::schema::Type::Code(&Self::CODE);
         }
 

@@ -26,9 +26,9 @@ code! {
         CUSTOM = 6, "custom";
         /// Teleoperation: the acting hand tracks the targets streamed by the client
         /// ([`crate::GraspTarget`]).
-        FOLLOW = 7, "follow";
+        TELEOP = 7, "teleop";
         /// Teleoperation of both hands.
-        FOLLOW_BOTH = 8, "follow-both";
+        TELEOP_BOTH = 8, "teleop-both";
     }
 }
 
@@ -89,7 +89,7 @@ impl GoalKind {
     /// Returns true if the client streams targets (teleoperation).
     #[must_use]
     pub fn is_stream(self) -> bool {
-        matches!(self, Self::FOLLOW | Self::FOLLOW_BOTH)
+        matches!(self, Self::TELEOP | Self::TELEOP_BOTH)
     }
 }
 

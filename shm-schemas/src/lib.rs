@@ -13,7 +13,23 @@
 //!   `CLOCK_MONOTONIC`, or of virtual time in lock-step. Hand 0 is left, hand 1 is right. Joints:
 //!   11 left, then 11 right, in URDF order.
 //! * **Not included:** transport (`shm-bus`), allocation, clocks, and behaviour other than
-//!   validation ([`Obedience`]) and formatting.
+//!   validation ([`CommandValidator`]) and formatting.
+//!
+//! ```
+//! use shm_schemas::{Hand, HandFrame, Layout};
+//!
+//! let mut frame = HandFrame {
+//!     hand: Hand::RIGHT,
+//!     finger_count: 2,
+//!     layout_hash: Layout::dome_41().hash(),
+//!     ..HandFrame::default()
+//! };
+//! frame.force_n[0][0] = [1.5, 0.0, 0.2];
+//! frame.seal();
+//! assert!(frame.is_intact());
+//! frame.force_n[0][0][0] = 9.0;
+//! assert!(!frame.is_intact(), "a changed byte breaks the checksum");
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -28,6 +44,7 @@ mod bytes;
 pub mod capacity;
 pub mod catalogue;
 mod code;
+mod command_validation;
 mod control;
 mod crc;
 mod event;
@@ -36,29 +53,29 @@ mod goal;
 mod joints;
 pub mod layout;
 mod module;
-mod obedience;
 mod payload;
 mod reason;
+mod reason_text;
 mod record;
 pub mod schema;
 mod sensor_bit;
-mod sentence;
 pub mod service;
 mod stamp;
 mod status;
 mod stop;
 mod swarm;
 mod target;
-mod target_sentence;
+mod target_reason_text;
 mod text;
 mod tick;
 mod truth;
-mod typed;
+mod units;
 mod view;
 
 pub use arena::{AgentTruth, ArenaTruth, FieldTruth, PostTruth, TrialTruth, WallTruth};
-pub use base::{BaseCommand, BaseState, Light, Mishap, Say};
+pub use base::{BaseCommand, BaseState, ControlOwner, Light, Mishap};
 pub use body::{Body, BodyPair};
+pub use command_validation::{Accepted, CommandValidator, JointSetpoints};
 pub use control::{ControlOp, ControlOutcome, ControlReply, ControlRequest};
 pub use event::{EventKind, ModuleEvent};
 pub use frame::HandFrame;
@@ -66,7 +83,6 @@ pub use goal::{GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, GraspFi
 pub use joints::{JointCommand, JointState, Mode};
 pub use layout::Layout;
 pub use module::ModuleId;
-pub use obedience::{Accepted, Obedience, Orders};
 pub use payload::Payload;
 pub use reason::{Cause, Reason};
 pub use record::{

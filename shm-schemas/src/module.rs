@@ -32,12 +32,12 @@ code! {
         CONTACT_GUARD = 11, "contact guard";
         /// Lift verification: one pull-back during the lift distinguishes a suspended object from a
         /// supported one.
-        LOAD_TEST = 12, "load test";
+        LIFT_VERIFICATION = 12, "lift verification";
         /// Increases the grip by a fixed share on each slip; a baseline, not used by built-in
         /// tasks.
         SLIP_REACTION = 13, "slip reaction";
         /// Teleoperation: tracks streamed targets with limited speed, acceleration and jerk.
-        FOLLOW = 14, "follow";
+        TELEOP = 14, "teleop";
         /// Commands fingers and hand from the behaviour table of the task (paper section III).
         BEHAVIOUR_TABLE = 15, "behaviour table";
     }

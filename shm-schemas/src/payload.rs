@@ -47,7 +47,7 @@ macro_rules! payload {
         #[cfg(feature = "serde")]
         $crate::bytes::as_bytes!($name);
 
-        impl $crate::schema::Described for $name {
+        impl $crate::schema::HasSchema for $name {
             const TYPE: $crate::schema::Type = $crate::schema::Type::Payload(&Self::PAYLOAD);
         }
 
@@ -62,15 +62,15 @@ macro_rules! payload {
             pub const PAYLOAD: $crate::schema::PayloadType = $crate::schema::PayloadType {
                 name: stringify!($name),
                 wire: $wire,
-                about: &[$($doc),*],
+                doc: &[$($doc),*],
                 size: core::mem::size_of::<$name>(),
                 align: core::mem::align_of::<$name>(),
                 fields: &[$($crate::schema::Field {
                     name: stringify!($field),
                     offset: core::mem::offset_of!($name, $field),
                     size: core::mem::size_of::<$type>(),
-                    kind: <$type as $crate::schema::Described>::TYPE,
-                    about: &[$($fdoc),*],
+                    kind: <$type as $crate::schema::HasSchema>::TYPE,
+                    doc: &[$($fdoc),*],
                 }),*],
             };
         }

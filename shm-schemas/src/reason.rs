@@ -125,7 +125,7 @@ code! {
         /// The hand holds no object, which the task requires.
         HAND_EMPTY = 64, "hand-empty";
         /// At this width the fingertips would be too misaligned for tactile sensing.
-        DOMES_ASKEW = 65, "domes-askew";
+        FINGERTIPS_MISALIGNED = 65, "fingertips-misaligned";
         /// The target stream of the client has ended or pauses; the hand stops and keeps its grip.
         TARGETS_STOPPED = 70, "targets-stopped";
         /// A target failed its checksum.
@@ -166,7 +166,7 @@ payload! {
 impl Reason {
     /// Creates a reason without value and limit.
     #[must_use]
-    pub fn of(cause: Cause) -> Self {
+    pub fn new(cause: Cause) -> Self {
         Self {
             cause,
             ..Self::default()
@@ -174,8 +174,15 @@ impl Reason {
     }
 
     /// Creates a reason with a value and the limit that it violates.
+    ///
+    /// ```
+    /// use shm_schemas::{Cause, Reason};
+    ///
+    /// let reason = Reason::with_limit(Cause::UNREACHABLE, 0.55, 0.40).with_index(0);
+    /// assert!(reason.to_string().contains("from x is 0.5500 m, the limit is 0.4000 m"));
+    /// ```
     #[must_use]
-    pub fn limit(cause: Cause, value: f64, limit: f64) -> Self {
+    pub fn with_limit(cause: Cause, value: f64, limit: f64) -> Self {
         Self {
             cause,
             value,
@@ -186,13 +193,13 @@ impl Reason {
 
     /// Returns the reason, attributed to a module.
     #[must_use]
-    pub fn by(self, module: ModuleId) -> Self {
+    pub fn with_module(self, module: ModuleId) -> Self {
         Self { module, ..self }
     }
 
     /// Returns the reason with the index of a joint, fingertip, hand or field.
     #[must_use]
-    pub fn about(self, index: usize) -> Self {
+    pub fn with_index(self, index: usize) -> Self {
         Self {
             index: u32::try_from(index).unwrap_or(u32::MAX),
             ..self

@@ -32,7 +32,7 @@ pub struct PayloadType {
     /// Versioned name on the bus.
     pub wire: &'static str,
     /// Description, line by line.
-    pub about: &'static [&'static str],
+    pub doc: &'static [&'static str],
     /// Size, bytes.
     pub size: usize,
     /// Alignment, bytes.
@@ -53,7 +53,7 @@ pub struct Field {
     /// Type.
     pub kind: Type,
     /// Description, line by line.
-    pub about: &'static [&'static str],
+    pub doc: &'static [&'static str],
 }
 
 /// Code.
@@ -62,7 +62,7 @@ pub struct CodeType {
     /// Name in this crate.
     pub name: &'static str,
     /// Description, line by line.
-    pub about: &'static [&'static str],
+    pub doc: &'static [&'static str],
     /// Known values, in order.
     pub values: &'static [CodeValue],
 }
@@ -77,28 +77,28 @@ pub struct CodeValue {
     /// Name in logs and JSON.
     pub text: &'static str,
     /// Description, line by line.
-    pub about: &'static [&'static str],
+    pub doc: &'static [&'static str],
 }
 
 /// Types that can be part of a payload.
-pub trait Described {
+pub trait HasSchema {
     /// Schema type.
     const TYPE: Type;
 }
 
 macro_rules! numbers {
     ($($number:ty: $kind:ident)*) => {$(
-        impl Described for $number {
+        impl HasSchema for $number {
             const TYPE: Type = Type::$kind;
         }
     )*};
 }
 numbers! { f32: F32 f64: F64 u32: U32 u64: U64 }
 
-impl<const N: usize> Described for Text<N> {
+impl<const N: usize> HasSchema for Text<N> {
     const TYPE: Type = Type::Text(N);
 }
 
-impl<T: Described, const N: usize> Described for [T; N] {
+impl<T: HasSchema, const N: usize> HasSchema for [T; N] {
     const TYPE: Type = Type::Array(&T::TYPE, N);
 }

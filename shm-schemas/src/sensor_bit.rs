@@ -20,6 +20,6 @@ code! {
         /// The hand has lifted the object by more than 3 mm.
         LIFTED = 5, "lifted";
         /// Every fingertip has had a friction margin for 100 ms.
-        SPARE = 6, "spare";
+        FRICTION_MARGIN = 6, "friction-margin";
     }
 }

@@ -131,7 +131,7 @@ payload! {
         /// Ticks started by the arrival of the expected frames.
         pub ticks_on_arrival: u64,
         /// Ticks started by the timeout because an expected frame did not arrive.
-        pub ticks_in_vain: u64,
+        pub ticks_without_frame: u64,
         /// Records dropped because the queue to the supervisor was full.
         pub dropped_records: u64,
         /// Active or last goal, 0 if none.

@@ -17,6 +17,12 @@ pub struct Text<const N: usize>(
 
 impl<const N: usize> Text<N> {
     /// Creates text from a string, cut to the capacity.
+    ///
+    /// ```
+    /// # use shm_schemas::Text;
+    /// let step: Text<16> = Text::new("lift");
+    /// assert_eq!(step.as_str(), "lift");
+    /// ```
     #[must_use]
     pub fn new(text: &str) -> Self {
         let mut end = text.len().min(N);

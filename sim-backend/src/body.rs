@@ -6,8 +6,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::base_motion::BaseMotion;
 use crate::contact::Wrench;
-use crate::ride::Ride;
 use crate::shape::Shape;
 use crate::support::{Ground, RimLoad};
 
@@ -74,7 +74,7 @@ pub(crate) struct Motion {
 #[derive(Clone, Copy, Debug)]
 struct Corner {
     /// Position, body frame, m.
-    place_m: Vector3<f64>,
+    position_m: Vector3<f64>,
     /// Tangential spring deflection, m.
     shear_m: [f64; 2],
 }
@@ -87,13 +87,13 @@ impl Body {
             .corners_m()
             .into_iter()
             .map(|place_m| Corner {
-                place_m,
+                position_m: place_m,
                 shear_m: [0.0; 2],
             })
             .collect();
         let standing_on = corners.len() / 2;
         let sunk_m = mass_kg * GRAVITY_M_S2 / (TABLE_N_M * standing_on as f64);
-        let orientation = about_z(yaw_rad);
+        let orientation = quaternion_about_z(yaw_rad);
         Self {
             shape,
             mass_kg,
@@ -103,7 +103,7 @@ impl Body {
             centre_of_mass_m: Vector3::zeros(),
             position_m: Vector3::from(at_m) + Vector3::z() * (shape.half_height_m() - sunk_m),
             orientation,
-            base_from_body: rotation(orientation),
+            base_from_body: rotation_matrix(orientation),
             velocity_m_s: Vector3::zeros(),
             angular_rad_s: Vector3::zeros(),
             load: Wrench::default(),
@@ -115,7 +115,7 @@ impl Body {
     }
 
     /// Raises every moment of inertia to at least this value.
-    pub(crate) fn with_inertia_of(mut self, least_kg_m2: f64) -> Self {
+    pub(crate) fn with_min_inertia(mut self, least_kg_m2: f64) -> Self {
         self.inertia_kg_m2 = self.inertia_kg_m2.sup(&Vector3::repeat(least_kg_m2));
         self
     }
@@ -167,23 +167,23 @@ impl Body {
     /// Advances one step under the applied wrenches, gravity and the supports; clears the wrenches.
     pub(crate) fn step(&mut self, ground: &Ground<'_>, dt_s: f64) {
         let mut load = self.take_load();
-        if ground.ride.moves() {
-            self.lag_behind(&ground.ride, &mut load, dt_s);
+        if ground.ride.is_moving() {
+            self.add_inertial_forces(&ground.ride, &mut load, dt_s);
         }
-        self.stand(ground, &mut load, dt_s);
+        self.add_support_forces(ground, &mut load, dt_s);
         // Forces move the centre of mass; the middle follows from the rotation.
         let lever_m = self.lever_m();
         let velocity_m_s = self.velocity_m_s
             + self.angular_rad_s.cross(&lever_m)
             + load.force_n * (dt_s / self.mass_kg);
-        self.turn(&(load.moment_n_m - lever_m.cross(&load.force_n)), dt_s);
+        self.integrate_rotation(&(load.moment_n_m - lever_m.cross(&load.force_n)), dt_s);
         let lever_after_m = self.lever_m();
         self.velocity_m_s = velocity_m_s - self.angular_rad_s.cross(&lever_after_m);
         self.position_m += velocity_m_s * dt_s + (lever_m - lever_after_m);
     }
 
     /// Adds the inertial forces of the moving base. A supported body gets no heave force.
-    fn lag_behind(&mut self, ride: &Ride, load: &mut Wrench, dt_s: f64) {
+    fn add_inertial_forces(&mut self, ride: &BaseMotion, load: &mut Wrench, dt_s: f64) {
         let lever_m = self.lever_m();
         let centre_m = self.position_m + lever_m;
         let velocity_m_s = self.velocity_m_s + self.angular_rad_s.cross(&lever_m);
@@ -197,13 +197,13 @@ impl Body {
     }
 
     /// Adds the support forces to the load.
-    fn stand(&mut self, ground: &Ground<'_>, load: &mut Wrench, dt_s: f64) {
+    fn add_support_forces(&mut self, ground: &Ground<'_>, load: &mut Wrench, dt_s: f64) {
         (self.table_n, self.rim_n) = (0.0, 0.0);
         if self.position_m.z - self.shape.bounding_radius_m() > ground.highest_m() {
             return;
         }
         for corner in &mut self.corners {
-            let arm_m = self.base_from_body * corner.place_m;
+            let arm_m = self.base_from_body * corner.position_m;
             let point_m = self.position_m + arm_m;
             let support = ground.under(&point_m);
             let height_m = point_m.z - support.height_m;
@@ -213,42 +213,43 @@ impl Body {
             }
             let velocity =
                 self.velocity_m_s + self.angular_rad_s.cross(&arm_m) - support.velocity_m_s;
-            let force_n = corner.press(height_m, &velocity, self.table_damping_n_s_m, dt_s);
+            let force_n =
+                corner.contact_force_n(height_m, &velocity, self.table_damping_n_s_m, dt_s);
             self.table_n += force_n.z;
             load.force_n += force_n;
             load.moment_n_m += arm_m.cross(&force_n);
             if let Some(rim) = ground.rim.filter(|_| support.is_rim) {
                 self.rim_n += force_n.z;
-                self.rim_load.react(&rim, &point_m, &force_n);
+                self.rim_load.add_reaction(&rim, &point_m, &force_n);
             }
         }
     }
 
     /// Sets the motion directly; supports get no load.
-    pub(crate) fn follow(&mut self, motion: &Motion) {
+    pub(crate) fn set_motion(&mut self, motion: &Motion) {
         self.position_m = motion.position_m;
         self.orientation = motion.orientation;
-        self.base_from_body = rotation(motion.orientation);
+        self.base_from_body = rotation_matrix(motion.orientation);
         self.velocity_m_s = motion.velocity_m_s;
         self.angular_rad_s = motion.angular_rad_s;
         (self.table_n, self.rim_n) = (0.0, 0.0);
     }
 
     /// Integrates Euler's equation in the body frame, then the quaternion.
-    fn turn(&mut self, moment_n_m: &Vector3<f64>, dt_s: f64) {
+    fn integrate_rotation(&mut self, moment_n_m: &Vector3<f64>, dt_s: f64) {
         let spin = self.base_from_body.tr_mul(&self.angular_rad_s);
         let moment = self.base_from_body.tr_mul(moment_n_m);
         let gyroscopic = spin.cross(&spin.component_mul(&self.inertia_kg_m2));
         let spin = spin + (moment - gyroscopic).component_div(&self.inertia_kg_m2) * dt_s;
         self.angular_rad_s = self.base_from_body * spin;
-        self.orientation = turned(self.orientation, &(self.angular_rad_s * dt_s));
-        self.base_from_body = rotation(self.orientation);
+        self.orientation = rotated(self.orientation, &(self.angular_rad_s * dt_s));
+        self.base_from_body = rotation_matrix(self.orientation);
     }
 
     /// Returns the height of the lowest corner above its support, m.
     pub(crate) fn clearance_m(&self, ground: &Ground<'_>) -> f64 {
         let above_m = |corner: &Corner| {
-            let point_m = self.position_m + self.base_from_body * corner.place_m;
+            let point_m = self.position_m + self.base_from_body * corner.position_m;
             point_m.z - ground.under(&point_m).height_m
         };
         self.corners
@@ -282,7 +283,7 @@ fn table_damping_n_s_m(mass_kg: f64) -> f64 {
 
 impl Corner {
     /// Returns the support force on the corner at a height, N.
-    fn press(
+    fn contact_force_n(
         &mut self,
         height_m: f64,
         velocity: &Vector3<f64>,
@@ -290,12 +291,12 @@ impl Corner {
         dt_s: f64,
     ) -> Vector3<f64> {
         let normal_n = (-TABLE_N_M * height_m - damping_n_s_m * velocity.z).max(0.0);
-        let [x, y] = self.rub([velocity.x, velocity.y], normal_n, damping_n_s_m, dt_s);
+        let [x, y] = self.friction_force_n([velocity.x, velocity.y], normal_n, damping_n_s_m, dt_s);
         Vector3::new(x, y, normal_n)
     }
 
     /// Returns the friction force on the corner after one step of sliding, N.
-    fn rub(
+    fn friction_force_n(
         &mut self,
         velocity_m_s: [f64; 2],
         normal_n: f64,
@@ -321,7 +322,7 @@ impl Corner {
 
 /// Rotates a unit quaternion by a small rotation vector, base frame, rad: first order, then
 /// normalised. The error is the cube of the angle over 12: 10⁻¹⁰ rad at 4 rad/s and 250 µs.
-pub(crate) fn turned([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
+pub(crate) fn rotated([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
     let half = by * 0.5;
     let turned = [
         w - half.x * x - half.y * y - half.z * z,
@@ -334,7 +335,7 @@ pub(crate) fn turned([w, x, y, z]: [f64; 4], by: &Vector3<f64>) -> [f64; 4] {
 }
 
 /// Multiplies two unit quaternions: the right rotation first, then the left one.
-pub(crate) fn product([a, b, c, d]: [f64; 4], [w, x, y, z]: [f64; 4]) -> [f64; 4] {
+pub(crate) fn quaternion_product([a, b, c, d]: [f64; 4], [w, x, y, z]: [f64; 4]) -> [f64; 4] {
     [
         a * w - b * x - c * y - d * z,
         a * x + b * w + c * z - d * y,
@@ -344,13 +345,13 @@ pub(crate) fn product([a, b, c, d]: [f64; 4], [w, x, y, z]: [f64; 4]) -> [f64; 4
 }
 
 /// Returns the unit quaternion of a rotation about z.
-pub(crate) fn about_z(angle_rad: f64) -> [f64; 4] {
+pub(crate) fn quaternion_about_z(angle_rad: f64) -> [f64; 4] {
     let (sin, cos) = libm::sincos(0.5 * angle_rad);
     [cos, 0.0, 0.0, sin]
 }
 
 /// Returns the rotation matrix of a unit quaternion.
-pub(crate) fn rotation([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
+pub(crate) fn rotation_matrix([w, x, y, z]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::new(
         1.0 - 2.0 * (y * y + z * z),
         2.0 * (x * y - w * z),

@@ -15,7 +15,7 @@ use crate::lanes::avx2;
 use crate::lanes::{LANES, LaneSet, Lanes, Row, Rows, Vectors, portable, vector};
 use crate::pad::Pad;
 use crate::shape::Shape;
-use bristle::{Bristles, Rods, Rub, Rubbed};
+use bristle::{BristleParameters, Bristles, FrictionInput, FrictionResult};
 use compression::Compression;
 
 mod bristle;
@@ -73,7 +73,7 @@ struct Patch {
 
 /// Bristle state of a block, the bristles that touched last, and the step in which they did.
 #[derive(Clone, Copy, Debug, Default)]
-struct Memory {
+struct BlockState {
     bristles: Bristles,
     touched: LaneSet,
     touched_in: u64,
@@ -82,7 +82,7 @@ struct Memory {
 /// Contact state of one fingertip and its latest forces.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {
-    memories: Vec<Memory>,
+    block_states: Vec<BlockState>,
     patches: Vec<Patch>,
     /// Indentation of every touching bristle, m; used if the object is compressible.
     depths_m: Vec<f64>,
@@ -101,7 +101,7 @@ pub(crate) struct Contact {
 impl Contact {
     pub(crate) fn new(pad: &Pad) -> Self {
         Self {
-            memories: vec![Memory::default(); pad.blocks.len()],
+            block_states: vec![BlockState::default(); pad.blocks.len()],
             patches: Vec::with_capacity(pad.blocks.len()),
             depths_m: Vec::with_capacity(pad.blocks.len() * LANES),
             step: 1,
@@ -115,13 +115,13 @@ impl Contact {
     }
 
     /// Clears the shear of all bristles.
-    pub(crate) fn let_go(&mut self) {
+    pub(crate) fn clear_shear(&mut self) {
         self.step += 1;
     }
 
     /// Simulates one step of `dt_s` without an object in reach.
-    pub(crate) fn free(&mut self, dt_s: f64) {
-        self.let_go();
+    pub(crate) fn step_free(&mut self, dt_s: f64) {
+        self.clear_shear();
         self.patches.clear();
         self.free_s += dt_s;
         self.compression.recover(dt_s);
@@ -139,10 +139,7 @@ impl Contact {
     ) -> Wrench {
         #[cfg(target_arch = "x86_64")]
         if let Some(cpu) = avx2::Cpu::detect() {
-            #[expect(
-                unsafe_code,
-                reason = "a function for instructions that not every machine has"
-            )]
+            #[expect(unsafe_code, reason = "AVX2 is not available on every x86-64 machine")]
             // SAFETY: this machine has AVX2.
             return unsafe { self.press_avx2(cpu, pad, surface, approach, dt_s) };
         }
@@ -173,7 +170,7 @@ impl Contact {
     ) -> Wrench {
         self.find_touches::<L>(cpu, pad, &surface.shape, approach);
         if self.patches.is_empty() {
-            self.free(dt_s);
+            self.step_free(dt_s);
             return Wrench::default();
         }
         self.step += 1;
@@ -182,8 +179,8 @@ impl Contact {
         }
         self.free_s = 0.0;
         self.object_from_tip = approach.object_from_tip;
-        self.give_way::<L>(cpu, pad, surface, dt_s);
-        self.drag::<L>(cpu, pad, surface, approach, dt_s)
+        self.compress_object::<L>(cpu, pad, surface, dt_s);
+        self.compute_forces::<L>(cpu, pad, surface, approach, dt_s)
     }
 
     /// Collects the bristles under the surface: all against the supporting plane first, then the
@@ -212,10 +209,10 @@ impl Contact {
             if below.is_empty() {
                 continue;
             }
-            let arm_m = over_reach.turned(cpu, &approach.object_from_tip) * reach_m;
+            let arm_m = over_reach.rotated(cpu, &approach.object_from_tip) * reach_m;
             let point_m = centre_m + arm_m;
             let (depth_m, normal) = face.under(cpu, point_m);
-            let touching = L::set(depth_m.above(none_m)).and(below);
+            let touching = L::set(depth_m.above(none_m)).union(below);
             if !touching.is_empty() {
                 self.patches.push(Patch {
                     block,
@@ -231,9 +228,9 @@ impl Contact {
 
     /// Computes the object's compression, and clears the bristles that no longer press.
     #[inline(always)]
-    fn give_way<L: Lanes>(&mut self, cpu: L::Cpu, pad: &Pad, surface: &Surface, dt_s: f64) {
+    fn compress_object<L: Lanes>(&mut self, cpu: L::Cpu, pad: &Pad, surface: &Surface, dt_s: f64) {
         if surface.stiffness_n_m.is_infinite() {
-            return self.compression.stand_firm();
+            return self.compression.clear();
         }
         self.depths_m.clear();
         for patch in &self.patches {
@@ -255,13 +252,13 @@ impl Contact {
         for patch in &mut self.patches {
             let depth_m = L::load(cpu, &patch.depth_m) - compression_m;
             patch.depth_m = depth_m.store();
-            patch.touching = patch.touching.and(L::set(depth_m.above(none_m)));
+            patch.touching = patch.touching.union(L::set(depth_m.above(none_m)));
         }
     }
 
     /// Computes normal and friction forces of touching bristles, and their sum.
     #[inline(always)]
-    fn drag<L: Lanes>(
+    fn compute_forces<L: Lanes>(
         &mut self,
         cpu: L::Cpu,
         pad: &Pad,
@@ -273,7 +270,7 @@ impl Contact {
         let skin_n_m = pad.stiffness_n_m * f64::from(count);
         let damping_s = SKIN_DAMPING_S.min(DAMPING_SHARE * surface.mass_kg / (dt_s * skin_n_m));
         let number = |value| L::splat(cpu, value);
-        let rods = Rods {
+        let rods = BristleParameters {
             shear_n_m: number(pad.stiffness_n_m * SHEAR_STIFFNESS_RATIO),
             damping_s: number(damping_s),
             dt_s: number(dt_s),
@@ -292,13 +289,13 @@ impl Contact {
             let spring_n = bristle_n_m * (depth_m - rods.damping_s * leaving_m_s);
             let none_n = number(0.0);
             let pressing_n = L::select(spring_n.above(none_n), spring_n, none_n);
-            let rub = Rub {
+            let rub = FrictionInput {
                 normal,
                 sliding_m_s: velocity - normal * leaving_m_s,
                 limit_n: friction * pressing_n,
             };
-            let memory = &mut self.memories[patch.block];
-            let rubbed = memory.rub(cpu, self.step, patch.touching, &rub, &rods);
+            let memory = &mut self.block_states[patch.block];
+            let rubbed = memory.update_friction(cpu, self.step, patch.touching, &rub, &rods);
             let force_n = rubbed.force_n - normal * pressing_n;
             patch.force_n = force_n.store();
             let moment_n_m = point_m.cross(force_n).store();
@@ -341,25 +338,25 @@ impl Contact {
     }
 }
 
-impl Memory {
+impl BlockState {
     /// Updates friction of touching bristles; newly touching ones start without shear.
     #[inline(always)]
-    fn rub<L: Lanes>(
+    fn update_friction<L: Lanes>(
         &mut self,
         cpu: L::Cpu,
         step: u64,
         touching: LaneSet,
-        rub: &Rub<L>,
-        rods: &Rods<L>,
-    ) -> Rubbed<L> {
+        rub: &FrictionInput<L>,
+        rods: &BristleParameters<L>,
+    ) -> FrictionResult<L> {
         let known = if self.touched_in + 1 == step {
             self.touched
         } else {
             LaneSet::default()
         };
-        self.bristles.forget(touching.without(known));
+        self.bristles.clear_shear(touching.without(known));
         (self.touched, self.touched_in) = (touching, step);
-        self.bristles.rub(cpu, touching, rub, rods)
+        self.bristles.step(cpu, touching, rub, rods)
     }
 }
 

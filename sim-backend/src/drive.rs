@@ -5,24 +5,24 @@
 //! Loss and expiry of commands therefore end in the same safe state: zero velocity at the last
 //! commanded positions, which keeps the grip.
 //!
-//! [`Obedience`] decides which commands take effect. Every joint state reports the commanded
+//! [`CommandValidator`] decides which commands take effect. Every joint state reports the commanded
 //! positions, so that a restarted daemon can continue from them.
 
 use robot_model::RobotVector;
 use shm_schemas::capacity::JOINTS;
-use shm_schemas::{Accepted, JointCommand, JointState, Obedience, Orders};
+use shm_schemas::{Accepted, CommandValidator, JointCommand, JointSetpoints, JointState};
 
 /// Delay from a command's arrival to its execution, ms (tactile design: 2 ms command latency).
 pub const LATENCY_MS: usize = 2;
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
-    obedience: Obedience,
+    obedience: CommandValidator,
     joints: usize,
     /// Commands within the latency; `slot` is the next one to execute.
-    under_way: [Option<Accepted>; LATENCY_MS],
+    pending: [Option<Accepted>; LATENCY_MS],
     slot: usize,
-    held: Orders,
-    obeyed: Option<Accepted>,
+    held: JointSetpoints,
+    executed: Option<Accepted>,
     /// The last executed command has not expired.
     in_force: bool,
     expired: u32,
@@ -32,12 +32,12 @@ impl Drive {
     /// Returns a drive that holds these positions, with these joint speed limits.
     pub(crate) fn holding(position_rad: RobotVector, speed_max_rad_s: RobotVector) -> Self {
         Self {
-            obedience: Obedience::at(&position_rad, &speed_max_rad_s),
+            obedience: CommandValidator::new(&position_rad, &speed_max_rad_s),
             joints: position_rad.len(),
-            under_way: [None; LATENCY_MS],
+            pending: [None; LATENCY_MS],
             slot: 0,
-            held: Orders::holding(&position_rad),
-            obeyed: None,
+            held: JointSetpoints::holding(&position_rad),
+            executed: None,
             in_force: false,
             expired: 0,
         }
@@ -45,21 +45,27 @@ impl Drive {
 
     /// Takes the command that arrived during this tick, if any; returns the set-points of this
     /// tick.
-    pub(crate) fn orders(&mut self, arrived: Option<&JointCommand>, now_ns: u64) -> Orders {
+    pub(crate) fn setpoints(
+        &mut self,
+        arrived: Option<&JointCommand>,
+        now_ns: u64,
+    ) -> JointSetpoints {
         let accepted = arrived.and_then(|command| self.obedience.accept(command, now_ns));
-        let due = core::mem::replace(&mut self.under_way[self.slot], accepted);
+        let due = core::mem::replace(&mut self.pending[self.slot], accepted);
         self.slot = (self.slot + 1) % LATENCY_MS;
         self.held.velocity_rad_s = [0.0; JOINTS];
         match due {
             Some(due) if due.valid_until_ns >= now_ns => {
-                self.held = due.orders;
-                self.obeyed = Some(due);
+                self.held = due.setpoints;
+                self.executed = Some(due);
                 self.in_force = true;
             }
             Some(_) => self.expired += 1,
             None => {}
         }
-        let expired = self.obeyed.is_some_and(|last| last.valid_until_ns < now_ns);
+        let expired = self
+            .executed
+            .is_some_and(|last| last.valid_until_ns < now_ns);
         if self.in_force && expired {
             self.in_force = false;
             self.expired += 1;
@@ -68,17 +74,17 @@ impl Drive {
     }
 
     /// Writes the commanded positions to the joint state.
-    pub(crate) fn tell(&self, state: &mut JointState) {
+    pub(crate) fn report(&self, state: &mut JointState) {
         state.commanded_count = self.joints as u32;
         state.commanded_rad = self.held.position_rad;
-        if let Some(last) = &self.obeyed {
-            last.tell(state);
+        if let Some(last) = &self.executed {
+            last.write_to(state);
         }
     }
 
     /// Returns the number of rejected commands plus expiries without a successor.
     pub(crate) fn expired(&self) -> u32 {
-        self.expired + self.obedience.refused()
+        self.expired + self.obedience.rejected()
     }
 }
 
@@ -111,12 +117,12 @@ mod tests {
     }
 
     #[test]
-    fn a_command_is_obeyed_after_the_latency_for_one_millisecond() {
+    fn command_takes_effect_after_the_latency() {
         let mut drive = drive();
         let arrivals = [Some(command(1.0, 10 * MS_NS)), None, None, None];
         let followed: Vec<(f64, f64)> = (0..)
             .zip(&arrivals)
-            .map(|(tick, arrived)| drive.orders(arrived.as_ref(), tick * MS_NS))
+            .map(|(tick, arrived)| drive.setpoints(arrived.as_ref(), tick * MS_NS))
             .map(|orders| (orders.position_rad[3], orders.velocity_rad_s[3]))
             .collect();
         assert_eq!(followed, [(0.0, 0.0), (0.0, 0.0), (1.0, 0.5), (1.0, 0.0)]);
@@ -124,10 +130,12 @@ mod tests {
     }
 
     #[test]
-    fn expiry_holds_the_last_positions_and_is_counted_once() {
+    fn expiry_holds_positions_and_counts_once() {
         let mut drive = drive();
-        drive.orders(Some(&command(1.0, 5 * MS_NS)), 0);
-        let last = (1..20).map(|tick| drive.orders(None, tick * MS_NS)).last();
+        drive.setpoints(Some(&command(1.0, 5 * MS_NS)), 0);
+        let last = (1..20)
+            .map(|tick| drive.setpoints(None, tick * MS_NS))
+            .last();
         assert_eq!(
             last.map(|orders| (orders.position_rad[0], orders.velocity_rad_s[0])),
             Some((1.0, 0.0))
@@ -136,17 +144,19 @@ mod tests {
     }
 
     #[test]
-    fn a_command_that_expired_on_its_way_is_not_obeyed() {
+    fn command_expired_in_transit_is_not_executed() {
         let mut drive = drive();
-        drive.orders(Some(&command(1.0, MS_NS)), 0);
-        let orders = (1..5).map(|tick| drive.orders(None, tick * MS_NS)).last();
+        drive.setpoints(Some(&command(1.0, MS_NS)), 0);
+        let orders = (1..5)
+            .map(|tick| drive.setpoints(None, tick * MS_NS))
+            .last();
         assert_eq!(orders.map(|orders| orders.position_rad[0]), Some(0.0));
         assert_eq!(drive.expired(), 1);
     }
 
     /// Regression: any sealed command was executed, at any speed and validity.
     #[test]
-    fn a_command_that_breaks_the_contract_changes_nothing() {
+    fn invalid_command_changes_nothing() {
         type Change = fn(&mut JointCommand);
         let check = |obeyed: bool, change: Change, now_ms: u64| {
             let mut drive = drive();
@@ -157,13 +167,13 @@ mod tests {
             };
             let mut first = at(100, 1.0, 0);
             first.seal();
-            drive.orders(Some(&first), 0);
+            drive.setpoints(Some(&first), 0);
             let mut second = at(101, 1.1, now_ms);
             change(&mut second);
             second.seal();
-            drive.orders(Some(&second), now_ms * MS_NS);
+            drive.setpoints(Some(&second), now_ms * MS_NS);
             let followed = (1..4)
-                .map(|ms| drive.orders(None, (now_ms + ms) * MS_NS))
+                .map(|ms| drive.setpoints(None, (now_ms + ms) * MS_NS))
                 .last();
             let expected_rad = if obeyed { 1.1 } else { 1.0 };
             assert_eq!(
@@ -188,7 +198,7 @@ mod tests {
     /// Regression: after a pause a command could step by 0.1 s at top speed, 0.34 rad of the
     /// built-in robot.
     #[test]
-    fn no_silence_lets_a_command_step_further_than_its_validity_and_one_margin() {
+    fn pause_does_not_widen_the_step_limit() {
         // Step limit: top speed over the last command's 5 ms of validity plus the margin of eight
         // commands.
         let (top_rad_s, valid_ms, margin_ms) = (3.0, 5, 8);
@@ -198,12 +208,12 @@ mod tests {
             let mut drive = Drive::holding(still, RobotVector::repeat(JOINTS, top_rad_s));
             let ordered =
                 |position_rad: f64, ms: u64| command(position_rad, (ms + valid_ms) * MS_NS);
-            drive.orders(Some(&ordered(0.0, 0)), 0);
+            drive.setpoints(Some(&ordered(0.0, 0)), 0);
             let mut second = ordered(step_rad, after_ms);
             second.stamp.sequence = 1;
             second.seal();
-            drive.orders(Some(&second), after_ms * MS_NS);
-            let then = (1..4).map(|ms| drive.orders(None, (after_ms + ms) * MS_NS));
+            drive.setpoints(Some(&second), after_ms * MS_NS);
+            let then = (1..4).map(|ms| drive.setpoints(None, (after_ms + ms) * MS_NS));
             then.last().expect("some").position_rad[0] == step_rad
         };
         for after_ms in [5, 20, 100, 10_000] {
@@ -215,24 +225,24 @@ mod tests {
     }
 
     #[test]
-    fn what_is_obeyed_is_told() {
+    fn executed_command_is_reported() {
         let (mut drive, mut state) = (drive(), JointState::default());
-        drive.tell(&mut state);
+        drive.report(&mut state);
         assert_eq!((state.commanded_rad[3], state.command_epoch), (0.0, 0));
         let mut command = command(1.0, 5 * MS_NS);
         (command.stamp.sequence, command.stamp.writer_epoch) = (4, 7);
         command.grip_limit_n = [0.0, 1.5];
         command.seal();
-        drive.orders(Some(&command), 0);
+        drive.setpoints(Some(&command), 0);
         for ms in 1..50 {
-            drive.orders(None, ms * MS_NS);
+            drive.setpoints(None, ms * MS_NS);
         }
-        drive.tell(&mut state);
+        drive.report(&mut state);
         assert_eq!(state.commanded_count as usize, JOINTS);
         assert_eq!(
             (state.commanded_rad[3], state.command_epoch),
             (1.0, 7),
-            "also when it has expired"
+            "an expired command is also reported"
         );
         assert_eq!(
             (state.command_sequence, state.command_valid_until_ns),
@@ -264,9 +274,9 @@ mod tests {
                 damaged.seal();
             }
             let mut drive = drive();
-            let before = drive.orders(None, 0);
+            let before = drive.setpoints(None, 0);
             for arrived in [Some(&damaged), None, None, None] {
-                prop_assert_eq!(drive.orders(arrived, MS_NS), before);
+                prop_assert_eq!(drive.setpoints(arrived, MS_NS), before);
             }
             prop_assert_eq!(drive.expired(), 1);
         }

@@ -17,7 +17,7 @@ const VELOCITY_STEP_RAD_S: f64 = 1e-3;
 const EFFORT_STEP_N_M: f64 = 1e-3;
 
 /// Appends the joints of one hand to `out`.
-pub(crate) fn read(plant: &Plant, model: &HandModel, out: &mut JointState) {
+pub(crate) fn append_joints(plant: &Plant, model: &HandModel, out: &mut JointState) {
     let first = out.joint_count as usize;
     out.joint_count += model.joints().len() as u32;
     for (joint, of_joint) in model.joints().iter().enumerate() {

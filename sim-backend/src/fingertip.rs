@@ -27,10 +27,10 @@ const PLATE_KG: f64 = 10.0;
 const STEP_S: f64 = 250e-6;
 /// Plate speed per missing load, m/s per N, and its limit, m/s. Design choice: stable up to five
 /// times this gain with the stiffest skin (60 kN/m); the softest skin settles within 0.1 s.
-const FOLLOWS_M_S_N: f64 = 0.004;
+const PLATE_GAIN_M_S_N: f64 = 0.004;
 const SPEED_MAX_M_S: f64 = 0.01;
 /// Settling time of a load, s. Design choice: the remaining error is below 0.1 %.
-const SETTLES_S: f64 = 1.0;
+const SETTLING_S: f64 = 1.0;
 /// Distance of the plate without load, m.
 const CLEAR_M: f64 = 0.001;
 
@@ -50,7 +50,7 @@ pub struct Fingertip {
     tangents: [f64; 2],
     /// Displacement of the skin at the pole from first contact with the unloaded plate: shear along
     /// x and y, indentation, m.
-    pushed_m: Vector3<f64>,
+    displacement_m: Vector3<f64>,
 }
 
 impl Fingertip {
@@ -71,7 +71,7 @@ impl Fingertip {
             radius_m,
             plate_from_tip: Matrix3::from_columns(&[x, y, z]).transpose(),
             tangents: [1.0, second.signum()],
-            pushed_m: Vector3::new(0.0, 0.0, -CLEAR_M),
+            displacement_m: Vector3::new(0.0, 0.0, -CLEAR_M),
         }
     }
 
@@ -87,24 +87,24 @@ impl Fingertip {
     pub fn load(&mut self, force_n: [f64; 3]) -> f64 {
         let [normal_n, t1_n, t2_n] = force_n;
         self.contact = Contact::new(&self.pad);
-        self.pushed_m = Vector3::new(0.0, 0.0, -CLEAR_M);
+        self.displacement_m = Vector3::new(0.0, 0.0, -CLEAR_M);
         if normal_n.is_nan() || normal_n <= 0.0 {
             return 0.0;
         }
-        self.pushed_m.z = 0.0;
+        self.displacement_m.z = 0.0;
         let [x, y] = self.tangents;
         let wanted_n = Vector3::new(x * t1_n, y * t2_n, normal_n);
         let mut speed_m_s = Vector3::zeros();
-        for _ in 0..(SETTLES_S / STEP_S) as usize {
-            self.pushed_m += speed_m_s * STEP_S;
+        for _ in 0..(SETTLING_S / STEP_S) as usize {
+            self.displacement_m += speed_m_s * STEP_S;
             let felt_n = self.press(&speed_m_s);
             // Shear force opposes the displacement.
             let missing_n = wanted_n - felt_n;
             let towards = Vector3::new(-missing_n.x, -missing_n.y, missing_n.z);
             speed_m_s =
-                (towards * FOLLOWS_M_S_N).map(|m_s| m_s.clamp(-SPEED_MAX_M_S, SPEED_MAX_M_S));
+                (towards * PLATE_GAIN_M_S_N).map(|m_s| m_s.clamp(-SPEED_MAX_M_S, SPEED_MAX_M_S));
         }
-        self.pushed_m.z
+        self.displacement_m.z
     }
 
     /// Returns the readings `[f_n, f_t1, f_t2]` of all elements under the current load, N, with new
@@ -121,7 +121,7 @@ impl Fingertip {
 
     /// Simulates one step; returns the force of the plate on the fingertip, z along the load, N.
     fn press(&mut self, speed_m_s: &Vector3<f64>) -> Vector3<f64> {
-        let [x, y, depth_m] = self.pushed_m.into();
+        let [x, y, depth_m] = self.displacement_m.into();
         let surface = Surface {
             shape: Shape::Box {
                 half_m: Vector3::repeat(PLATE_HALF_M),
@@ -143,22 +143,22 @@ impl Fingertip {
 
 #[cfg(test)]
 mod tests {
-    use robot_model::{RobotModel, Side};
+    use robot_model::{HandSide, RobotModel};
     use shm_schemas::layout::NamedLayout;
 
     use crate::{Scene, World, simulated_skin};
 
     #[test]
-    fn a_load_is_what_the_elements_feel_together() {
-        let arm = RobotModel::two_hand_arm().expect("a robot");
+    fn elements_sum_to_the_load() {
+        let arm = RobotModel::two_hand_arm().expect("built-in robot");
         for layout in ["dome-41", "dome-1", "flat-4x4-4.5"] {
-            let named: NamedLayout = layout.parse().expect("a layout");
+            let named: NamedLayout = layout.parse().expect("layout name");
             let robot = arm.clone().with_skin(simulated_skin(named));
-            let object = crate::Object::built_in("wood").expect("an object");
-            let mut scene = Scene::grasp(object, Side::Right);
+            let object = crate::Object::built_in("wood").expect("built-in object");
+            let mut scene = Scene::grasp(object, HandSide::Right);
             scene.noise_factor = 0.0;
-            let world = World::new(&robot, &scene, 3).expect("a world");
-            let mut tip = world.fingertip(1, 0).expect("it has one");
+            let world = World::new(&robot, &scene, 3).expect("valid scene");
+            let mut tip = world.fingertip(1, 0).expect("fingertip 0 exists");
             let axes = named.layout();
             for load_n in [
                 [0.5, 0.0, 0.0],
@@ -194,16 +194,16 @@ mod tests {
             assert_eq!(tip.load([0.0; 3]), 0.0);
             assert!(tip.sample().iter().flatten().all(|n| *n == 0.0));
         }
-        let world = World::new(&arm, &Scene::default(), 1).expect("a world");
+        let world = World::new(&arm, &Scene::default(), 1).expect("valid scene");
         assert!(world.fingertip(2, 0).is_none() && world.fingertip(0, 9).is_none());
     }
 
     /// Reference of the tactile design: force over indentation on a rigid flat.
     #[test]
-    fn the_skin_gives_way_as_it_was_designed() {
-        let arm = RobotModel::two_hand_arm().expect("a robot");
-        let world = World::new(&arm, &Scene::default(), 1).expect("a world");
-        let mut tip = world.fingertip(0, 0).expect("it has one");
+    fn indentation_matches_the_design() {
+        let arm = RobotModel::two_hand_arm().expect("built-in robot");
+        let world = World::new(&arm, &Scene::default(), 1).expect("valid scene");
+        let mut tip = world.fingertip(0, 0).expect("fingertip 0 exists");
         for (depth_m, force_n) in [
             (0.2e-3, 0.25),
             (0.3e-3, 0.6),

@@ -4,11 +4,11 @@
 //! several thousand N/m, nanometres matter. A hand in free air only moves its joints.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{Capsules, HandModel, HandPose, HandVector, VIRTUAL_FINGERS};
+use robot_model::{Capsules, GRASP_SIDES, HandModel, HandPose, HandVector};
 
 use crate::contact::{Approach, Contact, Wrench};
 use crate::hold::Grip;
-use crate::pad::{NoPlaces, Pad};
+use crate::pad::{MissingElementPositions, Pad};
 use crate::plant::Plant;
 use crate::random::Random;
 use crate::scene::{Errors, stream};
@@ -29,22 +29,22 @@ pub(crate) struct Hand {
     reference_rad: HandVector,
     /// Per fingertip, as all following vectors except the joint torques.
     pub(crate) contacts: Vec<Contact>,
-    facing: Vec<usize>,
+    nearest_object: Vec<usize>,
     vibration: Vibration,
     contact_n_m: HandVector,
     near: bool,
     /// Pose at the start of the tick, and of the substep while a fingertip is near an object.
     pose: HandPose,
     /// Palm and grasp sides at the start of the tick.
-    began: Began,
+    tick_start: TickStart,
     pads: Vec<Pad>,
 }
 
 /// Palm and middles of the grasp sides, base frame.
 #[derive(Clone, Debug)]
-struct Began {
+struct TickStart {
     base_from_hand: Matrix3<f64>,
-    sides_m: [Vector3<f64>; VIRTUAL_FINGERS],
+    sides_m: [Vector3<f64>; GRASP_SIDES],
 }
 
 struct Tip {
@@ -61,11 +61,11 @@ impl Hand {
         vibration: Vibration,
         errors: &Errors,
         seed: u64,
-    ) -> Result<Self, NoPlaces> {
+    ) -> Result<Self, MissingElementPositions> {
         let side = model.side().index() as u64;
         let mut random = Random::new(seed, stream::HAND_ERRORS + side);
         let mut draw = || random.between(-1.0, 1.0);
-        let (joints, fingers) = (model.joints().len(), model.finger_count());
+        let (joints, fingers) = (model.joints().len(), model.fingertip_count());
         let stiffness = HandVector::from_fn(joints, |_| 1.0 + errors.servo_stiffness * draw());
         let mut drawn_m =
             |count| -> Vec<f64> { (0..count).map(|_| errors.link_m * draw()).collect() };
@@ -75,22 +75,22 @@ impl Hand {
             .tip_radius_m()
             .iter()
             .map(|radius_m| {
-                let pad = Pad::of(layout, *radius_m)?;
-                Ok(pad.stiffer(1.0 + errors.tip_stiffness * draw()))
+                let pad = Pad::from_layout(layout, *radius_m)?;
+                Ok(pad.with_stiffness_factor(1.0 + errors.tip_stiffness * draw()))
             })
-            .collect::<Result<_, NoPlaces>>()?;
+            .collect::<Result<_, MissingElementPositions>>()?;
         let model = model.with_longer_links(&links_m, &tips_m);
         let pose = model.forward(&start_rad);
         Ok(Self {
-            plant: Plant::at(&model, start_rad, &stiffness),
-            began: Began::at(&pose),
+            plant: Plant::at_rest(&model, start_rad, &stiffness),
+            tick_start: TickStart::from_pose(&pose),
             pose,
             model,
             reference_rad: start_rad,
             // Not cloned: a clone would lose the reserved capacity of `Contact`.
             contacts: pads.iter().map(Contact::new).collect(),
             pads,
-            facing: vec![0; fingers],
+            nearest_object: vec![0; fingers],
             vibration,
             contact_n_m: HandVector::zeros(joints),
             near: false,
@@ -98,7 +98,7 @@ impl Hand {
     }
 
     /// Finds the near fingertips at the start of a tick of `dt_s`.
-    pub(crate) fn begin(&mut self, objects: &[WorldObject], dt_s: f64) {
+    pub(crate) fn begin_tick(&mut self, objects: &[WorldObject], dt_s: f64) {
         let arm = self.model.arm_joints();
         let arm_rad_s = arm
             .map(|joint| {
@@ -108,7 +108,7 @@ impl Hand {
         self.vibration.blend(arm_rad_s > MOVING_RAD_S, dt_s);
         self.model.place(&mut self.pose, &self.plant.position_rad);
         let pose = &self.pose;
-        self.began = Began::at(pose);
+        self.tick_start = TickStart::from_pose(pose);
         self.near = objects.iter().any(|object| {
             let object_m = object.body.shape.bounding_radius_m();
             let is_near = |(finger, pad): (usize, &Pad)| {
@@ -120,27 +120,27 @@ impl Hand {
     }
 
     /// Computes contacts: wrenches on the objects, torques on the joints.
-    pub(crate) fn touch(&mut self, objects: &mut [WorldObject], dt_s: f64) {
+    pub(crate) fn compute_contacts(&mut self, objects: &mut [WorldObject], dt_s: f64) {
         let (tremble_m, tremble_m_s) = self.vibration.step();
         self.contact_n_m.fill(0.0);
         if !self.near {
             self.contacts
                 .iter_mut()
-                .for_each(|contact| contact.free(dt_s));
+                .for_each(|contact| contact.step_free(dt_s));
             return;
         }
         self.model.place(&mut self.pose, &self.plant.position_rad);
-        for finger in 0..self.model.finger_count() {
+        for finger in 0..self.model.fingertip_count() {
             let mut tip = self.tip(finger);
             tip.base_from_tip.translation_m.z += tremble_m;
             tip.velocity_m_s.z += tremble_m_s;
-            let object = &mut objects[self.face_nearest(finger, &tip, objects)];
+            let object = &mut objects[self.nearest_object_index(finger, &tip, objects)];
             let contact = &mut self.contacts[finger];
             let pad = &self.pads[finger];
             let wrench = contact.press(pad, &object.surface(), &tip.approach(object), dt_s);
             if contact.is_touching() {
                 object.apply_contact(&wrench, contact.normal_n);
-                self.react(finger, &tip.wrench_from(object, &wrench));
+                self.add_joint_torques(finger, &tip.wrench_from(object, &wrench));
             }
         }
     }
@@ -159,26 +159,27 @@ impl Hand {
 
     /// Returns the grip if fingertips of both grasp sides press this object.
     pub(crate) fn grip_on(&self, object: usize) -> Option<Grip> {
-        let presses =
-            |finger: usize| self.facing[finger] == object && self.contacts[finger].is_touching();
-        let from = |side: usize| self.model.fingers_of(side).any(&presses);
-        let tips_m = self.began.sides_m;
-        (0..VIRTUAL_FINGERS).all(from).then(|| Grip {
+        let presses = |finger: usize| {
+            self.nearest_object[finger] == object && self.contacts[finger].is_touching()
+        };
+        let from = |side: usize| self.model.fingertips_of(side).any(&presses);
+        let tips_m = self.tick_start.sides_m;
+        (0..GRASP_SIDES).all(from).then(|| Grip {
             hand: self.model.side().index(),
-            base_from_hand: self.began.base_from_hand,
+            base_from_hand: self.tick_start.base_from_hand,
             middle_m: (tips_m[0] + tips_m[1]) / 2.0,
             closing: (tips_m[1] - tips_m[0]).normalize(),
         })
     }
 
     /// Returns the nearest object; a fingertip touches one object at a time.
-    fn face_nearest(&mut self, finger: usize, tip: &Tip, objects: &[WorldObject]) -> usize {
+    fn nearest_object_index(&mut self, finger: usize, tip: &Tip, objects: &[WorldObject]) -> usize {
         let gap_m = |index: &usize| objects[*index].gap_m(&tip.base_from_tip.translation_m);
         let nearest = (0..objects.len())
             .min_by(|a, b| gap_m(a).total_cmp(&gap_m(b)))
             .unwrap_or(0);
-        if core::mem::replace(&mut self.facing[finger], nearest) != nearest {
-            self.contacts[finger].let_go();
+        if core::mem::replace(&mut self.nearest_object[finger], nearest) != nearest {
+            self.contacts[finger].clear_shear();
         }
         nearest
     }
@@ -224,7 +225,7 @@ impl Hand {
     }
 
     /// Adds the joint torques Jᵀ·w of a wrench about the dome's centre, base frame.
-    fn react(&mut self, finger: usize, wrench: &Wrench) {
+    fn add_joint_torques(&mut self, finger: usize, wrench: &Wrench) {
         let pose = &self.pose;
         let tip_m = pose.tip_m(finger);
         for mover in self.model.movers(finger) {
@@ -240,8 +241,8 @@ impl Hand {
     }
 }
 
-impl Began {
-    fn at(pose: &HandPose) -> Self {
+impl TickStart {
+    fn from_pose(pose: &HandPose) -> Self {
         Self {
             base_from_hand: pose.base_from_hand().rotation,
             sides_m: core::array::from_fn(|side| pose.side_m(side)),

@@ -28,7 +28,7 @@ pub(crate) struct Grip {
 /// Largest slip and rotation of an object over all holds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Hold {
-    since: Option<Reference>,
+    reference: Option<Reference>,
     /// Slip tangential to the fingertips, m.
     pub(crate) slip_m: f64,
     pub(crate) turn_rad: f64,
@@ -45,29 +45,29 @@ struct Reference {
 
 impl Hold {
     /// Updates slip and rotation; `grip` is the hand with both fingertips on the object.
-    pub(crate) fn follow(&mut self, grip: Option<&Grip>, body: &Body) {
+    pub(crate) fn update(&mut self, grip: Option<&Grip>, body: &Body) {
         let Some(grip) = grip else {
-            self.since = None;
+            self.reference = None;
             return;
         };
-        let now = Reference::of(grip, body);
+        let now = Reference::new(grip, body);
         let carried = body.table_n < CARRIED_SHARE * body.weight_n();
-        match &self.since {
+        match &self.reference {
             Some(before) if before.hand == grip.hand && !carried => {}
             Some(before) if before.hand == grip.hand => {
                 let slid_m = body.base_from_body * (now.middle_m - before.middle_m);
                 let along_m = slid_m - grip.closing * slid_m.dot(&grip.closing);
                 self.slip_m = self.slip_m.max(along_m.norm());
-                self.turn_rad = self.turn_rad.max(now.turned_rad(before));
+                self.turn_rad = self.turn_rad.max(now.rotation_since_rad(before));
             }
-            _ if carried => self.since = Some(now),
-            _ => self.since = None,
+            _ if carried => self.reference = Some(now),
+            _ => self.reference = None,
         }
     }
 }
 
 impl Reference {
-    fn of(grip: &Grip, body: &Body) -> Self {
+    fn new(grip: &Grip, body: &Body) -> Self {
         Self {
             hand: grip.hand,
             hand_from_object: grip.base_from_hand.tr_mul(&body.base_from_body),
@@ -77,7 +77,7 @@ impl Reference {
         }
     }
 
-    fn turned_rad(&self, before: &Self) -> f64 {
+    fn rotation_since_rad(&self, before: &Self) -> f64 {
         let turn = before.hand_from_object.tr_mul(&self.hand_from_object);
         libm::acos(((turn.trace() - 1.0) / 2.0).clamp(-1.0, 1.0))
     }
@@ -86,7 +86,7 @@ impl Reference {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::{Motion, about_z};
+    use crate::body::{Motion, quaternion_about_z};
     use crate::shape::Shape;
 
     const GRIP: Grip = Grip {
@@ -104,48 +104,52 @@ mod tests {
     }
 
     fn at(body: &mut Body, position_m: [f64; 3], yaw_rad: f64) {
-        body.follow(&Motion {
+        body.set_motion(&Motion {
             position_m: position_m.into(),
-            orientation: about_z(yaw_rad),
+            orientation: quaternion_about_z(yaw_rad),
             velocity_m_s: Vector3::zeros(),
             angular_rad_s: Vector3::zeros(),
         });
     }
 
     #[test]
-    fn only_what_the_support_no_longer_carries_is_held() {
+    fn only_an_unsupported_object_counts_as_held() {
         let (mut hold, mut body) = (Hold::default(), cube());
-        hold.follow(Some(&GRIP), &body);
+        hold.update(Some(&GRIP), &body);
         let weight_n = body.weight_n();
         at(&mut body, [0.303, 0.0, 0.025], 0.2);
         body.table_n = weight_n;
-        hold.follow(Some(&GRIP), &body);
-        assert_eq!((hold.slip_m, hold.turn_rad), (0.0, 0.0), "it still stands");
+        hold.update(Some(&GRIP), &body);
+        assert_eq!(
+            (hold.slip_m, hold.turn_rad),
+            (0.0, 0.0),
+            "the object still stands"
+        );
         body.table_n = 0.0;
-        hold.follow(Some(&GRIP), &body);
+        hold.update(Some(&GRIP), &body);
         at(&mut body, [0.303, 0.001, 0.023], 0.2);
-        hold.follow(Some(&GRIP), &body);
+        hold.update(Some(&GRIP), &body);
         assert!((hold.slip_m - 0.002).abs() < 1e-9, "{hold:?}");
         at(&mut body, [0.303, 0.001, 0.024], 0.3);
-        hold.follow(Some(&GRIP), &body);
+        hold.update(Some(&GRIP), &body);
         assert!((hold.turn_rad - 0.1).abs() < 1e-9, "{hold:?}");
-        assert!(hold.slip_m >= 0.002, "the greatest counts");
+        assert!(hold.slip_m >= 0.002, "the maximum remains");
         body.table_n = weight_n;
         at(&mut body, [0.303, 0.004, 0.024], 0.6);
-        hold.follow(Some(&GRIP), &body);
-        assert!(hold.slip_m < 0.003, "it stands: {hold:?}");
+        hold.update(Some(&GRIP), &body);
+        assert!(hold.slip_m < 0.003, "standing does not count: {hold:?}");
         body.table_n = 0.0;
         at(&mut body, [0.303, 0.001, 0.024], 0.3);
-        hold.follow(None, &body);
-        assert!(hold.slip_m >= 0.002, "it stays known");
-        hold.follow(Some(&GRIP), &body);
+        hold.update(None, &body);
+        assert!(hold.slip_m >= 0.002, "the maximum remains after the hold");
+        hold.update(Some(&GRIP), &body);
         let before = (hold.slip_m, hold.turn_rad);
         at(&mut body, [0.303, 0.001, 0.0235], 0.35);
-        hold.follow(Some(&GRIP), &body);
+        hold.update(Some(&GRIP), &body);
         assert_eq!(
             (hold.slip_m, hold.turn_rad),
             before,
-            "the greatest of all holds counts"
+            "maximum over all holds"
         );
     }
 }

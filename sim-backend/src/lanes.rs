@@ -96,7 +96,7 @@ impl<L: Lanes> Vectors<L> {
     }
 
     #[inline(always)]
-    pub(crate) fn turned(self, cpu: L::Cpu, by: &Matrix3<f64>) -> Self {
+    pub(crate) fn rotated(self, cpu: L::Cpu, by: &Matrix3<f64>) -> Self {
         Self {
             x: self.dot(Self::splat(cpu, &by.row(0).transpose())),
             y: self.dot(Self::splat(cpu, &by.row(1).transpose())),
@@ -168,12 +168,12 @@ pub(crate) struct LaneSet(u8);
 impl LaneSet {
     /// Creates a set from one bit per lane, lane 0 lowest.
     #[inline(always)]
-    pub(crate) fn of_bits(bits: u8) -> Self {
+    pub(crate) fn from_bits(bits: u8) -> Self {
         Self(bits)
     }
 
     #[inline(always)]
-    pub(crate) fn and(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 

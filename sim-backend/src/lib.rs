@@ -24,20 +24,37 @@
 //! * Simulation does not allocate.
 //!
 //! **Further modules:** [`swarm`], the field of methodology 2; [`course`], wheeled bases that carry
-//! robots and call [`World::ride`]; [`Fingertip`], a fingertip under known loads.
+//! robots and call [`World::set_base_motion`]; [`Fingertip`], a fingertip under known loads.
 //!
 //! **Use:** in process in virtual time (tests, `atas eval`), or as the process `atas-sim` on the
 //! bus.
 //!
 //! **Not modelled:** contact of other links; contact of fingertips with each other, the table or
-//! plates; contact between objects except a cap and its bottle (`closure.rs`); rigid-body
+//! plates; contact between objects except a cap and its bottle (`threaded_cap.rs`); rigid-body
 //! coupling between joints (see `plant.rs`). A fingertip touches one object at a time, only with
 //! its 35° sensing cap.
+//!
+//! ```
+//! use robot_model::{HandSide, RobotModel};
+//! use sim_backend::{Object, Scene, Sensed, World};
+//!
+//! let robot = RobotModel::two_hand_arm()?;
+//! let scene = Scene::grasp(Object::built_in("wood")?, HandSide::Right);
+//! let mut world = World::new(&robot, &scene, 1)?;
+//! let mut sensed = Sensed::default();
+//! for _ in 0..10 {
+//!     world.sense(&mut sensed);
+//!     world.advance(None);
+//! }
+//! assert_eq!(world.tick(), 10);
+//! assert!(world.fault().is_none());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![deny(unsafe_code)]
 
+mod base_motion;
 mod body;
 mod clock;
-mod closure;
 mod contact;
 pub mod course;
 mod drive;
@@ -52,31 +69,31 @@ mod pad;
 mod plant;
 pub mod random;
 mod range;
-mod ride;
 mod scene;
 mod sensor;
 mod shape;
 mod support;
 pub mod swarm;
 mod thread;
+mod threaded_cap;
 mod torsion;
 mod vibration;
 mod world;
 mod world_object;
 
+pub use base_motion::BaseMotion;
 pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
 pub use fingertip::Fingertip;
 pub use object::{Neck, Object, ObjectError};
-pub use pad::{NoPlaces, simulated_skin};
+pub use pad::{MissingElementPositions, simulated_skin};
 pub use range::OutOfRange;
-pub use ride::Ride;
 pub use scene::{
     ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,
     home_rad,
 };
 pub use shape::Shape;
 pub use support::Plate;
-pub use thread::{Thread, Turn};
+pub use thread::{ClosingDirection, Thread};
 pub use world::{Sensed, World, WorldFault};

@@ -68,7 +68,8 @@ pub struct Neck {
 pub enum ObjectError {
     /// Unknown built-in name.
     #[error(
-        "could not find an object because {name:?} is not built in, needs one of {known}{hint}, or the path of a file"
+        "unknown object: {name:?} is not built in, needs one of {known}{hint}, or the path of a \
+         file"
     )]
     Unknown {
         /// Requested name.
@@ -80,7 +81,7 @@ pub enum ObjectError {
     },
     /// Unreadable file.
     #[error(
-        "could not read the object file {path:?} because {source}; check the path and its permissions"
+        "could not read the object file {path:?}: {source}; check the path and its permissions"
     )]
     Unreadable {
         /// Path of the file.
@@ -90,7 +91,7 @@ pub enum ObjectError {
     },
     /// Invalid TOML or unknown keys.
     #[error(
-        "could not understand the object {origin} because {message}; see the examples in sim-backend/objects"
+        "could not parse the object {origin}: {message}; see the examples in sim-backend/objects"
     )]
     Malformed {
         /// File, or built-in name.
@@ -100,7 +101,7 @@ pub enum ObjectError {
     },
     /// Value out of range.
     #[error(
-        "could not use the object {origin} because {key} was {value}, needs {lower} to {upper}; correct the file"
+        "object {origin} rejected: {key} is {value}, needs {lower} to {upper}; correct the file"
     )]
     OutOfRange {
         /// File, or built-in name.
@@ -151,7 +152,7 @@ mod range {
     pub(super) const LENGTH_M: [f64; 2] = [0.01, 0.3];
     /// Largest offset of the centre of mass, as a share of the distance to the surface. Objects
     /// beyond it tip over.
-    pub(super) const CENTRE_SHARE: f64 = 0.9;
+    pub(super) const CENTRE_OFFSET_SHARE_MAX: f64 = 0.9;
     pub(super) const NAME_BYTES: [f64; 2] = [1.0, 31.0];
 }
 
@@ -198,6 +199,13 @@ impl Object {
     ///
     /// # Errors
     /// [`ObjectError::Unknown`] if the name is not built in.
+    ///
+    /// ```
+    /// # use sim_backend::Object;
+    /// let wood = Object::built_in("wood").expect("a built-in object");
+    /// assert!(wood.required_normal_n() < wood.crush_n, "friction holds it without crushing");
+    /// assert!(Object::built_in("cloud").is_err());
+    /// ```
     pub fn built_in(name: &str) -> Result<Self, ObjectError> {
         match BUILT_IN
             .iter()
@@ -225,7 +233,7 @@ impl Object {
     ///
     /// # Errors
     /// As [`Object::built_in`] and [`Object::from_file`].
-    pub fn named_or_file(text: &str) -> Result<Self, ObjectError> {
+    pub fn from_name_or_file(text: &str) -> Result<Self, ObjectError> {
         let is_path = text.contains(std::path::MAIN_SEPARATOR) || text.ends_with(".toml");
         if is_path {
             Self::from_file(Path::new(text))
@@ -244,14 +252,14 @@ impl Object {
             message: e.to_string(),
         };
         let file: ObjectFile = toml::from_str(text).map_err(malformed)?;
-        let check = |key, value, range| checked(origin, key, value, range);
+        let check = |key, value, range| check_range(origin, key, value, range);
         check(
             "the length of name in bytes",
             file.name.len() as f64,
             range::NAME_BYTES,
         )?;
-        let shape = file.shape.checked(origin)?;
-        let centre_of_mass_m = checked_centre_m(&shape, file.centre_of_mass_m, origin)?;
+        let shape = file.shape.validate(origin)?;
+        let centre_of_mass_m = check_centre_m(&shape, file.centre_of_mass_m, origin)?;
         let masses_kg = match file.thread {
             Some(_) => range::CAP_MASS_KG,
             None => range::MASS_KG,
@@ -267,11 +275,11 @@ impl Object {
             })?,
             thread: file
                 .thread
-                .map(|thread| thread.checked(&shape, origin))
+                .map(|thread| thread.validate(&shape, origin))
                 .transpose()?,
             neck: file
                 .neck
-                .map(|neck| neck.checked(&shape, origin))
+                .map(|neck| neck.validate(&shape, origin))
                 .transpose()?,
             shape,
             centre_of_mass_m,
@@ -282,14 +290,14 @@ impl Object {
     /// Returns the normal force per fingertip that two fingertips need to carry the object, m·g /
     /// (2·μ), N.
     #[must_use]
-    pub fn needed_n(&self) -> f64 {
+    pub fn required_normal_n(&self) -> f64 {
         self.mass_kg * crate::body::GRAVITY_M_S2 / (2.0 * self.friction)
     }
 }
 
 impl ShapeFile {
-    fn checked(self, origin: &str) -> Result<Shape, ObjectError> {
-        let length = |key, value| checked(origin, key, value, range::LENGTH_M);
+    fn validate(self, origin: &str) -> Result<Shape, ObjectError> {
+        let length = |key, value| check_range(origin, key, value, range::LENGTH_M);
         match self {
             Self::Box { size_m: [x, y, z] } => {
                 let size_m = Vector3::new(
@@ -310,7 +318,7 @@ impl ShapeFile {
 }
 
 /// Returns the centre of mass; rejects one too close to the surface.
-fn checked_centre_m(
+fn check_centre_m(
     shape: &Shape,
     centre_m: [f64; 3],
     origin: &str,
@@ -318,14 +326,14 @@ fn checked_centre_m(
     let width_m = shape.width_m() / 2.0;
     let reach_m = [width_m, width_m, shape.half_height_m()];
     for ((key, centre_m), reach_m) in CENTRE_KEYS.into_iter().zip(centre_m).zip(reach_m) {
-        let most_m = range::CENTRE_SHARE * reach_m;
-        checked(origin, key, centre_m, [-most_m, most_m])?;
+        let most_m = range::CENTRE_OFFSET_SHARE_MAX * reach_m;
+        check_range(origin, key, centre_m, [-most_m, most_m])?;
     }
     Ok(centre_m.into())
 }
 
 /// Returns the value; rejects values outside the range, and NaN.
-fn checked(
+fn check_range(
     origin: &str,
     key: &'static str,
     value: f64,

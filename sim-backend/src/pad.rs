@@ -60,10 +60,10 @@ pub fn simulated_skin(layout: NamedLayout) -> Skin {
 /// Error: a skin without element positions cannot be simulated.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "could not simulate fingertips of layout {0} because it does not say where its elements sit; choose flat-RxC-P, \
+    "cannot simulate fingertips of layout {0}: it has no element positions; choose flat-RxC-P, \
      cylinder-RxC-P-Q or a dome"
 )]
-pub struct NoPlaces(NamedLayout);
+pub struct MissingElementPositions(NamedLayout);
 
 /// Bristles of one fingertip, tip frame.
 #[derive(Clone, Debug)]
@@ -83,7 +83,10 @@ impl Pad {
     ///
     /// # Errors
     /// [`NoPlaces`] if the layout has no element positions.
-    pub(crate) fn of(layout: NamedLayout, tip_radius_m: f64) -> Result<Self, NoPlaces> {
+    pub(crate) fn from_layout(
+        layout: NamedLayout,
+        tip_radius_m: f64,
+    ) -> Result<Self, MissingElementPositions> {
         match layout {
             NamedLayout::Dome41 => Ok(Self::dome(tip_radius_m, BRISTLES_PER_ELEMENT)),
             NamedLayout::Dome1 => {
@@ -94,11 +97,11 @@ impl Pad {
             NamedLayout::Flat(grid) | NamedLayout::Cylinder(grid, _) => {
                 Ok(Self::grid(layout, grid, tip_radius_m))
             }
-            NamedLayout::Pad { .. } => Err(NoPlaces(layout)),
+            NamedLayout::Pad { .. } => Err(MissingElementPositions(layout)),
         }
     }
 
-    pub(crate) fn stiffer(mut self, factor: f64) -> Self {
+    pub(crate) fn with_stiffness_factor(mut self, factor: f64) -> Self {
         self.stiffness_n_m *= factor;
         self
     }
@@ -109,7 +112,7 @@ impl Pad {
         let ring_rad = RING_RADIUS * libm::sqrt(layout.element_area_m2 / core::f64::consts::PI)
             / DOME_RADIUS_M;
         let area_m2 = layout.element_area_m2 * scale * scale;
-        let mut pad = Self::bare(radius_m, FOUNDATION_N_M3 * area_m2 / per_element as f64);
+        let mut pad = Self::empty(radius_m, FOUNDATION_N_M3 * area_m2 / per_element as f64);
         for element in 0..layout.count {
             let axes = [
                 &layout.normal[element],
@@ -137,13 +140,13 @@ impl Pad {
         let pitch_m = fine.pitch.metres();
         let ahead_m = tip_radius_m - layout.depth_m();
         let places_m: Vec<Vector3<f64>> = fine
-            .places_m()
+            .element_offsets_m()
             .map(|(down_m, across_m)| {
-                Vector3::from(layout.place(down_m, across_m).1) + Vector3::z() * ahead_m
+                Vector3::from(layout.surface_point(down_m, across_m).1) + Vector3::z() * ahead_m
             })
             .collect();
         let reach_m = places_m.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let mut pad = Self::bare(reach_m, FOUNDATION_N_M3 * pitch_m * pitch_m);
+        let mut pad = Self::empty(reach_m, FOUNDATION_N_M3 * pitch_m * pitch_m);
         for (bristle, place_m) in places_m.iter().enumerate() {
             let (row, column) = (bristle / fine.columns, bristle % fine.columns);
             let element = row / BRISTLES_PER_EDGE * coarse.columns + column / BRISTLES_PER_EDGE;
@@ -152,7 +155,7 @@ impl Pad {
         pad
     }
 
-    fn bare(reach_m: f64, stiffness_n_m: f64) -> Self {
+    fn empty(reach_m: f64, stiffness_n_m: f64) -> Self {
         Self {
             blocks: Vec::new(),
             reach_m,

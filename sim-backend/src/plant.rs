@@ -30,7 +30,7 @@ pub(crate) struct Plant {
 impl Plant {
     /// Returns joints at rest. Servo stiffness is the model's times `stiffness_factor`; damping is
     /// the model's.
-    pub(crate) fn at(
+    pub(crate) fn at_rest(
         model: &HandModel,
         position_rad: HandVector,
         stiffness_factor: &HandVector,
@@ -107,18 +107,18 @@ impl Plant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robot_model::{RobotModel, Side};
+    use robot_model::{HandSide, RobotModel};
 
     const DT_S: f64 = 250e-6;
 
     fn plant() -> Plant {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-        let hand = robot.hand(Side::Right);
-        Plant::at(hand, *hand.reference_rad(), &HandVector::repeat(11, 1.0))
+        let hand = robot.hand(HandSide::Right);
+        Plant::at_rest(hand, *hand.reference_rad(), &HandVector::repeat(11, 1.0))
     }
 
     #[test]
-    fn servos_of_the_robot_design_are_critically_damped() {
+    fn servos_are_critically_damped() {
         let d = plant().damping_n_m_s_rad;
         let expected = [108.0, 108.0, 48.0, 16.0, 6.4, 0.8, 0.4, 0.4, 0.8, 0.4, 0.4];
         assert!(
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_moves_a_joint_by_its_compliance() {
+    fn load_deflects_a_joint_by_its_compliance() {
         let mut plant = plant();
         let (reference, load) = (plant.position_rad, HandVector::repeat(11, 0.1));
         (0..8000).for_each(|_| plant.step(&reference, &HandVector::zeros(11), &load, DT_S));
@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn absurd_references_end_at_the_stops_with_bounded_torque() {
+    fn extreme_references_end_at_the_stops() {
         let mut plant = plant();
         let (reference, speed) = (
             HandVector::repeat(11, 1e300),

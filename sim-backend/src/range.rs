@@ -2,7 +2,7 @@
 
 /// Scene value outside its allowed range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("could not set the scene because {what} was {value}, needs {lower} to {upper}; correct it")]
+#[error("scene rejected: {what} is {value}, needs {lower} to {upper}; correct it")]
 pub struct OutOfRange {
     /// Name of the value, with its unit.
     pub what: &'static str,

@@ -8,10 +8,10 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use robot_model::{GraspFrame, HandModel, RobotModel, RobotVector, Side, Unreachable};
+use robot_model::{GraspPose, HandModel, HandSide, RobotModel, RobotVector, Unreachable};
 
 use crate::object::Object;
-use crate::pad::NoPlaces;
+use crate::pad::MissingElementPositions;
 use crate::range::{OutOfRange, in_range};
 use crate::shape::Shape;
 use crate::support::Plate;
@@ -119,31 +119,28 @@ pub struct Scene {
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// Too many objects.
-    #[error(
-        "could not set the scene because it has {0} objects, needs at most {OBJECTS_MAX}; take some away"
-    )]
+    #[error("scene rejected: it has {0} objects, needs at most {OBJECTS_MAX}; remove some")]
     TooManyObjects(usize),
     /// Value out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
     /// Skin without element positions.
     #[error(transparent)]
-    NoPlaces(#[from] NoPlaces),
+    NoPlaces(#[from] MissingElementPositions),
     /// Cap on a neck without a bottle.
-    #[error(
-        "could not put a cap on because the scene has no bottle, needs one with a neck; add it"
-    )]
+    #[error("scene rejected: a cap is on a neck, but no bottle has one; add a bottle with a neck")]
     NoBottle,
     /// Object on a neck without a thread.
     #[error(
-        "could not put {0:?} on the bottle because it has no thread; give it one or let it stand"
+        "scene rejected: {0:?} is on a bottle's neck but has no thread; add a thread or let the \
+         object stand"
     )]
     NoThread(String),
     /// Home posture out of reach.
-    #[error("could not bring the {side:?} hand home: {source}")]
+    #[error("cannot move the {side:?} hand to its home posture: {source}")]
     HomeUnreachable {
         /// Hand.
-        side: Side,
+        side: HandSide,
         /// Remaining error of the best posture.
         source: Unreachable,
     },
@@ -189,7 +186,7 @@ impl Placed {
     /// Returns an object at the default position of one hand, its x axis along the default closing
     /// axis.
     #[must_use]
-    pub fn before(object: Object, side: Side) -> Self {
+    pub fn in_front_of(object: Object, side: HandSide) -> Self {
         let [x_m, off_middle_m] = DEFAULT_PLACE_M;
         Self::new(object, [x_m, side.y_sign() * off_middle_m], DEFAULT_YAW_RAD)
     }
@@ -198,9 +195,9 @@ impl Placed {
 impl Scene {
     /// Returns a scene with one object in front of one hand.
     #[must_use]
-    pub fn grasp(object: Object, side: Side) -> Self {
+    pub fn grasp(object: Object, side: HandSide) -> Self {
         Self {
-            objects: vec![Placed::before(object, side)],
+            objects: vec![Placed::in_front_of(object, side)],
             ..Self::default()
         }
     }
@@ -211,7 +208,7 @@ impl Scene {
     /// rotates with the hand's closing axis. Grasp heights keep the palm clear of the objects. For
     /// the two-hand arm nothing changes.
     #[must_use]
-    pub fn before(mut self, hand: &HandModel) -> Self {
+    pub fn moved_to_hand(mut self, hand: &HandModel) -> Self {
         let [x_m, off_middle_m] = DEFAULT_PLACE_M;
         let meant_m = [x_m, hand.side().y_sign() * off_middle_m];
         let turn_rad = hand.home_yaw_rad() - DEFAULT_YAW_RAD;
@@ -240,7 +237,7 @@ impl Scene {
             plate.centre_m = moved(plate.centre_m);
         }
         self.place.iter_mut().for_each(move_hint);
-        self.place_in_reach(hand);
+        self.move_place_into_reach(hand);
         self
     }
 
@@ -266,14 +263,14 @@ impl Scene {
             )?;
         }
         self.errors.check()?;
-        self.check_places()?;
+        self.check_positions()?;
         for angle_rad in self.start_rad.iter().flat_map(|start_rad| start_rad.iter()) {
             in_range("a start angle in radians", *angle_rad, -10.0, 10.0)?;
         }
         Ok(())
     }
 
-    fn check_places(&self) -> Result<(), SceneError> {
+    fn check_positions(&self) -> Result<(), SceneError> {
         for placed in &self.objects {
             let [x_m, y_m] = placed.position_m;
             in_range("an object's x in metres", x_m, -FARTHEST_M, FARTHEST_M)?;
@@ -314,7 +311,7 @@ pub fn home_rad(robot: &RobotModel) -> Result<RobotVector, SceneError> {
         let centre_m = hand.home_m();
         let yaw_rad = hand.closing_yaw_rad(&centre_m, hand.home_yaw_rad());
         let posture = hand
-            .posture_for(&GraspFrame::from_above(
+            .posture_for(&GraspPose::from_above(
                 centre_m,
                 yaw_rad,
                 hand.home_opening_m(),
@@ -353,6 +350,6 @@ pub(crate) mod stream {
     pub(crate) const FLOOR: u64 = 91;
     /// Noise of a fingertip on the bench.
     pub(crate) const BENCH: u64 = 45;
-    /// Plus five for every preceding object.
+    /// Errors of the first object; each further object adds five.
     pub(crate) const OBJECT_ERRORS: u64 = 50;
 }

@@ -5,7 +5,7 @@
 //! without a sample have no frame.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::capacity::ELEMENTS;
 use shm_schemas::{Hand, HandFrame, Layout};
 
@@ -50,7 +50,7 @@ impl HandSensor {
     /// Each fingertip draws gains and noise from its stream in `random`, [`Errors`] from the
     /// streams of `errors`. `noise_factor` scales the noise only.
     pub(crate) fn new(
-        side: Side,
+        side: HandSide,
         layout: Layout,
         rate_hz: u32,
         noise_factor: f64,
@@ -63,7 +63,7 @@ impl HandSensor {
             .collect();
         let (errors, mut draws) = errors;
         for (tip, random) in tips.iter_mut().zip(&mut draws) {
-            tip.err(errors, random);
+            tip.apply_errors(errors, random);
         }
         Self {
             hand: Hand::BOTH[side.index()],
@@ -133,7 +133,7 @@ impl TipSensor {
     }
 
     /// Draws crosstalk and offset of every element and a common gain.
-    fn err(&mut self, errors: &Errors, random: &mut Random) {
+    fn apply_errors(&mut self, errors: &Errors, random: &mut Random) {
         let gain = 1.0 + errors.gain * random.between(-1.0, 1.0);
         for element in 0..self.gain.len() {
             let mut draw = |half_width: f64| half_width * random.between(-1.0, 1.0);
@@ -193,7 +193,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn readings_come_in_steps() {
+    fn readings_are_quantised() {
         let check = |value: f64, step: f64, expected: f64| {
             assert!(
                 (quantised(value, step) - expected).abs() < 1e-12,
@@ -210,7 +210,7 @@ mod tests {
 
     /// A normal force read on a tangential axis is crosstalk; a reading without force is bias.
     #[test]
-    fn a_poor_sensor_mixes_its_axes_and_adds_an_offset() {
+    fn sensor_errors_add_crosstalk_and_bias() {
         let errors = Errors {
             crosstalk: 0.05,
             bias_n: 0.02,
@@ -218,7 +218,7 @@ mod tests {
         };
         let layout = Layout::dome_41();
         let mut tip = TipSensor::new(layout.count, 0.0, Random::new(1, 2));
-        tip.err(&errors, &mut Random::new(1, 3));
+        tip.apply_errors(&errors, &mut Random::new(1, 3));
         let mut read = |normal_n: f64| {
             let force_n: [Vector3<f64>; ELEMENTS] =
                 core::array::from_fn(|e| -Vector3::from(layout.normal[e]) * normal_n);

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn faces() {
+    fn faces_give_depth_and_normal() {
         let check =
             |shape: Shape, from: [f64; 3], at: [f64; 3], expected: Option<(f64, [f64; 3])>| {
                 let face = shape.face_towards(&Vector3::from(from));
@@ -305,7 +305,7 @@ mod tests {
 
     /// The supporting plane never underestimates a depth: no touching bristle is missed.
     #[test]
-    fn planes_bound_their_shapes() {
+    fn supporting_planes_bound_the_shape() {
         let mut random = crate::random::Random::new(1, 0);
         let mut point = || Vector3::from_fn(|_, _| random.between(-0.08, 0.08));
         for _ in 0..20_000 {
@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_lie_on_the_bounding_sphere_and_at_the_half_height() {
+    fn corners_lie_on_the_bounding_sphere() {
         for shape in [BOX, CYLINDER] {
             for (index, corner_m) in shape.corners_m().iter().enumerate() {
                 assert!((corner_m.norm() - shape.bounding_radius_m()).abs() < 1e-12);

@@ -7,12 +7,12 @@
 
 use nalgebra::Vector3;
 
+use crate::base_motion::BaseMotion;
 use crate::contact::Wrench;
-use crate::ride::Ride;
 
 /// Depth below a plate or rim from which a corner is next to it, m. Design choice: standing corners
 /// sink by less than a tenth.
-const BESIDE_M: f64 = 0.005;
+const SUNK_MAX_M: f64 = 0.005;
 
 /// Level, axis-parallel plate on the table, such as a stand or a place of unexpected height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub(crate) struct Rim {
 pub(crate) struct Ground<'a> {
     pub(crate) plates: &'a [Plate],
     pub(crate) rim: Option<Rim>,
-    pub(crate) ride: Ride,
+    pub(crate) ride: BaseMotion,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,34 +52,34 @@ pub(crate) struct Support {
 pub(crate) struct RimLoad(pub(crate) Wrench);
 
 impl Plate {
-    fn holds(&self, point_m: &Vector3<f64>) -> bool {
+    fn covers(&self, point_m: &Vector3<f64>) -> bool {
         (point_m.x - self.centre_m[0]).abs() <= self.half_m[0]
             && (point_m.y - self.centre_m[1]).abs() <= self.half_m[1]
-            && point_m.z > self.height_m - BESIDE_M
+            && point_m.z > self.height_m - SUNK_MAX_M
     }
 }
 
 impl Rim {
-    fn holds(&self, point_m: &Vector3<f64>) -> bool {
+    fn covers(&self, point_m: &Vector3<f64>) -> bool {
         let from_m = point_m - self.centre_m;
         from_m.x * from_m.x + from_m.y * from_m.y <= self.radius_m * self.radius_m
-            && from_m.z > -BESIDE_M
+            && from_m.z > -SUNK_MAX_M
     }
 }
 
 impl Ground<'_> {
     pub(crate) fn under(&self, point_m: &Vector3<f64>) -> Support {
-        let plates = self.plates.iter().filter(|plate| plate.holds(point_m));
+        let plates = self.plates.iter().filter(|plate| plate.covers(point_m));
         let height_m = plates.fold(0.0_f64, |high, plate| high.max(plate.height_m));
         let rim = self
             .rim
-            .filter(|rim| rim.holds(point_m) && rim.centre_m.z > height_m);
+            .filter(|rim| rim.covers(point_m) && rim.centre_m.z > height_m);
         Support {
             height_m: rim.map_or(height_m, |rim| rim.centre_m.z),
             velocity_m_s: match rim {
                 Some(rim) => rim.velocity_m_s,
-                None if height_m > 0.0 || !self.ride.moves() => Vector3::zeros(),
-                None => self.ride.floor_m_s(point_m),
+                None if height_m > 0.0 || !self.ride.is_moving() => Vector3::zeros(),
+                None => self.ride.floor_velocity_m_s(point_m),
             },
             is_rim: rim.is_some(),
         }
@@ -97,7 +97,12 @@ impl Ground<'_> {
 
 impl RimLoad {
     /// Adds the reaction to a support force that acts on the body at a point.
-    pub(crate) fn react(&mut self, rim: &Rim, point_m: &Vector3<f64>, on_body_n: &Vector3<f64>) {
+    pub(crate) fn add_reaction(
+        &mut self,
+        rim: &Rim,
+        point_m: &Vector3<f64>,
+        on_body_n: &Vector3<f64>,
+    ) {
         self.0.force_n -= on_body_n;
         self.0.moment_n_m -= (point_m - rim.centre_m).cross(on_body_n);
     }
@@ -114,7 +119,7 @@ mod tests {
     };
 
     #[test]
-    fn corners_stand_on_the_highest_support_that_they_have_not_sunk_below() {
+    fn corner_stands_on_the_highest_reached_support() {
         let rim = Rim {
             centre_m: Vector3::new(0.3, 0.1, 0.12),
             radius_m: 0.015,
@@ -124,7 +129,7 @@ mod tests {
             let ground = Ground {
                 plates: &[PLATE],
                 rim: with_rim.then_some(rim),
-                ride: Ride::STILL,
+                ride: BaseMotion::STILL,
             };
             let support = ground.under(&Vector3::from(at_m));
             assert_eq!(support.height_m, expected_m, "{at_m:?}");

@@ -40,7 +40,8 @@ pub struct SwarmSettings {
 pub enum SwarmError {
     /// More robots than one payload holds, or none.
     #[error(
-        "could not host {fields} fields of {team} robots because that is {}, needs 1 to {AGENTS} robots in all; choose another --fields",
+        "cannot host {fields} fields of {team} robots: {} robots in all, needs 1 to {AGENTS}; \
+         choose another --fields",
         fields.saturating_mul(*team)
     )]
     Robots {
@@ -50,9 +51,7 @@ pub enum SwarmError {
         team: usize,
     },
     /// Unknown goal.
-    #[error(
-        "could not host goal {0} because it does not exist, needs 1 to {GOALS}; choose another --goal"
-    )]
+    #[error("cannot host goal {0}: needs 1 to {GOALS}; choose another --goal")]
     Goal(u8),
 }
 
@@ -85,7 +84,7 @@ impl TrialReport {
 
 /// Commands to the robots for one frame.
 #[derive(Clone, Copy, Debug)]
-pub enum Answer<'a> {
+pub enum FrameCommands<'a> {
     /// Commands for this frame.
     Commands(&'a WheelCommands),
     /// No commands in time.
@@ -134,7 +133,7 @@ impl Swarm {
             return Err(SwarmError::Goal(*goal));
         }
         let mut swarm = Self {
-            rule: FitnessRule::usual(settings.model.preset()),
+            rule: FitnessRule::default_for(settings.model.preset()),
             field_hash: settings.model.preset().fingerprint(),
             settings,
             trial: 0,
@@ -168,26 +167,26 @@ impl Swarm {
         sensors.agent_count = (team * self.runs.len()) as u32;
         sensors.field_hash = self.field_hash;
         let runs = self.runs.iter_mut().zip(&mut self.rows);
-        for (told, (run, rows)) in sensors.row.chunks_exact_mut(team).zip(runs) {
+        for (reported, (run, rows)) in sensors.row.chunks_exact_mut(team).zip(runs) {
             *rows = run.sense();
-            for (told, row) in told.iter_mut().zip(rows) {
-                *told = (*row).into();
+            for (reported, row) in reported.iter_mut().zip(rows) {
+                *reported = (*row).into();
             }
         }
     }
 
     /// Simulates one frame. Returns the report after a trial's last frame; allocates only then.
-    pub fn advance(&mut self, answer: Answer<'_>) -> Option<TrialReport> {
+    pub fn advance(&mut self, answer: FrameCommands<'_>) -> Option<TrialReport> {
         let commands = match answer {
-            Answer::Commands(commands) if self.understands(commands) => {
-                self.note(commands.table_hash);
+            FrameCommands::Commands(commands) if self.accepts(commands) => {
+                self.record_hash(commands.table_hash);
                 Some(commands)
             }
-            Answer::Commands(_) => {
+            FrameCommands::Commands(_) => {
                 self.refused_frames += 1;
                 None
             }
-            Answer::Missing => {
+            FrameCommands::Missing => {
                 self.missed_frames += 1;
                 None
             }
@@ -217,13 +216,13 @@ impl Swarm {
     }
 
     /// Returns whether commands fit these robots and contain motor bits only.
-    fn understands(&self, commands: &WheelCommands) -> bool {
+    fn accepts(&self, commands: &WheelCommands) -> bool {
         let robots = self.settings.team.get() * self.runs.len();
         commands.agent_count as usize == robots
             && commands.output[..robots].iter().all(|output| *output < 16)
     }
 
-    fn note(&mut self, hash: u64) {
+    fn record_hash(&mut self, hash: u64) {
         if self.hashes.last() != Some(&hash) && self.hashes.len() < HASHES {
             self.hashes.push(hash);
         }

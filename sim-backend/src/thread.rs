@@ -17,7 +17,7 @@ pub(crate) const INERTIA_KG_M2: f64 = 8e-6;
 /// Direction in which a cap closes, seen from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Turn {
+pub enum ClosingDirection {
     /// Right-hand thread.
     #[default]
     Clockwise,
@@ -25,7 +25,7 @@ pub enum Turn {
     Anticlockwise,
 }
 
-impl Turn {
+impl ClosingDirection {
     /// Returns the sign of a closing rotation about the upward axis.
     #[must_use]
     pub fn sign(self) -> f64 {
@@ -46,7 +46,7 @@ pub struct Thread {
     /// Axial travel per revolution, m.
     pub pitch_m: f64,
     /// Closing direction.
-    pub closes: Turn,
+    pub closes: ClosingDirection,
 }
 
 /// Ground truth of a cap.
@@ -62,7 +62,7 @@ pub(crate) struct CapTruth {
 impl Thread {
     /// Returns the torque limit of the thread at an angle, N·m.
     #[must_use]
-    pub fn holding_n_m(&self, angle_rad: f64) -> f64 {
+    pub fn torque_limit_n_m(&self, angle_rad: f64) -> f64 {
         self.friction_n_m + RISE_N_M_RAD * (angle_rad - self.closing_rad).max(0.0)
     }
 
@@ -75,7 +75,7 @@ impl Thread {
 
 /// State of a cap on its thread; positive is closing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Turning {
+pub(crate) struct ThreadState {
     pub(crate) angle_rad: f64,
     pub(crate) rate_rad_s: f64,
     /// Elastic twist, rad.
@@ -84,10 +84,10 @@ pub(crate) struct Turning {
     pub(crate) torque_n_m: f64,
 }
 
-impl Turning {
+impl ThreadState {
     /// Advances one step under a torque on the cap.
     pub(crate) fn step(&mut self, thread: &Thread, drive_n_m: f64, dt_s: f64) {
-        let limit_n_m = thread.holding_n_m(self.angle_rad);
+        let limit_n_m = thread.torque_limit_n_m(self.angle_rad);
         let twist_rad = self.twist_rad + self.rate_rad_s * dt_s;
         let trial_n_m = STIFFNESS_N_M_RAD * twist_rad + DAMPING_N_M_S_RAD * self.rate_rad_s;
         let holds = trial_n_m.abs() <= limit_n_m;
@@ -114,14 +114,14 @@ mod tests {
         friction_n_m: 0.015,
         closing_rad: 3.0,
         pitch_m: 0.003,
-        closes: Turn::Clockwise,
+        closes: ClosingDirection::Clockwise,
     };
 
     /// Returns the angle after 250 µs steps under a torque that rises over 0.5 s.
     fn turned_rad(start_rad: f64, drive_n_m: f64, steps: usize) -> f64 {
-        let mut turning = Turning {
+        let mut turning = ThreadState {
             angle_rad: start_rad,
-            ..Turning::default()
+            ..ThreadState::default()
         };
         for step in 0..steps {
             let share = (step as f64 / 2000.0).min(1.0);
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cap_turns_only_beyond_the_friction_of_its_thread() {
+    fn cap_turns_only_above_thread_friction() {
         let elastic_rad = 0.015 / STIFFNESS_N_M_RAD;
         for drive_n_m in [0.0, 0.005, 0.0145, -0.0145] {
             let angle_rad = turned_rad(1.0, drive_n_m, 4000) - 1.0;
@@ -145,11 +145,11 @@ mod tests {
     }
 
     #[test]
-    fn a_closed_cap_holds_what_closed_it() {
+    fn closed_cap_holds_its_closing_torque() {
         for drive_n_m in [0.02, 0.03, 0.05] {
-            let mut turning = Turning {
+            let mut turning = ThreadState {
                 angle_rad: 2.9,
-                ..Turning::default()
+                ..ThreadState::default()
             };
             // The drive torque falls with speed, like that of fingers.
             for _ in 0..40_000 {
@@ -165,7 +165,7 @@ mod tests {
             (0..8000).for_each(|_| turning.step(&THREAD, 0.0, 250e-6));
             assert!(
                 closed_rad - turning.angle_rad < 0.011,
-                "it only springs back"
+                "only elastic springback"
             );
         }
     }

@@ -22,10 +22,10 @@ const STEPS: usize = 60;
 
 impl Object {
     /// Returns the normal force per fingertip that carries the object without rotation, N. Exceeds
-    /// [`Object::needed_n`] if the centre of mass is off the closing axis.
+    /// [`Object::required_normal_n`] if the centre of mass is off the closing axis.
     #[must_use]
-    pub fn steady_n(&self) -> f64 {
-        let needed_n = self.needed_n();
+    pub fn required_normal_with_torsion_n(&self) -> f64 {
+        let needed_n = self.required_normal_n();
         let moment_n_m = needed_n * self.friction * self.centre_of_mass_m.y.abs();
         if moment_n_m == 0.0 {
             return needed_n;
@@ -62,10 +62,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_hangs_beside_the_grip_needs_more() {
-        let mut object = Object::built_in("wood").expect("built in");
+    fn off_centre_object_needs_more_force() {
+        let mut object = Object::built_in("wood").expect("built-in object");
         let check = |object: &Object, expected: f64| {
-            let ratio = object.steady_n() / object.needed_n();
+            let ratio = object.required_normal_with_torsion_n() / object.required_normal_n();
             assert!((ratio - expected).abs() < 0.005, "{ratio}");
         };
         check(&object, 1.0);

@@ -8,7 +8,7 @@ use crate::random::Random;
 /// Frequencies, Hz, and relative amplitudes (tactile design).
 const TONES: [(f64, f64); 2] = [(12.0, 1.0), (45.0, 0.25)];
 /// Share of the amplitude at rest (prototype).
-const AT_REST: f64 = 0.2;
+const REST_SHARE: f64 = 0.2;
 /// Time constant between rest and motion, s. Design choice: avoids a jump of the displacement.
 const BLEND_S: f64 = 0.05;
 
@@ -43,14 +43,14 @@ impl Vibration {
         };
         Self {
             amplitude_m,
-            share: AT_REST,
+            share: REST_SHARE,
             tones: TONES.map(|t| tone(t, random)),
         }
     }
 
     /// Filters the amplitude towards rest or motion; call once per `dt_s`.
     pub(crate) fn blend(&mut self, moving: bool, dt_s: f64) {
-        let wanted = if moving { 1.0 } else { AT_REST };
+        let wanted = if moving { 1.0 } else { REST_SHARE };
         self.share += (wanted - self.share) * (dt_s / BLEND_S);
     }
 
@@ -59,7 +59,7 @@ impl Vibration {
         let scale_m = self.amplitude_m * self.share;
         let mut sum = (0.0, 0.0);
         for tone in &mut self.tones {
-            let [cos, sin] = tone.turn();
+            let [cos, sin] = tone.advance_phase();
             sum.0 += scale_m * tone.weight * sin;
             sum.1 += scale_m * tone.weight * tone.omega_rad_s * cos;
         }
@@ -68,7 +68,7 @@ impl Vibration {
 }
 
 impl Tone {
-    fn turn(&mut self) -> [f64; 2] {
+    fn advance_phase(&mut self) -> [f64; 2] {
         let ([c, s], [a, b]) = (self.phase, self.advance);
         self.phase = [c * a - s * b, s * a + c * b];
         self.phase
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moving_hand_trembles_five_times_more_than_a_resting_one() {
+    fn moving_hand_vibrates_five_times_more() {
         let (moving_m, resting_m) = (largest_m(true), largest_m(false));
         assert!((moving_m / 1.25e-5 - 1.0).abs() < 0.05, "{moving_m} m");
         assert!(

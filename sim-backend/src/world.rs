@@ -1,21 +1,21 @@
 //! Simulated world: two hands, their sensors and the objects on the table, tick by tick.
 
-use robot_model::{Capsules, HandVector, RobotModel, RobotVector, Side};
+use robot_model::{Capsules, HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::capacity::JOINTS;
-use shm_schemas::{HandFrame, JointCommand, JointState, Orders, WorldTruth};
+use shm_schemas::{HandFrame, JointCommand, JointSetpoints, JointState, WorldTruth};
 
+use crate::base_motion::BaseMotion;
 use crate::clock::Clock;
-use crate::closure::Closure;
 use crate::drive::Drive;
 use crate::encoder;
 use crate::fingertip::Fingertip;
 use crate::hand::Hand;
 use crate::random::Random;
 use crate::range::{OutOfRange, in_range};
-use crate::ride::Ride;
 use crate::scene::{Scene, SceneError, stream};
 use crate::sensor::HandSensor;
 use crate::support::{Ground, Plate};
+use crate::threaded_cap::ThreadedCap;
 use crate::vibration::Vibration;
 use crate::world_object::WorldObject;
 
@@ -43,13 +43,11 @@ pub struct Sensed {
 pub enum WorldFault {
     /// Joint of this hand.
     #[error(
-        "could not go on because a joint of the {0:?} hand is no longer finite; report the scene and the seed"
+        "simulation stopped: a joint of the {0:?} hand is not finite; report the scene and the seed"
     )]
-    Joints(Side),
+    Joints(HandSide),
     /// Index of the object.
-    #[error(
-        "could not go on because object {0} is no longer finite; is it far lighter than its size suggests?"
-    )]
+    #[error("simulation stopped: object {0} is not finite; check that its mass suits its size")]
     Object(usize),
 }
 
@@ -61,8 +59,8 @@ pub struct World {
     sensors: [HandSensor; 2],
     objects: Vec<WorldObject>,
     plates: Vec<Plate>,
-    closure: Option<Closure>,
-    ride: Ride,
+    threaded_cap: Option<ThreadedCap>,
+    base_motion: BaseMotion,
     drive: Drive,
     clock: Clock,
     joint_sequence: u64,
@@ -83,41 +81,41 @@ impl World {
     pub fn new(robot: &RobotModel, scene: &Scene, seed: u64) -> Result<Self, SceneError> {
         scene.check()?;
         let start_rad = scene.start(robot)?;
-        let hand = |side: Side| {
+        let hand = |side: HandSide| {
             let start = HandVector::from_slice(&start_rad[robot.joint_range(side)]);
             let mut random = Random::new(seed, stream::VIBRATION + side.index() as u64);
             let vibration = Vibration::new(scene.vibration_m, SUBSTEP_S, &mut random);
             Hand::new(robot.hand(side), start, vibration, &scene.errors, seed)
         };
-        let sensor = |side: Side| {
-            let fingers = robot.hand(side).finger_count() as u64;
+        let sensor = |side: HandSide| {
+            let fingers = robot.hand(side).fingertip_count() as u64;
             let random = |first| {
                 (first..first + fingers)
                     .map(|tip| Random::new(seed, tip))
                     .collect()
             };
             let rate_hz = scene.sensor_rate_hz[side.index()];
-            let before = Side::BOTH[..side.index()].iter();
+            let before = HandSide::BOTH[..side.index()].iter();
             let tip: u64 = before
-                .map(|side| robot.hand(*side).finger_count() as u64)
+                .map(|side| robot.hand(*side).fingertip_count() as u64)
                 .sum();
             let errors = (&scene.errors, random(stream::TIP_ERRORS + tip));
             let noise = random(stream::TIP_SENSOR + tip);
             let layout = robot.hand(side).skin().layout.layout();
             HandSensor::new(side, layout, rate_hz, scene.noise_factor, noise, errors)
         };
-        let mut objects = WorldObject::all(scene);
-        let mut closure = Closure::of(&scene.objects);
+        let mut objects = WorldObject::from_scene(scene);
+        let mut closure = ThreadedCap::from_scene(&scene.objects);
         if let Some(closure) = &mut closure {
-            closure.begin(&mut objects, SUBSTEP_S);
+            closure.initialise(&mut objects, SUBSTEP_S);
         }
         Ok(Self {
-            hands: [hand(Side::Left)?, hand(Side::Right)?],
-            sensors: Side::BOTH.map(sensor),
+            hands: [hand(HandSide::Left)?, hand(HandSide::Right)?],
+            sensors: HandSide::BOTH.map(sensor),
             objects,
             plates: scene.plates.clone(),
-            closure,
-            ride: Ride::STILL,
+            threaded_cap: closure,
+            base_motion: BaseMotion::STILL,
             drive: Drive::holding(start_rad, joint_speeds_rad_s(robot)),
             clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
             joint_sequence: 0,
@@ -140,9 +138,9 @@ impl World {
         out.joints.stamp = self.clock.stamp(self.joint_sequence);
         self.joint_sequence += 1;
         for hand in &self.hands {
-            encoder::read(&hand.plant, hand.model(), &mut out.joints);
+            encoder::append_joints(&hand.plant, hand.model(), &mut out.joints);
         }
-        self.drive.tell(&mut out.joints);
+        self.drive.report(&mut out.joints);
         out.joints.seal();
     }
 
@@ -150,7 +148,7 @@ impl World {
     /// effect [`LATENCY_MS`](crate::LATENCY_MS) later, until it expires. After a [`World::fault`]
     /// only time advances.
     pub fn advance(&mut self, command: Option<&JointCommand>) {
-        let orders = self.drive.orders(command, self.clock.now_ns);
+        let orders = self.drive.setpoints(command, self.clock.now_ns);
         if self.fault.is_none() {
             self.simulate(&orders);
             self.fault = self.find_fault();
@@ -183,9 +181,9 @@ impl World {
     /// # Errors
     /// [`OutOfRange`] if a value is not finite or beyond the limits of a base; the world is
     /// unchanged then.
-    pub fn ride(&mut self, ride: &Ride) -> Result<(), OutOfRange> {
+    pub fn set_base_motion(&mut self, ride: &BaseMotion) -> Result<(), OutOfRange> {
         ride.check()?;
-        self.ride = *ride;
+        self.base_motion = *ride;
         Ok(())
     }
 
@@ -200,7 +198,7 @@ impl World {
         };
         for (index, (slot, object)) in truth.objects.iter_mut().zip(&self.objects).enumerate() {
             let cap = self
-                .closure
+                .threaded_cap
                 .as_ref()
                 .and_then(|closure| closure.truth(index));
             *slot = object.truth(cap);
@@ -271,7 +269,7 @@ impl World {
         self.clock.writer_epoch = writer_epoch;
     }
 
-    fn simulate(&mut self, orders: &Orders) {
+    fn simulate(&mut self, orders: &JointSetpoints) {
         let [left, right] = self
             .hands
             .each_ref()
@@ -284,11 +282,11 @@ impl World {
             per_hand(&orders.velocity_rad_s),
         );
         for hand in &mut self.hands {
-            hand.begin(&self.objects, TICK_S);
+            hand.begin_tick(&self.objects, TICK_S);
         }
         for substep in 0..SUBSTEPS {
             for hand in &mut self.hands {
-                hand.touch(&mut self.objects, SUBSTEP_S);
+                hand.compute_contacts(&mut self.objects, SUBSTEP_S);
             }
             for (index, hand) in self.hands.iter_mut().enumerate() {
                 hand.step(
@@ -300,50 +298,50 @@ impl World {
             }
             self.move_objects();
         }
-        self.judge();
+        self.evaluate_objects();
     }
 
     /// Simulates one substep of threaded cap, objects and base motion.
     fn move_objects(&mut self) {
-        if let Some(closure) = &mut self.closure {
-            closure.turn(&mut self.objects, SUBSTEP_S);
+        if let Some(closure) = &mut self.threaded_cap {
+            closure.apply_load(&mut self.objects, SUBSTEP_S);
         }
         for index in 0..self.objects.len() {
-            let closure = self.closure.as_ref();
-            if closure.is_some_and(|closure| closure.drives(index)) {
+            let closure = self.threaded_cap.as_ref();
+            if closure.is_some_and(|closure| closure.constrains(index)) {
                 continue;
             }
             let rim = closure.and_then(|closure| closure.rim_for(index, &self.objects));
-            let (plates, ride) = (&self.plates, self.ride);
+            let (plates, ride) = (&self.plates, self.base_motion);
             self.objects[index].step(&Ground { plates, rim, ride }, SUBSTEP_S);
         }
-        self.ride.go_on(SUBSTEP_S);
-        if let Some(closure) = &mut self.closure {
-            closure.follow(&mut self.objects, SUBSTEP_S);
+        self.base_motion.integrate(SUBSTEP_S);
+        if let Some(closure) = &mut self.threaded_cap {
+            closure.update(&mut self.objects, SUBSTEP_S);
         }
     }
 
-    fn judge(&mut self) {
-        let closure = self.closure.as_ref();
-        let closed = closure.is_some_and(Closure::is_closed);
+    fn evaluate_objects(&mut self) {
+        let closure = self.threaded_cap.as_ref();
+        let closed = closure.is_some_and(ThreadedCap::is_closed);
         for index in 0..self.objects.len() {
-            let carried = closure.is_some_and(|closure| closure.drives(index));
+            let carried = closure.is_some_and(|closure| closure.constrains(index));
             let rim = closure.and_then(|closure| closure.rim_for(index, &self.objects));
             let ground = Ground {
                 plates: &self.plates,
                 rim,
-                ride: self.ride,
+                ride: self.base_motion,
             };
             let object = &mut self.objects[index];
             let open = object.has_neck() && !closed;
-            object.judge(&ground, carried, open, self.clock.now_ns);
+            object.evaluate(&ground, carried, open, self.clock.now_ns);
             let grip = self.hands.iter().find_map(|hand| hand.grip_on(index));
-            object.watch_hold(grip.as_ref(), carried);
+            object.update_hold(grip.as_ref(), carried);
         }
     }
 
     fn find_fault(&self) -> Option<WorldFault> {
-        let joints = Side::BOTH
+        let joints = HandSide::BOTH
             .into_iter()
             .find(|side| !self.hands[side.index()].plant.is_finite());
         let object = || {

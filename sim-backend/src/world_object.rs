@@ -23,7 +23,7 @@ const CARRIES_N: f64 = 0.2;
 const CARRIES_SHARE: f64 = 0.1;
 /// Largest required share of the weight; applies to objects lighter than [`CARRIES_N`]. Design
 /// choice.
-const CARRIES_MOST: f64 = 0.9;
+const CARRIES_SHARE_MAX: f64 = 0.9;
 /// Shortest uninterrupted time of support, ns. Design choice: force spikes of a grazing corner last
 /// one tick.
 const CARRIES_NS: u64 = 2_000_000;
@@ -34,7 +34,7 @@ const TIPPED_RAD: f64 = core::f64::consts::FRAC_PI_4;
 const UPRIGHT_RAD: f64 = 0.087;
 /// Largest displacement of an unmoved object, m. Design choice: twice that by closing fingers in
 /// the widest family.
-const PLACE_M: f64 = 0.010;
+const DISPLACED_MAX_M: f64 = 0.010;
 /// Tilt at which an open bottle spills, rad (30°). Design choice.
 const SPILT_RAD: f64 = core::f64::consts::FRAC_PI_6;
 
@@ -44,7 +44,7 @@ pub(crate) struct WorldObject {
     pub(crate) body: Body,
     clamped: bool,
     /// Middle of the object at the start, m.
-    rest_m: Vector3<f64>,
+    start_m: Vector3<f64>,
     hold: Hold,
     /// A fingertip pressed during the last tick.
     pressed: bool,
@@ -76,7 +76,7 @@ struct Landing {
 }
 
 impl WorldObject {
-    pub(crate) fn all(scene: &Scene) -> Vec<Self> {
+    pub(crate) fn from_scene(scene: &Scene) -> Vec<Self> {
         let plates = &scene.plates;
         let ground = Ground {
             plates,
@@ -92,7 +92,7 @@ impl WorldObject {
         let foot_m = ground.under(&Vector3::new(x, y, f64::MAX)).height_m;
         let mut body = Body::standing(spec.shape, spec.mass_kg, [x, y, foot_m], placed.yaw_rad);
         if spec.thread.is_some() {
-            body = body.with_inertia_of(INERTIA_KG_M2);
+            body = body.with_min_inertia(INERTIA_KG_M2);
         }
         body = body.with_centre_of_mass(spec.centre_of_mass_m);
         let rest_m = body.position_m;
@@ -100,7 +100,7 @@ impl WorldObject {
             spec,
             body,
             clamped: placed.mount == Mount::Clamped,
-            rest_m,
+            start_m: rest_m,
             hold: Hold::default(),
             pressed: false,
             max_force_n: 0.0,
@@ -124,8 +124,8 @@ impl WorldObject {
     }
 
     /// Takes the current position as the start position.
-    pub(crate) fn rest(&mut self) {
-        self.rest_m = self.body.position_m;
+    pub(crate) fn set_start_position(&mut self) {
+        self.start_m = self.body.position_m;
     }
 
     /// Returns the surface for the contact model; a crushed object stays soft.
@@ -159,7 +159,7 @@ impl WorldObject {
 
     /// Updates the history with the tick that ends at `now_ns`. An object `carried` by another one
     /// cannot drop; an `open` one can spill.
-    pub(crate) fn judge(&mut self, ground: &Ground<'_>, carried: bool, open: bool, now_ns: u64) {
+    pub(crate) fn evaluate(&mut self, ground: &Ground<'_>, carried: bool, open: bool, now_ns: u64) {
         let held = core::mem::take(&mut self.touched);
         self.pressed = held;
         let tilt_rad = self.body.tilt_rad();
@@ -173,37 +173,39 @@ impl WorldObject {
         };
         if clearance_m > DROP_M {
             self.lifted = true;
-            self.landing.lift(held);
+            self.landing.reset_if_lifted(held);
         }
         self.dropped |= self.lifted && !held && clearance_m > DROP_M;
         self.dropped |= self.lifted && !in_the_air && self.body.velocity_m_s.z < -DROP_M_S;
         if self.lifted {
-            self.landing.look(in_the_air, held, clearance_m, now_ns);
+            self.landing
+                .update_contact(in_the_air, held, clearance_m, now_ns);
             let weight_n = self.body.weight_n();
             let carries_n = CARRIES_N
                 .max(CARRIES_SHARE * weight_n)
-                .min(CARRIES_MOST * weight_n);
-            self.landing.bear(self.body.table_n >= carries_n, now_ns);
+                .min(CARRIES_SHARE_MAX * weight_n);
+            self.landing
+                .update_carrying(self.body.table_n >= carries_n, now_ns);
         }
     }
 
     /// Updates slip and rotation in the hand. Skips a `carried` object, such as a cap on its
     /// thread: its rotation is intended.
-    pub(crate) fn watch_hold(&mut self, grip: Option<&Grip>, carried: bool) {
+    pub(crate) fn update_hold(&mut self, grip: Option<&Grip>, carried: bool) {
         if !carried {
-            self.hold.follow(grip, &self.body);
+            self.hold.update(grip, &self.body);
         }
     }
 
     fn displaced_m(&self) -> f64 {
-        (self.body.position_m - self.rest_m).xy().norm()
+        (self.body.position_m - self.start_m).xy().norm()
     }
 
     /// Returns whether the object stands unsupported by hands, upright, at its start position.
-    fn stands(&self) -> bool {
-        let carried = self.body.table_n >= CARRIES_MOST * self.body.weight_n();
+    fn stands_at_start(&self) -> bool {
+        let carried = self.body.table_n >= CARRIES_SHARE_MAX * self.body.weight_n();
         let upright = self.body.tilt_rad() < UPRIGHT_RAD;
-        carried && upright && !self.pressed && self.displaced_m() < PLACE_M
+        carried && upright && !self.pressed && self.displaced_m() < DISPLACED_MAX_M
     }
 
     /// Returns the ground truth; `cap` is the state of the thread if the object is a cap.
@@ -213,9 +215,9 @@ impl WorldObject {
             name: Text::new(&self.spec.name),
             position_m: body.position_m.into(),
             orientation: body.orientation(),
-            lifted_m: body.position_m.z - self.rest_m.z,
+            lifted_m: body.position_m.z - self.start_m.z,
             tilt_rad: body.tilt_rad(),
-            needed_n: self.spec.needed_n(),
+            needed_n: self.spec.required_normal_n(),
             crush_n: self.spec.crush_n,
             max_force_n: self.max_force_n,
             table_n: body.table_n,
@@ -230,7 +232,7 @@ impl WorldObject {
             slip_in_hand_m: self.hold.slip_m,
             turn_in_hand_rad: self.hold.turn_rad,
             displaced_m: self.displaced_m(),
-            stands: self.stands().into(),
+            stands: self.stands_at_start().into(),
             pressed: self.pressed.into(),
             ..ObjectTruth::default()
         };
@@ -253,7 +255,7 @@ impl WorldObject {
 
 impl Landing {
     /// Resets the landing of an object that a hand has lifted again.
-    fn lift(&mut self, held: bool) {
+    fn reset_if_lifted(&mut self, held: bool) {
         if held && self.landed_ns > 0 {
             *self = Self {
                 held: self.held,
@@ -263,7 +265,7 @@ impl Landing {
     }
 
     /// Updates whether the support carries the object.
-    fn bear(&mut self, carries: bool, now_ns: u64) {
+    fn update_carrying(&mut self, carries: bool, now_ns: u64) {
         self.carrying_ns = match self.carrying_ns {
             _ if !carries => 0,
             0 => now_ns,
@@ -274,7 +276,7 @@ impl Landing {
         }
     }
 
-    fn look(&mut self, in_the_air: bool, held: bool, clearance_m: f64, now_ns: u64) {
+    fn update_contact(&mut self, in_the_air: bool, held: bool, clearance_m: f64, now_ns: u64) {
         if !in_the_air && self.landed_ns == 0 {
             self.landed_ns = now_ns;
         }

@@ -4,23 +4,23 @@ mod common;
 
 use allocation_counter::measure;
 use common::Script;
-use robot_model::Side;
-use sim_backend::faults::Injector;
+use robot_model::HandSide;
+use sim_backend::faults::FaultPipeline;
 use sim_backend::{Object, Scene};
 
 #[test]
 fn a_tick_allocates_nothing() {
-    let part = |name| Object::built_in(name).expect("built in");
-    let bottle = Scene::grasp(part("bottle"), Side::Right);
-    let screw = Scene::screw(part("cap"), part("open-bottle"), Side::Right);
+    let part = |name| Object::built_in(name).expect("built-in object");
+    let bottle = Scene::grasp(part("bottle"), HandSide::Right);
+    let screw = Scene::screw(part("cap"), part("open-bottle"), HandSide::Right);
     [bottle, screw].into_iter().for_each(allocates_nothing);
 }
 
 fn allocates_nothing(scene: Scene) {
-    let mut script = Script::around(scene, Side::Right, 1);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
     let faults = ["drop=0.1@0", "delay=5@0:left", "corrupt=0.1@0"]
-        .map(|text| text.parse().expect("a fault"));
-    let (mut injector, mut delivered) = (Injector::new(&faults, 1), 0);
+        .map(|text| text.parse().expect("valid fault"));
+    let (mut injector, mut delivered) = (FaultPipeline::new(&faults, 1), 0);
     // The first draw initialises the noise tables.
     script.tick();
     let cost = measure(|| {
@@ -39,6 +39,6 @@ fn allocates_nothing(scene: Scene) {
     );
     assert!(
         script.normal_n() > 5.0 && delivered > 100,
-        "something happened"
+        "the ticks had an effect"
     );
 }

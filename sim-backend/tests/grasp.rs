@@ -3,14 +3,14 @@
 mod common;
 
 use common::Script;
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::ObjectTruth;
 use sim_backend::{Object, Scene, World};
 
 /// Presses with a multiple of the required force, lifts by 10 mm, waits.
-fn squeeze_and_lift(scene: Scene, side: Side, over_grip: f64) -> (ObjectTruth, [f64; 2]) {
-    let needed_n = scene.objects[0].object.needed_n();
-    let mut script = Script::around(scene, side, 1);
+fn squeeze_and_lift(scene: Scene, side: HandSide, over_grip: f64) -> (ObjectTruth, [f64; 2]) {
+    let needed_n = scene.objects[0].object.required_normal_n();
+    let mut script = Script::from_nominal_grasp(scene, side, 1);
     script.close_to(needed_n * over_grip);
     script.lift(0.01);
     script.ticks(200, |_| ());
@@ -21,17 +21,18 @@ fn squeeze_and_lift(scene: Scene, side: Side, over_grip: f64) -> (ObjectTruth, [
 }
 
 #[test]
-fn an_object_is_carried_exactly_when_pressed_harder_than_it_needs() {
+fn object_is_carried_only_above_the_required_force() {
     // Without the heavy block: a position-holding script loses a fifth of its 24 N during the lift.
     for (index, name) in Object::names()
         .filter(|name| *name != "heavy-block")
         .enumerate()
     {
-        let side = Side::BOTH[index % 2];
+        let side = HandSide::BOTH[index % 2];
         for (over_grip, carried) in [(0.8, false), (1.3, true)] {
-            let object = Object::built_in(name).expect("built in");
+            let object = Object::built_in(name).expect("built-in object");
             let (truth, slip_m) = squeeze_and_lift(Scene::grasp(object, side), side, over_grip);
-            let case = format!("{name} in the {side:?} hand at {over_grip} of the needed force");
+            let case =
+                format!("{name} in the {side:?} hand at {over_grip} times the required force");
             assert_eq!(
                 truth.lifted_m > 0.009,
                 carried,
@@ -49,11 +50,14 @@ fn an_object_is_carried_exactly_when_pressed_harder_than_it_needs() {
 }
 
 #[test]
-fn what_a_finger_must_press_with_to_carry_the_filled_box_crushes_it() {
+fn filled_box_is_crushed_by_its_required_force() {
     for (over_grip, crushed) in [(0.8, 0), (1.3, 1)] {
-        let object = Object::built_in("filled-paper-box").expect("built in");
-        let (truth, _) =
-            squeeze_and_lift(Scene::grasp(object, Side::Right), Side::Right, over_grip);
+        let object = Object::built_in("filled-paper-box").expect("built-in object");
+        let (truth, _) = squeeze_and_lift(
+            Scene::grasp(object, HandSide::Right),
+            HandSide::Right,
+            over_grip,
+        );
         assert_eq!(
             truth.crushed, crushed,
             "pressed with {} N",
@@ -63,9 +67,10 @@ fn what_a_finger_must_press_with_to_carry_the_filled_box_crushes_it() {
 }
 
 #[test]
-fn an_object_let_go_in_the_air_is_dropped() {
-    let object = Object::built_in("wood").expect("built in");
-    let mut script = Script::around(Scene::grasp(object, Side::Right), Side::Right, 1);
+fn release_in_the_air_is_a_drop() {
+    let object = Object::built_in("wood").expect("built-in object");
+    let mut script =
+        Script::from_nominal_grasp(Scene::grasp(object, HandSide::Right), HandSide::Right, 1);
     script.close_to(5.0);
     script.lift(0.03);
     assert_eq!(script.world.truth().objects[0].dropped, 0);
@@ -78,13 +83,14 @@ fn an_object_let_go_in_the_air_is_dropped() {
     });
     let truth = script.world.truth().objects[0];
     assert_eq!(truth.dropped, 1);
-    assert!(truth.table_n > 0.0, "it lies on the table");
+    assert!(truth.table_n > 0.0, "the object is on the table");
 }
 
 #[test]
-fn an_object_set_down_slowly_is_not_dropped() {
-    let object = Object::built_in("wood").expect("built in");
-    let mut script = Script::around(Scene::grasp(object, Side::Right), Side::Right, 1);
+fn slow_set_down_is_not_a_drop() {
+    let object = Object::built_in("wood").expect("built-in object");
+    let mut script =
+        Script::from_nominal_grasp(Scene::grasp(object, HandSide::Right), HandSide::Right, 1);
     script.close_to(5.0);
     script.lift(0.02);
     script.ticks(2000, |script| script.frame.centre_m.z -= 1e-5);
@@ -105,9 +111,10 @@ fn an_object_set_down_slowly_is_not_dropped() {
 
 /// Commands stop in the air: the drives hold their positions and the grip stays.
 #[test]
-fn a_silent_controller_keeps_the_grip() {
-    let object = Object::built_in("wood").expect("built in");
-    let mut script = Script::around(Scene::grasp(object, Side::Right), Side::Right, 1);
+fn grip_stays_without_commands() {
+    let object = Object::built_in("wood").expect("built-in object");
+    let mut script =
+        Script::from_nominal_grasp(Scene::grasp(object, HandSide::Right), HandSide::Right, 1);
     script.close_to(5.0);
     script.lift(0.02);
     let before = script.world.truth();
@@ -125,9 +132,12 @@ fn a_silent_controller_keeps_the_grip() {
 /// Returns the FNV-1a hash of all sensor data of a grasp.
 fn hash_of_a_grasp(seed: u64) -> u64 {
     use zerocopy::IntoBytes;
-    let scene =
-        Scene::grasp(Object::built_in("bottle").expect("built in"), Side::Left).varied(seed);
-    let mut script = Script::around(scene, Side::Left, seed);
+    let scene = Scene::grasp(
+        Object::built_in("bottle").expect("built-in object"),
+        HandSide::Left,
+    )
+    .varied(seed);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Left, seed);
     let mut hash = shm_schemas::layout::FNV_OFFSET;
     script.ticks(2000, |script| {
         script
@@ -145,23 +155,23 @@ fn hash_of_a_grasp(seed: u64) -> u64 {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bits_in_every_thread() {
+fn same_seed_gives_same_bits_in_threads() {
     let here = hash_of_a_grasp(5);
     let there = std::thread::spawn(|| hash_of_a_grasp(5))
         .join()
-        .expect("no panic");
+        .expect("thread does not panic");
     assert_eq!(here, there);
     assert_ne!(here, hash_of_a_grasp(6));
 }
 
 #[test]
-fn an_untouched_world_stands_still() {
+fn untouched_world_stays_at_rest() {
     let mut scene = Scene::default();
     for (index, name) in ["bottle", "sponge", "wood", "paper-box"]
         .into_iter()
         .enumerate()
     {
-        let object = Object::built_in(name).expect("built in");
+        let object = Object::built_in(name).expect("built-in object");
         scene.objects.push(sim_backend::Placed::new(
             object,
             [0.3, 0.15 * index as f64 - 0.3],
@@ -169,7 +179,7 @@ fn an_untouched_world_stands_still() {
         ));
     }
     let robot = robot_model::RobotModel::two_hand_arm().expect("the built-in robot loads");
-    let mut world = World::new(&robot, &scene, 1).expect("a world");
+    let mut world = World::new(&robot, &scene, 1).expect("valid scene");
     let mut sensed = sim_backend::Sensed::default();
     world.sense(&mut sensed);
     let start = sensed.joints.position_rad;
@@ -187,18 +197,24 @@ fn an_untouched_world_stands_still() {
 /// Grip off the centre of mass: the weight rotates the object about the closing axis, and the
 /// ground truth reports the angle.
 #[test]
-fn an_object_gripped_beside_its_centre_of_mass_turns_in_the_hand() {
+fn off_centre_grip_lets_the_object_rotate() {
     let turned = |aside_m: f64, over_grip: f64| {
-        let mut object = Object::built_in("wood").expect("built in");
+        let mut object = Object::built_in("wood").expect("built-in object");
         object.centre_of_mass_m.y = aside_m;
-        let (truth, _) =
-            squeeze_and_lift(Scene::grasp(object, Side::Right), Side::Right, over_grip);
+        let (truth, _) = squeeze_and_lift(
+            Scene::grasp(object, HandSide::Right),
+            HandSide::Right,
+            over_grip,
+        );
         assert!(truth.lifted_m > 0.005, "{truth:?}");
         truth.turn_in_hand_rad.to_degrees()
     };
     let (even_deg, beside_deg, firm_deg) =
         (turned(0.0, 1.3), turned(0.004, 1.3), turned(0.004, 4.0));
-    assert!(even_deg < 2.0, "{even_deg}° in the middle");
-    assert!(beside_deg > 5.0, "{beside_deg}° beside it");
-    assert!(firm_deg < beside_deg / 2.0, "{firm_deg}° with a firm grip");
+    assert!(even_deg < 2.0, "{even_deg}° with a centred grip");
+    assert!(beside_deg > 5.0, "{beside_deg}° with an off-centre grip");
+    assert!(
+        firm_deg < beside_deg / 2.0,
+        "{firm_deg}° with a firm off-centre grip"
+    );
 }

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use sim_backend::{Object, ObjectError, Shape, Turn};
+use sim_backend::{ClosingDirection, Object, ObjectError, Shape};
 
 const BOX: &str = r#"
     name = "mine"
@@ -12,7 +12,7 @@ const BOX: &str = r#"
 "#;
 
 #[test]
-fn the_built_in_objects_are_those_of_the_tactile_design() {
+fn built_in_objects_match_the_tactile_design() {
     // Name, required normal force, crushable.
     let expected = [
         ("wood", 2.94, false),
@@ -27,32 +27,32 @@ fn the_built_in_objects_are_those_of_the_tactile_design() {
     assert!(Object::names().eq(expected.iter().map(|(name, ..)| *name)));
     for (name, needed_n, crushable) in expected {
         let object = Object::built_in(name).expect(name);
-        assert_eq!(object.name, name, "a file is named as its object");
+        assert_eq!(object.name, name, "file name equals object name");
         assert!(
-            (object.needed_n() - needed_n).abs() < 0.005,
+            (object.required_normal_n() - needed_n).abs() < 0.005,
             "{name} needs {} N",
-            object.needed_n()
+            object.required_normal_n()
         );
         assert_eq!(object.crush_n.is_finite(), crushable, "{name}");
     }
 }
 
 #[test]
-fn a_users_own_file_works_like_a_built_in() {
+fn user_file_is_loaded() {
     let mut file = tempfile::Builder::new()
         .suffix(".toml")
         .tempfile()
-        .expect("a file");
-    file.write_all(BOX.as_bytes()).expect("written");
-    let path = file.path().to_str().expect("a path of text");
-    let object = Object::named_or_file(path).expect("an object");
+        .expect("temporary file");
+    file.write_all(BOX.as_bytes()).expect("file is writable");
+    let path = file.path().to_str().expect("UTF-8 path");
+    let object = Object::from_name_or_file(path).expect("valid object");
     assert_eq!((object.name.as_str(), object.mass_kg), ("mine", 0.1));
     assert!(matches!(object.shape, Shape::Box { half_m } if half_m.y == 0.02));
     assert!(object.stiffness_n_m.is_infinite() && object.crush_n.is_infinite());
 }
 
 #[test]
-fn refusals_name_the_key_the_value_and_the_range() {
+fn errors_state_key_value_and_range() {
     let check = |from: &str, to: &str, parts: &[&str]| {
         assert!(BOX.contains(from), "{from}");
         let text = BOX.replace(from, to);
@@ -63,13 +63,13 @@ fn refusals_name_the_key_the_value_and_the_range() {
             assert!(message.contains(part), "{to}: {message}");
         }
     };
-    check("0.1", "0.001", &["mass_kg was 0.001, needs 0.0125 to 5"]);
-    check("0.1", "nan", &["mass_kg was NaN"]);
-    check("0.4", "inf", &["friction was inf, needs 0.05 to 2"]);
+    check("0.1", "0.001", &["mass_kg is 0.001, needs 0.0125 to 5"]);
+    check("0.1", "nan", &["mass_kg is NaN"]);
+    check("0.4", "inf", &["friction is inf, needs 0.05 to 2"]);
     check(
         "0.06]",
         "0.6]",
-        &["shape.size_m[2] was 0.6, needs 0.01 to 0.3"],
+        &["shape.size_m[2] is 0.6, needs 0.01 to 0.3"],
     );
     check("mass_kg = 0.1", "", &["missing field `mass_kg`"]);
     check("0.4", "\"slippery\"", &["friction", "expected f64"]);
@@ -88,35 +88,42 @@ fn refusals_name_the_key_the_value_and_the_range() {
     check(
         "\"mine\"",
         "\"\"",
-        &["the length of name in bytes was 0, needs 1 to 31"],
+        &["the length of name in bytes is 0, needs 1 to 31"],
     );
     check(
         "friction = 0.4",
         "friction = 0.4\nstiffness_n_m = 1.0",
-        &["stiffness_n_m was 1, needs 100"],
+        &["stiffness_n_m is 1, needs 100"],
     );
     check(
         "friction = 0.4",
         "friction = 0.4\ncrush_n = -1.0",
-        &["crush_n was -1, needs 0.1"],
+        &["crush_n is -1, needs 0.1"],
     );
     check("]", "], radius_m = 1.0", &["radius_m"]);
 }
 
 #[test]
-fn caps_and_bottles_are_objects_with_a_thread_and_a_neck() {
+fn cap_has_a_thread_and_bottle_a_neck() {
     let part = |name| Object::built_in(name).expect(name);
     assert!(Object::part_names().eq(["cap", "open-bottle"]));
-    let thread = part("cap").thread.expect("a thread");
+    let thread = part("cap").thread.expect("cap has a thread");
     assert_eq!((thread.friction_n_m, thread.pitch_m), (0.015, 0.003));
-    assert_eq!(thread.closes, Turn::Clockwise, "unless said otherwise");
+    assert_eq!(
+        thread.closes,
+        ClosingDirection::Clockwise,
+        "default direction"
+    );
     assert!((thread.closing_rad.to_degrees() - 240.0).abs() < 1e-9);
-    assert_eq!(part("open-bottle").neck.expect("a neck").rim_m, 0.11);
+    assert_eq!(
+        part("open-bottle").neck.expect("bottle has a neck").rim_m,
+        0.11
+    );
     assert!(Object::names().all(|name| part(name).thread.is_none() && part(name).neck.is_none()));
 }
 
 #[test]
-fn refusals_of_caps_and_bottles() {
+fn invalid_caps_and_bottles_are_rejected() {
     const CYLINDER: &str = "name = \"c\"\nmass_kg = 0.02\nfriction = 0.5\n\
         shape = { kind = \"cylinder\", radius_m = 0.02, height_m = 0.05 }\n";
     let check = |from: &str, to: &str, part: &str| {
@@ -144,17 +151,17 @@ fn refusals_of_caps_and_bottles() {
         (
             "friction_n_m = 0.01",
             "friction_n_m = nan",
-            "thread.friction_n_m was NaN, needs 0.001 to 0.2",
+            "thread.friction_n_m is NaN, needs 0.001 to 0.2",
         ),
         (
             "closing_deg = 90",
             "closing_deg = 3",
-            "thread.closing_deg was 3, needs 30 to 1440",
+            "thread.closing_deg is 3, needs 30 to 1440",
         ),
         (
             "pitch_m = 0.003",
             "pitch_m = 3",
-            "thread.pitch_m was 3, needs 0.0005 to 0.01",
+            "thread.pitch_m is 3, needs 0.0005 to 0.01",
         ),
     ] {
         let text = with_thread("").replace(key, value).replace(", }", " }");
@@ -163,27 +170,27 @@ fn refusals_of_caps_and_bottles() {
     check(
         "friction = 0.5",
         "friction = 0.5\nneck = { rim_m = 0.05 }",
-        "neck.rim_m was 0.05, needs 0.06",
+        "neck.rim_m is 0.05, needs 0.06",
     );
     check(
         "mass_kg = 0.02",
         "mass_kg = 0.01",
-        "mass_kg was 0.01, needs 0.0125",
+        "mass_kg is 0.01, needs 0.0125",
     );
     let boxed = BOX.replace(
         "friction = 0.4",
         "friction = 0.4\n    neck = { rim_m = 0.1 }",
     );
     let message = Object::parse(&boxed, "b.toml")
-        .expect_err("a box")
+        .expect_err("box with a neck is rejected")
         .to_string();
     assert!(message.contains("need shape.kind"), "{message}");
 }
 
 #[test]
-fn unknown_names_get_the_list_and_a_suggestion() {
+fn unknown_name_lists_names_and_suggests_one() {
     let check = |name: &str, suggestion: Option<&str>| {
-        let message = Object::named_or_file(name).expect_err(name).to_string();
+        let message = Object::from_name_or_file(name).expect_err(name).to_string();
         assert!(message.contains("wood, slippery-200"), "{message}");
         match suggestion {
             Some(known) => assert!(
@@ -202,8 +209,8 @@ fn unknown_names_get_the_list_and_a_suggestion() {
 }
 
 #[test]
-fn a_missing_file_is_named() {
-    let error = Object::named_or_file("./no/such.toml").expect_err("no file");
+fn missing_file_error_states_the_path() {
+    let error = Object::from_name_or_file("./no/such.toml").expect_err("missing file is rejected");
     assert!(matches!(error, ObjectError::Unreadable { .. }));
     assert!(error.to_string().contains("./no/such.toml"), "{error}");
 }

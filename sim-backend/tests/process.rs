@@ -10,7 +10,7 @@ use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth, service};
 use zerocopy::IntoBytes;
 
 /// Time limit of every wait.
-const PATIENCE: Duration = Duration::from_secs(20);
+const TIMEOUT: Duration = Duration::from_secs(20);
 
 fn atas_sim(arguments: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_atas-sim"));
@@ -34,16 +34,16 @@ impl Simulator {
 
     fn signal(&self, signal: Signal) {
         let id = self.0.as_ref().map(Child::id).unwrap_or_default();
-        let pid = Pid::from_raw(id.cast_signed()).expect("a process id");
-        kill_process(pid, signal).expect("the simulator is alive");
+        let pid = Pid::from_raw(id.cast_signed()).expect("valid process id");
+        kill_process(pid, signal).expect("the simulator is running");
     }
 
     fn wait(mut self) -> Output {
         self.0
             .take()
-            .expect("running")
+            .expect("the simulator is running")
             .wait_with_output()
-            .expect("it ends")
+            .expect("the simulator exits")
     }
 }
 
@@ -68,12 +68,19 @@ struct Daemon {
 
 impl Daemon {
     fn join(bus: &Bus) -> Self {
-        let frames = service::HAND_FRAME.map(|name| bus.subscriber(name).expect("frames"));
+        let frames =
+            service::HAND_FRAME.map(|name| bus.subscriber(name).expect("frame subscriber"));
         Self {
             frames,
-            joints: bus.subscriber(service::JOINT_STATE).expect("joints"),
-            truth: bus.subscriber(service::WORLD_TRUTH).expect("truth"),
-            commands: bus.publisher(service::JOINT_COMMAND).expect("commands"),
+            joints: bus
+                .subscriber(service::JOINT_STATE)
+                .expect("joint state subscriber"),
+            truth: bus
+                .subscriber(service::WORLD_TRUTH)
+                .expect("ground truth subscriber"),
+            commands: bus
+                .publisher(service::JOINT_COMMAND)
+                .expect("command publisher"),
             state: JointState::default(),
             sequence: 0,
         }
@@ -83,7 +90,7 @@ impl Daemon {
         let begin = Instant::now();
         while !self.joints.newest(&mut self.state).expect("the bus works") {
             assert!(
-                begin.elapsed() < PATIENCE,
+                begin.elapsed() < TIMEOUT,
                 "no joint state after {}",
                 self.state.stamp.sequence
             );
@@ -121,7 +128,7 @@ impl Daemon {
     fn newest_truth(&mut self) -> WorldTruth {
         let (mut truth, begin) = (WorldTruth::default(), Instant::now());
         while !self.truth.newest(&mut truth).expect("the bus works") {
-            assert!(begin.elapsed() < PATIENCE, "no truth");
+            assert!(begin.elapsed() < TIMEOUT, "no ground truth");
         }
         truth
     }
@@ -130,7 +137,7 @@ impl Daemon {
 /// Returns the hash of all sensor data of 200 lock-step ticks.
 fn lockstep_hash(arguments: &str) -> u64 {
     let name = FreshBus::new("simlock");
-    let bus = Bus::open(&name, "daemon", Realtime::No).expect("a bus");
+    let bus = Bus::open(&name, "daemon", Realtime::No).expect("open bus");
     let mut daemon = Daemon::join(&bus);
     let simulator = Simulator::start(&name, &format!("--lockstep --duration 0.2 {arguments}"));
     let mut hash = FNV_OFFSET;
@@ -138,7 +145,7 @@ fn lockstep_hash(arguments: &str) -> u64 {
         let state = *daemon.next_state();
         assert_eq!(state.stamp.sequence, tick);
         let frames = daemon.frames();
-        assert_eq!(frames.len(), 2, "both frames come before the joint state");
+        assert_eq!(frames.len(), 2, "both frames arrive before the joint state");
         assert_eq!(
             daemon.newest_truth().stamp.captured_ns,
             state.stamp.captured_ns
@@ -164,14 +171,14 @@ fn lockstep_repeats_bit_for_bit() {
 
 /// A lock-step simulator waits for a daemon that starts later, and delivers the waiting tick.
 #[test]
-fn lockstep_waits_for_a_late_daemon_and_ends_on_sigterm() {
+fn lockstep_waits_for_daemon_and_exits_on_sigterm() {
     let name = FreshBus::new("simlate");
     let simulator = Simulator::start(&name, "--lockstep --object wood");
-    let bus = Bus::open(&name, "daemon", Realtime::No).expect("a bus");
+    let bus = Bus::open(&name, "daemon", Realtime::No).expect("open bus");
     let begin = Instant::now();
-    while bus.peers().expect("peers").len() < 2 {
+    while bus.peers().expect("peer list").len() < 2 {
         assert!(
-            begin.elapsed() < PATIENCE,
+            begin.elapsed() < TIMEOUT,
             "the simulator does not join the bus"
         );
     }
@@ -193,7 +200,7 @@ fn lockstep_waits_for_a_late_daemon_and_ends_on_sigterm() {
 #[test]
 fn free_running_follows_the_clock() {
     let name = FreshBus::new("simfree");
-    let bus = Bus::open(&name, "daemon", Realtime::No).expect("a bus");
+    let bus = Bus::open(&name, "daemon", Realtime::No).expect("open bus");
     let mut daemon = Daemon::join(&bus);
     let before_ns = now_ns();
     let simulator = Simulator::start(&name, "--duration 0.3 --object sponge@0.3,0.1");
@@ -209,16 +216,16 @@ fn free_running_follows_the_clock() {
             let step_ns = frame.stamp.captured_ns - last_ns;
             assert!(
                 frames == 0 || step_ns.is_multiple_of(1_000_000),
-                "the phase is kept: {step_ns} ns"
+                "the phase is constant: {step_ns} ns"
             );
             last_ns = frame.stamp.captured_ns;
             frames += 1;
         }
-        assert!(begin.elapsed() < PATIENCE, "only {frames} frames");
+        assert!(begin.elapsed() < TIMEOUT, "only {frames} frames");
     }
     assert!(
         last_ns <= now_ns() + 1_000_000,
-        "stamps are of CLOCK_MONOTONIC"
+        "stamps use CLOCK_MONOTONIC"
     );
     let truth = daemon.newest_truth();
     assert_eq!(
@@ -231,7 +238,7 @@ fn free_running_follows_the_clock() {
 #[test]
 fn faults_reach_the_bus() {
     let name = FreshBus::new("simfault");
-    let bus = Bus::open(&name, "daemon", Realtime::No).expect("a bus");
+    let bus = Bus::open(&name, "daemon", Realtime::No).expect("open bus");
     let mut daemon = Daemon::join(&bus);
     let faults =
         "--fault drop@0.005+0.005:right --fault drop@0.010+0.005:joints --fault corrupt@0.015:left";
@@ -241,7 +248,7 @@ fn faults_reach_the_bus() {
         sequences.push(daemon.next_state().stamp.sequence);
         for frame in daemon.frames() {
             let (left, tick) = (frame.hand == shm_schemas::Hand::LEFT, frame.stamp.sequence);
-            assert!(left || !(5..10).contains(&tick), "a dropped frame came");
+            assert!(left || !(5..10).contains(&tick), "a dropped frame arrived");
             assert_eq!(frame.is_intact(), !left || tick < 15, "tick {tick}");
         }
         daemon.hold();
@@ -252,9 +259,9 @@ fn faults_reach_the_bus() {
 }
 
 #[test]
-fn refusals() {
+fn invalid_arguments_are_rejected() {
     let name = FreshBus::new("simtwice");
-    let bus = Bus::open(&name, "daemon", Realtime::No).expect("a bus");
+    let bus = Bus::open(&name, "daemon", Realtime::No).expect("open bus");
     let mut daemon = Daemon::join(&bus);
     let _first = Simulator::start(&name, "--lockstep");
     daemon.next_state();
@@ -264,23 +271,23 @@ fn refusals() {
         assert_eq!(output.status.code(), Some(code), "{arguments}: {message}");
         assert!(message.contains(part), "{arguments}: {message}");
     };
-    check(format!("run --bus {}", &*name), 3, "atas-sim (process");
+    check(format!("run --bus {}", &*name), 8, "atas-sim (process");
     check("run --object wod".into(), 2, "did you mean \"wood\"?");
     check(
         "run --noise NaN".into(),
         2,
-        "the noise factor was NaN, needs 0 to 100",
+        "the noise factor is NaN, needs 0 to 100",
     );
     check(
         "run --rate-hz 2000".into(),
         2,
-        "the sensor rate in hertz was 2000, needs 1 to 1000",
+        "the sensor rate in hertz is 2000, needs 1 to 1000",
     );
-    check("run --errors moon".into(), 2, "no error is named \"moon\"");
+    check("run --errors moon".into(), 2, "unknown error kind \"moon\"");
     check(
         "run --errors crosstalk=90".into(),
         2,
-        "the crosstalk was 0.9",
+        "the crosstalk is 0.9",
     );
     check("run --fault melt@1".into(), 2, "needs one of drop");
     check("run --robot /no/such.urdf".into(), 2, "/no/such.urdf");
@@ -289,7 +296,7 @@ fn refusals() {
 }
 
 #[test]
-fn lists() {
+fn lists_are_printed() {
     let listed = |what: &str| {
         let output = atas_sim(what).output().expect("atas-sim starts");
         assert!(output.status.success());
@@ -316,25 +323,28 @@ fn lists() {
     let help = listed("objects --help");
     let mut keys = rows
         .iter()
-        .flat_map(|row| row.as_object().expect("an object").keys());
+        .flat_map(|row| row.as_object().expect("JSON object").keys());
     assert!(keys.all(|key| help.contains(key)), "{help}");
-    let wood = rows.iter().find(|row| row["name"] == "wood").expect("wood");
+    let wood = rows
+        .iter()
+        .find(|row| row["name"] == "wood")
+        .expect("wood is listed");
     let shape = sim_backend::Object::built_in("wood")
-        .expect("built in")
+        .expect("built-in object")
         .shape;
     assert_eq!(wood["width_m"].as_f64(), Some(shape.width_m()));
-    assert!(wood.get("crush_n").is_none(), "nothing crushes it");
+    assert!(wood.get("crush_n").is_none(), "wood cannot be crushed");
 }
 
 #[test]
 fn every_command_has_a_manual_page_and_an_example() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = tempfile::tempdir().expect("temporary folder");
     let path = folder.path().display().to_string();
     let output = atas_sim(&format!("man {path}"))
         .output()
-        .expect("it starts");
+        .expect("atas-sim starts");
     assert!(output.status.success(), "{output:?}");
-    let output = atas_sim("--help").output().expect("it starts");
+    let output = atas_sim("--help").output().expect("atas-sim starts");
     let help = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(help.contains("Examples:"), "{help}");
     for command in [
@@ -350,7 +360,7 @@ fn every_command_has_a_manual_page_and_an_example() {
         assert!(page.exists(), "{page:?}");
         let output = atas_sim(&format!("{command} --help"))
             .output()
-            .expect("it starts");
+            .expect("atas-sim starts");
         let help = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(help.contains("Example"), "{command}: {help}");
     }
@@ -358,7 +368,7 @@ fn every_command_has_a_manual_page_and_an_example() {
 
 /// Regression: a list that did not fit on the disk exited with code 0.
 #[test]
-fn a_full_disk_is_told_with_the_documented_code() {
+fn full_disk_exits_with_code_one() {
     let printing = [
         "objects",
         "faults",
@@ -370,25 +380,25 @@ fn a_full_disk_is_told_with_the_documented_code() {
     for what in printing {
         let full = std::fs::File::options().write(true).open("/dev/full");
         let output = atas_sim(what)
-            .stdout(full.expect("Linux has it"))
+            .stdout(full.expect("/dev/full exists"))
             .output()
-            .expect("it starts");
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(1), "{what}: {told}");
+            .expect("atas-sim starts");
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{what}: {printed}");
         assert!(
-            told.contains("could not write to standard output"),
-            "{told}"
+            printed.contains("could not write to standard output"),
+            "{printed}"
         );
     }
 }
 
 /// As with `atas-sim faults | head -1`.
 #[test]
-fn a_closed_pipe_is_no_failure() {
+fn closed_pipe_exits_successfully() {
     for what in ["objects", "faults", "completions zsh", "--help"] {
         let mut child = atas_sim(what).spawn().expect("atas-sim starts");
         drop(child.stdout.take());
-        let output = child.wait_with_output().expect("it ends");
+        let output = child.wait_with_output().expect("atas-sim exits");
         assert!(output.status.success(), "{what}: {output:?}");
     }
 }

@@ -1,9 +1,9 @@
 //! Scenes: nominal data, variations and rejections.
 
-use robot_model::{GraspFrame, RobotModel, Side};
+use robot_model::{GraspPose, HandSide, RobotModel};
 use sim_backend::{Mount, Object, Placed, Plate, Scene, World, home_rad};
 
-fn scene(name: &str, side: Side) -> Scene {
+fn scene(name: &str, side: HandSide) -> Scene {
     Scene::grasp(Object::built_in(name).expect(name), side)
 }
 
@@ -12,14 +12,16 @@ fn robot() -> RobotModel {
 }
 
 #[test]
-fn every_built_in_object_can_be_reached_where_it_stands() {
-    for side in Side::BOTH {
+fn every_built_in_object_is_reachable() {
+    for side in HandSide::BOTH {
         for name in Object::names() {
-            let hint = scene(name, side).grasp_hint(0).expect("an object");
+            let hint = scene(name, side)
+                .grasp_hint(0)
+                .expect("scene has an object");
             let robot = robot();
             let (hand, centre_m) = (robot.hand(side), hint.from_m.into());
             let yaw_rad = hand.closing_yaw_rad(&centre_m, hint.yaw_rad);
-            let frame = GraspFrame::from_above(centre_m, yaw_rad, hint.width_m + 0.02);
+            let frame = GraspPose::from_above(centre_m, yaw_rad, hint.width_m + 0.02);
             let reached = hand.posture_for(&frame);
             assert!(
                 reached.is_ok(),
@@ -30,8 +32,8 @@ fn every_built_in_object_can_be_reached_where_it_stands() {
 }
 
 #[test]
-fn home_is_the_mirror_image_of_itself() {
-    let home_rad = home_rad(&robot()).expect("home");
+fn home_posture_is_symmetric() {
+    let home_rad = home_rad(&robot()).expect("home posture exists");
     for joint in 0..11 {
         let sign = if joint == 0 || joint == 4 { -1.0 } else { 1.0 };
         let other = if joint < 5 {
@@ -48,8 +50,8 @@ fn home_is_the_mirror_image_of_itself() {
 }
 
 #[test]
-fn families_keep_to_their_ranges_and_to_what_clients_are_told() {
-    let nominal = scene("bottle", Side::Right);
+fn families_keep_ranges_and_nominal_data() {
+    let nominal = scene("bottle", HandSide::Right);
     let mut widest = [0.0_f64; 6];
     for seed in 0..500 {
         let varied = nominal.varied(seed);
@@ -70,58 +72,55 @@ fn families_keep_to_their_ranges_and_to_what_clients_are_told() {
     }
     assert!(
         widest.iter().all(|share| *share > 0.97),
-        "the ranges are used: {widest:?}"
+        "draws cover the ranges: {widest:?}"
     );
     assert_eq!(nominal.varied(3), nominal.varied(3));
     assert_ne!(nominal.varied(3), nominal.varied(4));
 }
 
 #[test]
-fn a_rigid_robust_object_stays_so_in_its_family() {
-    let wood = &scene("wood", Side::Left).varied(1).objects[0].object;
+fn rigid_uncrushable_object_stays_so_in_its_family() {
+    let wood = &scene("wood", HandSide::Left).varied(1).objects[0].object;
     assert!(wood.stiffness_n_m.is_infinite() && wood.crush_n.is_infinite());
 }
 
 #[test]
-fn refusals_name_the_value_and_the_range() {
+fn errors_state_value_and_range() {
     let check = |change: &dyn Fn(&mut Scene), part: &str| {
-        let mut scene = scene("wood", Side::Right);
+        let mut scene = scene("wood", HandSide::Right);
         change(&mut scene);
         let message = World::new(&robot(), &scene, 1).expect_err(part).to_string();
         assert!(message.contains(part), "{message}");
     };
-    let wood = Object::built_in("wood").expect("built in");
+    let wood = Object::built_in("wood").expect("built-in object");
     check(
         &|s| s.noise_factor = f64::NAN,
-        "the noise factor was NaN, needs 0 to 100",
+        "the noise factor is NaN, needs 0 to 100",
     );
-    check(&|s| s.vibration_m = -1.0, "the vibration in metres was -1");
+    check(&|s| s.vibration_m = -1.0, "the vibration in metres is -1");
     check(
         &|s| s.sensor_rate_hz[1] = 0,
-        "the sensor rate in hertz was 0, needs 1 to 1000",
+        "the sensor rate in hertz is 0, needs 1 to 1000",
     );
     check(
         &|s| s.objects[0].position_m[0] = f64::INFINITY,
-        "an object's x in metres was inf",
+        "an object's x in metres is inf",
     );
     check(
         &|s| s.objects[0].yaw_rad = 100.0,
-        "an object's yaw in radians was 100",
+        "an object's yaw in radians is 100",
     );
-    check(
-        &|s| s.objects[0].mount = Mount::OnNeck,
-        "the scene has no bottle",
-    );
+    check(&|s| s.objects[0].mount = Mount::OnNeck, "no bottle has one");
     check(
         &|s| {
             s.objects.push(Placed::new(
-                Object::built_in("open-bottle").expect("built in"),
+                Object::built_in("open-bottle").expect("built-in object"),
                 [0.3, 0.0],
                 0.0,
             ));
             s.objects[0].mount = Mount::OnNeck;
         },
-        "\"wood\" on the bottle because it has no thread",
+        "\"wood\" is on a bottle's neck but has no thread",
     );
     check(
         &|s| {
@@ -131,11 +130,11 @@ fn refusals_name_the_value_and_the_range() {
                 height_m: -0.01,
             })
         },
-        "a plate's height in metres was -0.01",
+        "a plate's height in metres is -0.01",
     );
     check(
         &|s| s.start_rad = Some([f64::NAN; 22].into()),
-        "a start angle in radians was NaN",
+        "a start angle in radians is NaN",
     );
     check(
         &|s| s.objects = vec![Placed::new(wood.clone(), [0.3, 0.0], 0.0); 5],

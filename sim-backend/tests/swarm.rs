@@ -5,12 +5,12 @@ use field::{
     Wheels, run_trial,
 };
 use shm_schemas::{AgentSensors, ArenaTruth, WheelCommands};
-use sim_backend::swarm::{Answer, Swarm, SwarmError, SwarmSettings, TrialReport};
+use sim_backend::swarm::{FrameCommands, Swarm, SwarmError, SwarmSettings, TrialReport};
 
 fn settings(agents: usize, fields: usize, goals: &[u8]) -> SwarmSettings {
     SwarmSettings {
-        model: Model::new(Preset::N).expect("valid"),
-        team: TeamSize::new(agents).expect("1 to 4"),
+        model: Model::new(Preset::N).expect("valid preset"),
+        team: TeamSize::new(agents).expect("1 to 4 robots"),
         fields,
         goals: goals.to_vec(),
     }
@@ -44,7 +44,7 @@ fn trial(swarm: &mut Swarm, spoil: impl Fn(&mut WheelCommands)) -> TrialReport {
         swarm.sense(&mut sensors);
         let mut commands = answer(&sensors);
         spoil(&mut commands);
-        if let Some(report) = swarm.advance(Answer::Commands(&commands)) {
+        if let Some(report) = swarm.advance(FrameCommands::Commands(&commands)) {
             return report;
         }
     }
@@ -53,7 +53,7 @@ fn trial(swarm: &mut Swarm, spoil: impl Fn(&mut WheelCommands)) -> TrialReport {
 /// Observers receive walls and posts, and robots on the bus collide with them as in the field
 /// alone.
 #[test]
-fn onlookers_are_told_of_walls_and_posts() {
+fn observers_receive_walls_and_posts() {
     let walled = Preset {
         walls: vec![Wall {
             from_px: [-100.0, 120.0],
@@ -67,14 +67,14 @@ fn onlookers_are_told_of_walls_and_posts() {
         }),
         ..Preset::N
     };
-    let model = Model::new(walled).expect("valid");
+    let model = Model::new(walled).expect("valid preset");
     let settings = SwarmSettings {
         model: model.clone(),
         ..settings(3, 1, &[3])
     };
     let mut swarm = Swarm::new(settings).expect("valid settings");
     let mut arena = Box::<ArenaTruth>::default();
-    swarm.show(Answer::Missing, &mut arena);
+    swarm.show(FrameCommands::Missing, &mut arena);
     assert_eq!((arena.wall_count, arena.post_count), (1, 2));
     assert_eq!(arena.walls[0].to_px, [100.0, 120.5]);
     for (shown, post) in arena.posts.iter().zip(model.posts()) {
@@ -85,13 +85,13 @@ fn onlookers_are_told_of_walls_and_posts() {
         layout: model.training_layout(model.training_goals()[2]),
         tables: [table; 4],
     };
-    let team = TeamSize::new(3).expect("three");
+    let team = TeamSize::new(3).expect("team of three");
     let report = trial(&mut swarm, |_| ());
     assert_eq!(report.outcomes, [run_trial(&model, team, &alone)]);
 }
 
 #[test]
-fn fields_side_by_side_are_the_trials_of_the_field() {
+fn parallel_fields_equal_single_field_trials() {
     for noise in [0, 100] {
         side_by_side(Noise {
             sensor_flips_per_1024: noise,
@@ -102,7 +102,7 @@ fn fields_side_by_side_are_the_trials_of_the_field() {
 
 fn side_by_side(noise: Noise) {
     let noisy = Preset { noise, ..Preset::N };
-    let model = Model::new(noisy).expect("valid");
+    let model = Model::new(noisy).expect("valid model");
     let settings = SwarmSettings {
         model: model.clone(),
         ..settings(3, 5, &[1, 7])
@@ -129,12 +129,12 @@ fn side_by_side(noise: Noise) {
         assert_eq!(report.tables, ["0000000000000007"]);
     }
     assert!(swarm.is_over());
-    let nothing = swarm.advance(Answer::Missing);
-    assert_eq!(nothing, None, "after the last trial nothing happens");
+    let nothing = swarm.advance(FrameCommands::Missing);
+    assert_eq!(nothing, None, "no effect after the last trial");
 }
 
 #[test]
-fn onlookers_see_every_frame_and_change_nothing() {
+fn observers_receive_every_frame_without_effect() {
     let unseen = trial(&mut swarm(3, 2, &[4]), |_| ());
     let mut swarm = swarm(3, 2, &[4, 5]);
     let (mut sensors, mut arena) = (AgentSensors::default(), Box::<ArenaTruth>::default());
@@ -142,7 +142,7 @@ fn onlookers_see_every_frame_and_change_nothing() {
     let report = loop {
         swarm.sense(&mut sensors);
         let commands = answer(&sensors);
-        let answer = Answer::Commands(&commands);
+        let answer = FrameCommands::Commands(&commands);
         swarm.show(answer, &mut arena);
         assert_eq!(
             (arena.frame, arena.trial, arena.goal),
@@ -170,7 +170,7 @@ fn onlookers_see_every_frame_and_change_nothing() {
     };
     assert_eq!(report, unseen);
     // The result stays until the next trial's first frame is sensed.
-    swarm.show(Answer::Missing, &mut arena);
+    swarm.show(FrameCommands::Missing, &mut arena);
     assert_eq!((arena.frame, arena.trial), (TRIAL_FRAMES.into(), 0));
     for (field, shown) in arena.fields[..2].iter().enumerate() {
         let outcome = &report.outcomes[field];
@@ -182,9 +182,9 @@ fn onlookers_see_every_frame_and_change_nothing() {
     assert!(arena.agents[..6].iter().all(|agent| agent.output == 0));
     let past = arena.trials[0];
     assert_eq!((past.goal, past.points), (4, report.points[0]));
-    assert_eq!(arena.trials[1].goal, 0, "no other trial is over");
+    assert_eq!(arena.trials[1].goal, 0, "no other trial is complete");
     swarm.sense(&mut sensors);
-    swarm.show(Answer::Missing, &mut arena);
+    swarm.show(FrameCommands::Missing, &mut arena);
     assert_eq!(
         (arena.frame, arena.trial, arena.goal, arena.is_driven),
         (0, 1, 5, 0)
@@ -192,7 +192,7 @@ fn onlookers_see_every_frame_and_change_nothing() {
 }
 
 #[test]
-fn robots_that_are_told_nonsense_stand_still() {
+fn malformed_commands_stop_the_robots() {
     type Spoil = fn(&mut WheelCommands);
     let spoils: [Spoil; 3] = [
         |commands| commands.agent_count += 1,
@@ -211,7 +211,7 @@ fn robots_that_are_told_nonsense_stand_still() {
 }
 
 #[test]
-fn what_cannot_be_hosted_is_refused() {
+fn invalid_settings_are_rejected() {
     let check = |agents, fields, goals: &[u8], expected| {
         let refused = Swarm::new(settings(agents, fields, goals)).err();
         assert_eq!(refused, expected, "{agents} {fields} {goals:?}");

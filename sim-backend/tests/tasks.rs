@@ -4,21 +4,21 @@ mod common;
 
 use common::Script;
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, RobotModel, Side};
+use robot_model::{GraspPose, HandSide, RobotModel};
 use shm_schemas::ObjectTruth;
 use sim_backend::{Mount, Object, Scene, World};
 use zerocopy::IntoBytes;
 
 fn part(name: &str) -> Object {
-    Object::built_in(name).expect("built in")
+    Object::built_in(name).expect("built-in object")
 }
 
 fn screw() -> Scene {
-    Scene::screw(part("cap"), part("open-bottle"), Side::Right)
+    Scene::screw(part("cap"), part("open-bottle"), HandSide::Right)
 }
 
 fn assembly() -> Scene {
-    Scene::assembly(part("cap"), part("open-bottle"), Side::Right)
+    Scene::assembly(part("cap"), part("open-bottle"), HandSide::Right)
 }
 
 fn first(script: &Script) -> ObjectTruth {
@@ -53,12 +53,12 @@ fn open(script: &mut Script) {
 }
 
 #[test]
-fn an_object_is_set_down_on_a_plate_of_any_height() {
+fn object_is_placed_on_plates_of_any_height() {
     for step_m in [-0.010, 0.0, 0.010] {
-        let mut scene = Scene::pick_place(part("wood"), Side::Right);
+        let mut scene = Scene::pick_place(part("wood"), HandSide::Right);
         scene.plates[1].height_m += step_m;
-        let to_m = scene.place.expect("a place").from_m;
-        let mut script = Script::around(scene, Side::Right, 1);
+        let to_m = scene.place.expect("scene has a place").from_m;
+        let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
         script.close_to(5.0);
         script.lift(0.030);
         go(
@@ -85,8 +85,12 @@ fn an_object_is_set_down_on_a_plate_of_any_height() {
 }
 
 #[test]
-fn an_object_let_go_above_its_place_is_dropped() {
-    let mut script = Script::around(Scene::pick_place(part("wood"), Side::Left), Side::Left, 1);
+fn release_above_the_place_is_a_drop() {
+    let mut script = Script::from_nominal_grasp(
+        Scene::pick_place(part("wood"), HandSide::Left),
+        HandSide::Left,
+        1,
+    );
     script.close_to(5.0);
     script.lift(0.030);
     open(&mut script);
@@ -110,15 +114,15 @@ fn turn_cap(script: &mut Script) {
 }
 
 #[test]
-fn fingers_screw_a_cap_down_until_it_is_closed() {
-    let mut script = Script::around(screw(), Side::Right, 1);
+fn fingers_screw_the_cap_closed() {
+    let mut script = Script::from_nominal_grasp(screw(), HandSide::Right, 1);
     let before = first(&script);
     turn_cap(&mut script);
     let after = first(&script);
     let turned_deg = after.cap_angle_rad.to_degrees();
     assert!(
         (20.0..70.0).contains(&turned_deg),
-        "one cycle turned by {turned_deg}°"
+        "rotation of one cycle: {turned_deg}°"
     );
     let down_m = before.position_m[2] - after.position_m[2];
     let expected_m = 0.003 * after.cap_angle_rad / core::f64::consts::TAU;
@@ -140,32 +144,34 @@ fn fingers_screw_a_cap_down_until_it_is_closed() {
 }
 
 #[test]
-fn the_same_seed_screws_the_same_bits() {
+fn screwing_repeats_bit_for_bit() {
     let screwed = || {
-        let mut script = Script::around(screw().varied(3), Side::Right, 3);
+        let mut script = Script::from_nominal_grasp(screw().varied(3), HandSide::Right, 3);
         turn_cap(&mut script);
         script.world.truth()
     };
-    let there = std::thread::spawn(screwed).join().expect("no panic");
+    let there = std::thread::spawn(screwed)
+        .join()
+        .expect("thread does not panic");
     assert_eq!(screwed().as_bytes(), there.as_bytes());
     assert!(there.objects[0].cap_angle_rad > 0.3);
 }
 
 #[test]
-fn a_bottle_that_nobody_holds_turns_with_its_cap() {
+fn free_bottle_turns_with_its_cap() {
     let mut scene = screw();
     scene.objects[1].mount = Mount::Standing;
     scene.objects[0]
         .object
         .thread
         .as_mut()
-        .expect("a cap")
+        .expect("scene has a cap")
         .friction_n_m = 0.05;
-    let mut script = Script::around(scene, Side::Right, 1);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
     turn_cap(&mut script);
     let [cap, bottle, ..] = script.world.truth().objects;
     let yaw_deg = 2.0 * libm::asin(bottle.orientation[3]).to_degrees() - 90.0;
-    assert!(yaw_deg < -15.0, "turned by {yaw_deg}°");
+    assert!(yaw_deg < -15.0, "rotated by {yaw_deg}°");
     assert!(cap.cap_angle_rad < 0.3, "{cap:?}");
     assert_eq!((bottle.tipped, bottle.spilt), (0, 0));
 }
@@ -173,8 +179,8 @@ fn a_bottle_that_nobody_holds_turns_with_its_cap() {
 #[test]
 fn a_cap_is_carried_from_its_stand_onto_the_neck() {
     let scene = assembly();
-    let to_m = Vector3::from(scene.place.expect("a place").from_m);
-    let mut script = Script::around(scene, Side::Right, 1);
+    let to_m = Vector3::from(scene.place.expect("scene has a place").from_m);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
     script.close_to(0.6);
     script.lift(0.12);
     assert!(
@@ -204,32 +210,32 @@ fn a_cap_is_carried_from_its_stand_onto_the_neck() {
 
 /// Returns the left hand's side grasp of the bottle (robot design): 45° below the horizontal, from
 /// a bearing of −30°.
-fn side_grasp(scene: &Scene) -> GraspFrame {
-    let hint = scene.grasp_hint(1).expect("a bottle");
-    GraspFrame {
+fn side_grasp(scene: &Scene) -> GraspPose {
+    let hint = scene.grasp_hint(1).expect("scene has a bottle");
+    GraspPose {
         hand_azimuth_rad: -30_f64.to_radians(),
         hand_pitch_rad: 45_f64.to_radians(),
         root_rad: -27.5_f64.to_radians(),
-        ..GraspFrame::from_above(hint.from_m.into(), hint.yaw_rad, hint.width_m + 0.004)
+        ..GraspPose::from_above(hint.from_m.into(), hint.yaw_rad, hint.width_m + 0.004)
     }
 }
 
 #[test]
-fn a_held_bottle_neither_turns_nor_tips_while_its_cap_is_screwed() {
+fn held_bottle_stays_while_its_cap_is_screwed() {
     let mut scene = assembly();
     scene.objects[0].mount = Mount::OnNeck;
-    let hint = scene.place.expect("the neck");
+    let hint = scene.place.expect("scene has a neck");
     let hold = side_grasp(&scene);
-    let right = GraspFrame::from_above(hint.from_m.into(), hint.yaw_rad, hint.width_m + 0.004);
-    scene.start_rad = Some(Script::at(scene.clone(), Side::Right, right, 1).start_rad());
-    let mut script = Script::at(scene, Side::Left, hold, 1);
+    let right = GraspPose::from_above(hint.from_m.into(), hint.yaw_rad, hint.width_m + 0.004);
+    scene.start_rad = Some(Script::from_pose(scene.clone(), HandSide::Right, right, 1).start_rad());
+    let mut script = Script::from_pose(scene, HandSide::Left, hold, 1);
     script.close_to(4.0);
     script.change_hand(right);
     (0..8).for_each(|_| turn_cap(&mut script));
     let [cap, bottle, ..] = script.world.truth().objects;
     assert_eq!(cap.cap_closed, 1, "{cap:?}");
     let yaw_deg = 2.0 * libm::asin(bottle.orientation[3]).to_degrees() - 60.0;
-    assert!(yaw_deg.abs() < 1.0, "turned by {yaw_deg}°");
+    assert!(yaw_deg.abs() < 1.0, "rotated by {yaw_deg}°");
     assert!(bottle.tilt_rad < 0.01, "{bottle:?}");
     assert_eq!((bottle.tipped, bottle.spilt, bottle.crushed), (0, 0, 0));
 }
@@ -237,12 +243,12 @@ fn a_held_bottle_neither_turns_nor_tips_while_its_cap_is_screwed() {
 /// Lightest and smallest cap, squeezed much harder than required, then released 10 cm above the
 /// table.
 #[test]
-fn a_light_cap_survives_a_hard_squeeze_and_a_fall() {
+fn light_cap_survives_hard_squeeze_and_fall() {
     let mut scene = assembly();
     let cap = &mut scene.objects[0].object;
     cap.mass_kg = 0.008;
     cap.friction = 0.8;
-    let mut script = Script::around(scene, Side::Right, 1);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
     script.close_to(8.0);
     script.lift(0.05);
     let held = first(&script);
@@ -258,16 +264,16 @@ fn a_light_cap_survives_a_hard_squeeze_and_a_fall() {
     assert_eq!((fallen.dropped, script.world.fault()), (1, None));
     assert!(
         fallen.position_m[2] < 0.02,
-        "it lies on the table: {fallen:?}"
+        "the cap is on the table: {fallen:?}"
     );
     assert!(fallen.released_above_m > 0.08, "{fallen:?}");
 }
 
 #[test]
-fn a_cap_put_down_beside_the_neck_falls_or_stays_loose() {
+fn cap_placed_off_the_neck_does_not_engage() {
     let scene = assembly();
-    let to_m = Vector3::from(scene.place.expect("a place").from_m);
-    let mut script = Script::around(scene, Side::Right, 1);
+    let to_m = Vector3::from(scene.place.expect("scene has a place").from_m);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
     script.close_to(0.6);
     script.lift(0.12);
     go(&mut script, to_m + Vector3::new(0.008, 0.0, 0.03), 0.05);
@@ -279,12 +285,12 @@ fn a_cap_put_down_beside_the_neck_falls_or_stays_loose() {
 }
 
 #[test]
-fn untouched_caps_and_bottles_stand_still() {
+fn untouched_caps_and_bottles_stay_at_rest() {
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
     let mut upright = screw();
     upright.objects[1].mount = Mount::Standing;
     for scene in [screw(), assembly(), upright] {
-        let mut world = World::new(&robot, &scene, 1).expect("a world");
+        let mut world = World::new(&robot, &scene, 1).expect("valid scene");
         let before = world.truth().objects;
         (0..1000).for_each(|_| world.advance(None));
         for (now, before) in world.truth().objects.iter().zip(&before) {
@@ -296,19 +302,19 @@ fn untouched_caps_and_bottles_stand_still() {
 }
 
 #[test]
-fn everything_a_client_is_told_is_in_reach() {
+fn all_nominal_grasps_are_reachable() {
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-    let reach = |scene: &Scene, side: Side, case: &str| {
-        let from = scene.grasp_hint(0).expect("an object");
+    let reach = |scene: &Scene, side: HandSide, case: &str| {
+        let from = scene.grasp_hint(0).expect("scene has an object");
         for hint in [from, scene.place.unwrap_or(from)] {
             let (hand, centre_m) = (robot.hand(side), hint.from_m.into());
             let yaw_rad = hand.closing_yaw_rad(&centre_m, hint.yaw_rad);
-            let frame = GraspFrame::from_above(centre_m, yaw_rad, hint.width_m + 0.02);
+            let frame = GraspPose::from_above(centre_m, yaw_rad, hint.width_m + 0.02);
             let reached = hand.posture_for(&frame);
             assert!(reached.is_ok(), "{case}, {side:?}: {hint:?}, {reached:?}");
         }
     };
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         for name in Object::names() {
             reach(&Scene::pick_place(part(name), side), side, name);
         }
@@ -326,15 +332,15 @@ fn everything_a_client_is_told_is_in_reach() {
 }
 
 #[test]
-fn families_of_caps_and_bottles_keep_to_their_ranges() {
+fn cap_and_bottle_families_keep_their_ranges() {
     let nominal = assembly();
     for seed in 0..300 {
         let scene = nominal.varied(seed);
         let [cap, bottle] = &scene.objects[..] else {
-            panic!("a cap and a bottle");
+            panic!("expected a cap and a bottle");
         };
-        let thread = cap.object.thread.expect("a thread");
-        let neck = bottle.object.neck.expect("a neck");
+        let thread = cap.object.thread.expect("cap has a thread");
+        let neck = bottle.object.neck.expect("bottle has a neck");
         let inside = [
             (cap.object.shape.width_m() / 2.0, 0.012, 0.020),
             (cap.object.friction, 0.4, 0.8),
@@ -349,11 +355,15 @@ fn families_of_caps_and_bottles_keep_to_their_ranges() {
         for (value, low, high) in inside {
             assert!((low..=high).contains(&value), "{value} in {low} to {high}");
         }
-        let hint = scene.grasp_hint(0).expect("a cap");
-        assert_eq!(hint.width_m, cap.object.shape.width_m(), "sizes are told");
-        assert_eq!(hint.from_m[..2], [0.32, -0.18], "errors of places are not");
+        let hint = scene.grasp_hint(0).expect("scene has a cap");
+        assert_eq!(hint.width_m, cap.object.shape.width_m(), "sizes are known");
+        assert_eq!(
+            hint.from_m[..2],
+            [0.32, -0.18],
+            "position errors are unknown"
+        );
     }
-    let place = Scene::pick_place(part("wood"), Side::Right);
+    let place = Scene::pick_place(part("wood"), HandSide::Right);
     let steps_m: Vec<f64> = (0..300)
         .map(|seed| place.varied(seed).plates[1].height_m)
         .collect();

@@ -4,7 +4,7 @@ mod common;
 
 use common::Script;
 use proptest::prelude::*;
-use robot_model::{RobotModel, Side};
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::{JointCommand, Layout};
 use sim_backend::{LATENCY_MS, Object, START_NS, Scene, Sensed, TICK_NS, World};
 
@@ -13,18 +13,18 @@ const JOINTS: usize = 22;
 
 fn world(scene: &Scene) -> World {
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-    World::new(&robot, scene, 1).expect("a world")
+    World::new(&robot, scene, 1).expect("valid scene")
 }
 
 #[test]
-fn frames_and_joint_states_are_what_the_schema_says() {
+fn frames_and_joint_states_match_the_schema() {
     let mut world = world(&Scene::default());
     let mut sensed = Sensed::default();
     for tick in 0..3 {
         world.sense(&mut sensed);
         assert_eq!(world.now_ns(), START_NS + tick * TICK_NS);
         for (hand, frame) in sensed.frames.iter().enumerate() {
-            let frame = frame.expect("a frame every tick");
+            let frame = frame.expect("one frame per tick");
             assert!(frame.is_intact());
             assert_eq!((frame.hand.index(), frame.finger_count), (Some(hand), 2));
             assert_eq!(
@@ -47,7 +47,7 @@ fn frames_and_joint_states_are_what_the_schema_says() {
 }
 
 #[test]
-fn slow_sensors_send_at_their_rate_without_gaps() {
+fn slow_sensors_sample_without_gaps() {
     for (rate_hz, longest_ticks) in [(1000, 1), (333, 4), (100, 10), (30, 34), (1, 1000)] {
         let mut world = world(&Scene {
             sensor_rate_hz: [rate_hz, 1000],
@@ -90,7 +90,7 @@ fn noise_in_free_air() {
                 let steps = f64::from(*reading) * 1000.0;
                 assert!(
                     (steps - steps.round()).abs() < 1e-4,
-                    "{reading} is no multiple of 1 mN"
+                    "{reading} is not a multiple of 1 mN"
                 );
                 square_n2 += f64::from(*reading) * f64::from(*reading);
                 count += 1.0;
@@ -111,12 +111,18 @@ fn noise_in_free_air() {
 /// The element readings sum to the true normal force and press each tip outwards.
 #[test]
 fn readings_agree_with_the_truth() {
-    let mut scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+    let mut scene = Scene::grasp(
+        Object::built_in("wood").expect("built-in object"),
+        HandSide::Right,
+    );
     scene.noise_factor = 0.0;
-    let mut script = Script::around(scene, Side::Right, 1);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
     script.close_to(3.0);
     script.world.sense(&mut script.sensed);
-    let (frame, layout) = (script.sensed.frames[1].expect("a frame"), Layout::dome_41());
+    let (frame, layout) = (
+        script.sensed.frames[1].expect("frame in this tick"),
+        Layout::dome_41(),
+    );
     for finger in 0..2 {
         let along_axis_n: f64 = (0..layout.count)
             .map(|e| {
@@ -128,23 +134,29 @@ fn readings_agree_with_the_truth() {
         // Element gains differ by 3 %; eight elements carry the load.
         assert!(
             (along_axis_n / truth_n - 1.0).abs() < 0.05,
-            "finger {finger}: {along_axis_n} of {truth_n} N"
+            "fingertip {finger}: {along_axis_n} of {truth_n} N"
         );
     }
-    assert!(frame.force_n[0][0][0] > 0.5, "the pole is pressed");
+    assert!(frame.force_n[0][0][0] > 0.5, "the pole is loaded");
 }
 
 /// The vertical forces of all elements sum to the weight of the lifted object.
 #[test]
 fn the_fingertips_carry_the_weight() {
-    let mut scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+    let mut scene = Scene::grasp(
+        Object::built_in("wood").expect("built-in object"),
+        HandSide::Right,
+    );
     scene.noise_factor = 0.0;
-    let mut script = Script::around(scene, Side::Right, 1);
+    let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
     script.close_to(5.0);
     script.lift(0.02);
     script.ticks(200, |_| ());
-    let (frame, layout) = (script.sensed.frames[1].expect("a frame"), Layout::dome_41());
-    let hand = script.robot.hand(Side::Right);
+    let (frame, layout) = (
+        script.sensed.frames[1].expect("frame in this tick"),
+        Layout::dome_41(),
+    );
+    let hand = script.robot.hand(HandSide::Right);
     let q_rad = robot_model::HandVector::from_slice(&script.sensed.joints.position_rad[11..22]);
     let pose = hand.forward(&q_rad);
     let mut force_n = nalgebra::Vector3::<f64>::zeros();
@@ -167,13 +179,14 @@ fn the_fingertips_carry_the_weight() {
 
 /// Lightest allowed object, squeezed much harder than required, rigid and soft.
 #[test]
-fn the_lightest_object_survives_a_hard_squeeze() {
+fn lightest_object_survives_a_hard_squeeze() {
     for stiffness in ["", "stiffness_n_m = 2000.0"] {
         let shape = "shape = { kind = \"box\", size_m = [0.06, 0.06, 0.05] }";
         let text =
             format!("name = \"light\"\nmass_kg = 0.0125\nfriction = 0.6\n{stiffness}\n{shape}");
-        let object = Object::parse(&text, "light").expect("an object");
-        let mut script = Script::around(Scene::grasp(object, Side::Right), Side::Right, 1);
+        let object = Object::parse(&text, "light").expect("valid object");
+        let mut script =
+            Script::from_nominal_grasp(Scene::grasp(object, HandSide::Right), HandSide::Right, 1);
         script.close_to(8.0);
         script.lift(0.01);
         let truth = script.world.truth();
@@ -192,7 +205,7 @@ fn the_lightest_object_survives_a_hard_squeeze() {
 }
 
 #[test]
-fn time_is_set_forward_but_never_back() {
+fn clock_never_runs_backwards() {
     let mut world = world(&Scene::default());
     world.skip_to(5 * START_NS);
     assert_eq!(world.now_ns(), 5 * START_NS);
@@ -219,10 +232,10 @@ proptest! {
     /// Property: after any finite, sealed command the state is finite and the joints are within
     /// their stops.
     #[test]
-    fn no_command_breaks_the_world(position_rad in proptest::num::f64::NORMAL, velocity in proptest::num::f64::NORMAL) {
+    fn state_stays_finite_under_any_command(position_rad in proptest::num::f64::NORMAL, velocity in proptest::num::f64::NORMAL) {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
-        let (mut world, mut sensed) = (World::new(&robot, &scene, 1).expect("a world"), Sensed::default());
+        let scene = Scene::grasp(Object::built_in("wood").expect("built-in object"), HandSide::Right);
+        let (mut world, mut sensed) = (World::new(&robot, &scene, 1).expect("valid scene"), Sensed::default());
         for _ in 0..20 {
             world.advance(Some(&command(position_rad, velocity, START_NS + 50_000_000)));
         }
@@ -236,7 +249,7 @@ proptest! {
     /// Property: a command that is not finite, damaged or expired changes no bit of the sensor
     /// data.
     #[test]
-    fn refused_commands_change_nothing(
+    fn invalid_commands_change_nothing(
         which in 0..4_usize,
         joint in 0..JOINTS,
         bad in prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY)],
@@ -251,16 +264,16 @@ proptest! {
         if which < 3 {
             refused.seal();
         }
-        let (mut told, mut silent) = (world(&Scene::default()), world(&Scene::default()));
+        let (mut output, mut silent) = (world(&Scene::default()), world(&Scene::default()));
         let (mut a, mut b) = (Sensed::default(), Sensed::default());
         for _ in 0..LATENCY_MS + 3 {
-            told.sense(&mut a);
+            output.sense(&mut a);
             silent.sense(&mut b);
             prop_assert_eq!(&a.joints, &b.joints);
             prop_assert_eq!(a.frames, b.frames);
-            told.advance(Some(&refused));
+            output.advance(Some(&refused));
             silent.advance(None);
         }
-        prop_assert!(told.truth().expired_commands >= 3);
+        prop_assert!(output.truth().expired_commands >= 3);
     }
 }

@@ -1,23 +1,23 @@
-//! The controller's step by itself: grasp task, both hands, 22 joints.
+//! Benchmark of one simulated tick with the controller: grasp task, two-hand arm, 22 joints.
 
-use atas_core::{Goal, Order, Settings};
+use atas_core::{Goal, OperatorRequest, Settings};
 use atas_evaluation::offline::{OfflineRun, grasp_goal};
 use criterion::{Criterion, criterion_group, criterion_main};
-use robot_model::{RobotModel, Side};
+use robot_model::{HandSide, RobotModel};
 use sim_backend::{Object, Scene};
 
-/// A world in which the hand has begun to lift.
+/// Returns a simulation in which the hand has started the lift.
 fn lifting() -> OfflineRun {
     let robot = RobotModel::two_hand_arm().expect("built in");
-    let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+    let scene = Scene::grasp(Object::built_in("wood").expect("built in"), HandSide::Right);
     let goal = grasp_goal(
         &scene.grasp_hint(0).expect("an object"),
-        Side::Right,
+        HandSide::Right,
         0.05,
         3600.0,
     );
     let mut run = OfflineRun::new(&robot, &scene, 1, Settings::default()).expect("a world");
-    run.step(Some(&Order::Start(
+    run.step(Some(&OperatorRequest::Start(
         Goal::resolve(&goal, &[]).expect("built in"),
     )));
     for _ in 0..6000 {

@@ -1,10 +1,15 @@
-//! A million production ticks of a grasp: one allocation each, no page fault, no system call (in lock-step there is no
-//! sleep either; the running daemon's one call per tick, the sleep, is counted by `daemon/tests/daemon/kernel.rs` and
-//! `atas bench latency`).
+//! Counts the costs of a million production ticks of a grasp: one allocation per tick, no page
+//! faults, no system calls.
+//!
+//! Lock-step has no sleep. The running daemon makes one system call per tick, the sleep: see
+//! `daemon/tests/daemon/kernel.rs` and `atas bench latency`.
 //!
 //! `cargo bench -p system-tests --bench counts -- [TICKS]`
 
-#![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
+#![expect(
+    clippy::print_stdout,
+    reason = "figures are the product of a benchmark"
+)]
 
 use std::io::ErrorKind;
 use std::process::{Command, Output};
@@ -12,14 +17,14 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use system_tests::binary;
 
-/// Ticks, unless told otherwise.
+/// Default number of ticks.
 const TICKS: &str = "1000000";
-/// What the program asks once when the steady ticks begin, and once when they end.
+/// System call that `atas-bench` makes once before and once after the steady ticks.
 const MARK: &str = "getppid(";
 
 fn main() {
-    let told = std::env::args().skip(1).find(|a| a.parse::<u64>().is_ok());
-    let ticks = told.unwrap_or_else(|| TICKS.to_owned());
+    let printed = std::env::args().skip(1).find(|a| a.parse::<u64>().is_ok());
+    let ticks = printed.unwrap_or_else(|| TICKS.to_owned());
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let trace = folder.path().join("trace");
     let program = binary("atas-bench");
@@ -31,37 +36,40 @@ fn main() {
         .output();
     let (output, calls) = match traced {
         Ok(output) if output.status.success() => {
-            let text = std::fs::read_to_string(&trace).expect("strace wrote");
+            let text = std::fs::read_to_string(&trace).expect("strace wrote its file");
             (output, Some(between_marks(&text)))
         }
         Err(error) if error.kind() != ErrorKind::NotFound => panic!("strace: {error}"),
-        // Not installed, or not allowed to trace.
-        _ => (plain(&program, &ticks), None),
+        // strace is not installed or may not trace.
+        _ => (run_untraced(&program, &ticks), None),
     };
     let figures: Value = serde_json::from_slice(&output.stdout).expect("one JSON value");
     println!("{figures}");
-    assert_eq!(figures["allocations"], figures["ticks"], "one each");
+    assert_eq!(
+        figures["allocations"], figures["ticks"],
+        "one allocation per tick"
+    );
     assert_eq!(figures["allocations_max"], 1);
     if figures["memory_locked"] == true {
         assert_eq!(figures["page_faults"], 0);
     } else {
-        println!("page faults not held: memory may not be locked here");
+        println!("page faults not checked: this machine does not let the process lock its memory");
     }
     match calls {
         Some(calls) => {
-            println!("system calls in all of these ticks: {}", calls.len());
+            println!("system calls during these ticks: {}", calls.len());
             assert!(calls.is_empty(), "{calls:?}");
         }
-        None => println!("system calls not counted: strace is not installed, or may not trace"),
+        None => println!("system calls not counted: strace is not installed or may not trace"),
     }
 }
 
-fn plain(program: &std::path::Path, ticks: &str) -> Output {
+fn run_untraced(program: &std::path::Path, ticks: &str) -> Output {
     let output = Command::new(program).args(["run", ticks]).output();
-    output.expect("atas-bench runs")
+    output.expect("atas-bench starts")
 }
 
-/// System calls of the thread that made the marks, between them.
+/// Returns the system calls between the two marks, of the thread that made the marks.
 fn between_marks(trace: &str) -> Vec<String> {
     let mut marks = trace.lines().filter(|line| line.contains(MARK));
     let thread = marks.next().and_then(|line| line.split(' ').next());

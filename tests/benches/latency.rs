@@ -1,11 +1,16 @@
-//! Runs `atas bench latency --short` and holds what must not get worse: ratios and counts, never microseconds, which are
-//! printed with the machine and kept in `target/bench/latency.jsonl`, a line per run.
+//! Runs `atas bench latency --short` and fails if a figure exceeds its bound.
+//!
+//! Bounds are ratios and counts, never microseconds. All figures are printed and appended, with the
+//! machine, to `target/bench/latency.jsonl`, one line per run.
 //!
 //! `cargo bench -p system-tests --bench latency` after `cargo build --workspace`.
 //!
-//! The bounds, and what becomes of a figure that is missing: `system_tests::gates`.
+//! Bounds and the handling of missing figures: `system_tests::gates`.
 
-#![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
+#![expect(
+    clippy::print_stdout,
+    reason = "figures are the product of a benchmark"
+)]
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -15,13 +20,13 @@ use std::time::SystemTime;
 
 use serde_json::{Value, json};
 use system_tests::binary;
-use system_tests::gates::{GATES, judge};
+use system_tests::gates::{GATES, evaluate};
 
 fn main() -> ExitCode {
     let figures = measure();
     println!("{figures:#}");
-    keep(&figures);
-    match judge(GATES, &figures) {
+    append_history(&figures);
+    match evaluate(GATES, &figures) {
         0 => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     }
@@ -38,8 +43,8 @@ fn measure() -> Value {
     serde_json::from_slice(&output.stdout).expect("one JSON value")
 }
 
-/// Adds a line to the history.
-fn keep(figures: &Value) {
+/// Appends the figures as one line to the history file.
+fn append_history(figures: &Value) {
     let atas = binary("atas");
     let target = atas.ancestors().nth(2).unwrap_or(Path::new("target"));
     let folder = target.join("bench");
@@ -53,14 +58,15 @@ fn keep(figures: &Value) {
     let file = folder.join("latency.jsonl");
     let open = OpenOptions::new().create(true).append(true).open(&file);
     writeln!(open.expect("the history opens"), "{line}").expect("the history is writable");
-    println!("kept in {}", file.display());
+    println!("appended to {}", file.display());
 }
 
-/// The commit that is checked out; "unknown" without git.
+/// Returns the commit that is checked out, or "unknown" without git.
 fn commit() -> String {
     let asked = Command::new("git").args(["rev-parse", "HEAD"]).output();
-    let said = asked.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
-    said.ok()
+    let message = asked.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_owned());
+    message
+        .ok()
         .filter(|text| !text.is_empty())
         .unwrap_or_else(|| "unknown".to_owned())
 }

@@ -1,9 +1,15 @@
-//! What people look at, timed: the page of `atas dashboard` in a real browser, the first answers of `atas status`, `topic list` and
-//! `top`, and `atas export` of a recorded grasp. Bounds are ratios and sizes (`system_tests::gates::SCREENS`); times are printed.
+//! Benchmark of the user interfaces: the `atas dashboard` page in a real browser, the response
+//! times of `atas status`, `topic list` and `top`, and `atas export` of a recorded grasp.
 //!
-//! `cargo bench --profile dev --workspace --bench screens` after `cargo build --workspace`; needs Chromium.
+//! Bounds are ratios and sizes (`system_tests::gates::SCREENS`); times are only printed.
+//!
+//! `cargo bench --profile dev --workspace --bench screens` after `cargo build --workspace`; needs
+//! Chromium.
 
-#![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
+#![expect(
+    clippy::print_stdout,
+    reason = "figures are the product of a benchmark"
+)]
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -13,20 +19,20 @@ use serde_json::{Value, json};
 use shm_bus::FreshBus;
 use system_tests::browser::{Browser, installed};
 use system_tests::figures::median;
-use system_tests::gates::{SCREENS, judge};
+use system_tests::gates::{SCREENS, evaluate};
 use system_tests::terminal::Terminal;
 use system_tests::{Process, binary, wait_for};
 
-/// How long the open page is watched.
-const WATCHED: Duration = Duration::from_secs(10);
-/// How often the page is opened, and each program is asked.
+/// Time for which the open page is measured.
+const MEASUREMENT_TIME: Duration = Duration::from_secs(10);
+/// Number of page loads, and of runs of each program.
 const REPEATS: usize = 5;
-/// What a page notes of itself: when the first picture stood on the screen, and how many came.
-const NOTES: &str = "window.pictures = 0; window.WebSocket = class extends WebSocket { constructor(...all) { super(...all); \
+/// Script that the page runs: records the time of the first displayed picture and counts pictures.
+const PAGE_SCRIPT: &str = "window.pictures = 0; window.WebSocket = class extends WebSocket { constructor(...all) { super(...all); \
     this.addEventListener('message', ({ data }) => { if (!data.startsWith('{\"picture\"')) return; \
     if (!window.pictures++) requestAnimationFrame(() => setTimeout(() => window.firstMs = performance.now())); }); } };";
-/// Sizes of everything that the page is made of, decoded, bytes.
-const BYTES: &str = "['navigation', 'resource'].flatMap(t => performance.getEntriesByType(t)).reduce((n, e) => n + e.decodedBodySize, 0)";
+/// Expression for the decoded size of all resources of the page, bytes.
+const PAGE_BYTES: &str = "['navigation', 'resource'].flatMap(t => performance.getEntriesByType(t)).reduce((n, e) => n + e.decodedBodySize, 0)";
 
 fn main() -> ExitCode {
     let bus = FreshBus::new("screens");
@@ -37,14 +43,14 @@ fn main() -> ExitCode {
     let figures = json!({
         "dashboard": dashboard(name),
         "answers_ms": {
-            "status": answers_ms(&["status", "--bus", name]),
-            "topic list": answers_ms(&["topic", "list", "--bus", name]),
+            "status": command_ms(&["status", "--bus", name]),
+            "topic list": command_ms(&["topic", "list", "--bus", name]),
             "top": median((0..REPEATS).map(|_| top_ms(name)).collect()),
         },
         "export_times": exports(),
     });
     println!("{figures:#}");
-    match judge(SCREENS, &figures) {
+    match evaluate(SCREENS, &figures) {
         0 => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     }
@@ -57,33 +63,35 @@ fn wait_until_ready(bus: &str) {
     });
 }
 
-/// The page of a running robot in a browser; null without one.
+/// Measures the page of a running robot in a browser; null without a browser.
 fn dashboard(bus: &str) -> Value {
     let Some(browser) = installed() else {
-        println!("not measured: no Chromium is installed: apt-get install chromium");
+        println!(
+            "dashboard not measured: Chromium is not installed; run `apt-get install chromium`"
+        );
         return Value::Null;
     };
     let words = ["dashboard", "--port", "0", "--format", "json", "--bus", bus];
     let server = Process::start("atas-live", &words);
-    let url = wait_for("the server to say its address", || {
+    let url = wait_for("the server to report its address", || {
         let log = server.log();
-        let said: Value =
+        let message: Value =
             serde_json::from_str(log.lines().find(|line| line.contains("url"))?).ok()?;
-        said["url"].as_str().map(str::to_owned)
+        message["url"].as_str().map(str::to_owned)
     });
     let mut browser = Browser::open(&browser, "about:blank");
-    let noted = json!({ "source": NOTES });
-    browser.ask("Page.addScriptToEvaluateOnNewDocument", noted);
+    let noted = json!({ "source": PAGE_SCRIPT });
+    browser.request("Page.addScriptToEvaluateOnNewDocument", noted);
     let first_ms = (0..REPEATS).map(|_| {
-        browser.go("about:blank");
-        browser.go(&url);
+        browser.navigate("about:blank");
+        browser.navigate(&url);
         browser.wait_true("a picture", "window.firstMs > 0");
         browser.value("window.firstMs").as_f64().unwrap_or(f64::NAN)
     });
     let first_ms = median(first_ms.collect());
     let before = (browser.value("window.pictures"), cpu_s(server.pid()));
     let begin = Instant::now();
-    std::thread::sleep(WATCHED);
+    std::thread::sleep(MEASUREMENT_TIME);
     let after = (browser.value("window.pictures"), cpu_s(server.pid()));
     let watched_s = begin.elapsed().as_secs_f64();
     let pictures = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
@@ -92,13 +100,13 @@ fn dashboard(bus: &str) -> Value {
         "pictures_hz": (pictures(&after.0) - pictures(&before.0)) / watched_s,
         "cpu_percent": 100.0 * (after.1 - before.1) / watched_s,
         "memory_mb": memory_mb(server.pid()),
-        "page_mb": browser.value(BYTES).as_f64().unwrap_or(f64::NAN) * 1e-6,
+        "page_mb": browser.value(PAGE_BYTES).as_f64().unwrap_or(f64::NAN) * 1e-6,
     })
 }
 
-/// Processor time of a process's threads, s.
+/// Returns the processor time of all threads of a process, s.
 fn cpu_s(pid: u32) -> f64 {
-    let threads = std::fs::read_dir(format!("/proc/{pid}/task")).expect("it lives");
+    let threads = std::fs::read_dir(format!("/proc/{pid}/task")).expect("the process runs");
     let all_ns = threads.map(|thread| {
         let path = thread.expect("readable").path().join("schedstat");
         let text = std::fs::read_to_string(path).unwrap_or_default();
@@ -108,7 +116,7 @@ fn cpu_s(pid: u32) -> f64 {
     all_ns.sum::<f64>() * 1e-9
 }
 
-/// Resident memory of a process at its most so far, MB.
+/// Returns the peak resident memory of a process so far, MB.
 fn memory_mb(pid: u32) -> f64 {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -116,8 +124,8 @@ fn memory_mb(pid: u32) -> f64 {
     kib.map_or(f64::NAN, |kib| kib * 1.024e-3)
 }
 
-/// Start to end of a program that answers, ms.
-fn answers_ms(words: &[&str]) -> f64 {
+/// Returns the median run time of an `atas` command, ms.
+fn command_ms(words: &[&str]) -> f64 {
     let times = (0..REPEATS).map(|_| {
         let begin = Instant::now();
         let output = Command::new(binary("atas")).args(words).output();
@@ -127,7 +135,7 @@ fn answers_ms(words: &[&str]) -> f64 {
     median(times.collect())
 }
 
-/// Start to the first screen with the mode on it, ms.
+/// Returns the time from start to the first screen that shows the mode, ms.
 fn top_ms(bus: &str) -> f64 {
     let begin = Instant::now();
     let terminal = Terminal::start(&["top", "--bus", bus], false);
@@ -139,7 +147,7 @@ fn top_ms(bus: &str) -> f64 {
     took_ms
 }
 
-/// How many times faster than it was recorded a grasp is exported, by format.
+/// Returns, by format, the ratio of the duration of a recorded grasp to its export time.
 fn exports() -> Value {
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let file = folder.path().join("run.mcap");
@@ -162,7 +170,7 @@ fn exports() -> Value {
     Value::Object(times.into_iter().collect())
 }
 
-/// Records a grasp in lock-step; how long it took in its own time, s.
+/// Records a grasp in lock-step; returns its simulated duration, s.
 fn record(file: &Path) -> f64 {
     let bus = FreshBus::new("exported");
     let name = bus.as_str();
@@ -184,8 +192,8 @@ fn record(file: &Path) -> f64 {
     assert_eq!(recorder.wait().code(), Some(0), "{}", recorder.log());
     let check = ["record", "check", &path, "--format", "json"];
     let output = Command::new(binary("atas")).args(check).output();
-    let said: Value =
+    let message: Value =
         serde_json::from_slice(&output.expect("atas starts").stdout).expect("one JSON value");
-    // A tick is one part, as a sensor of 1 kHz sends one frame in it.
-    said["parts"].as_f64().expect("parts") * 1e-3
+    // One part per tick of 1 ms, because a 1 kHz sensor sends one frame per tick.
+    message["parts"].as_f64().expect("parts") * 1e-3
 }

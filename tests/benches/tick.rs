@@ -1,10 +1,15 @@
-//! The production tick on a real bus: frames and joint state are taken in, the controller steps, the command is
-//! published. Prints percentiles of the body and of its stages, and the speed of the run; with several robots, what the body of
-//! each costs beside the first one's, their ticks in turn.
+//! Benchmark of the production tick on a real bus: intake of frames and joint state, controller
+//! step, publication of the command.
+//!
+//! Prints percentiles of the tick body and of its stages, and the real-time factor. With several
+//! robots it runs them alternately and compares the cost of each with the first.
 //!
 //! `cargo bench -p system-tests --bench tick -- [TICKS] [--robot NAME|FILE]... [--all-robots]`
 
-#![expect(clippy::print_stdout, reason = "figures are the product of a bench")]
+#![expect(
+    clippy::print_stdout,
+    reason = "figures are the product of a benchmark"
+)]
 
 use atas_core::Settings;
 use atas_evaluation::offline::{OfflineRun, grasp_goal};
@@ -13,7 +18,7 @@ use robot_model::{RobotFiles, RobotModel, SHIPPED, TWO_HAND_ARM};
 use sim_backend::{Object, Scene};
 use system_tests::loopback::Loopback;
 
-/// The stages of the body in the order of `TickReport::stage_ns`, and the body.
+/// Stages of the tick body in the order of `TickReport::stage_ns`, then the whole body.
 const STAGES: [&str; 8] = [
     "intake",
     "perception",
@@ -26,10 +31,11 @@ const STAGES: [&str; 8] = [
 ];
 const BODY: usize = STAGES.len() - 1;
 
-/// Ticks that a robot has before the next one's turn: short beside what makes the machine faster or slower.
-const TURN: u64 = 500;
+/// Consecutive ticks of one robot. Design choice: short, so that changes of the machine's speed
+/// affect all robots alike.
+const BLOCK_TICKS: u64 = 500;
 
-/// One robot and what its ticks cost.
+/// One robot and the measured cost of its ticks.
 struct Measured {
     name: String,
     robot: RobotModel,
@@ -43,16 +49,16 @@ fn main() {
         .find_map(|a| a.parse().ok())
         .unwrap_or(15_000);
     let mut all: Vec<Measured> = robots().into_iter().map(Measured::new).collect();
-    for _ in 0..ticks.div_ceil(TURN) {
-        all.iter_mut().for_each(Measured::take_turn);
+    for _ in 0..ticks.div_ceil(BLOCK_TICKS) {
+        all.iter_mut().for_each(Measured::run_block);
     }
     all.iter().for_each(Measured::print);
     if all.len() > 1 {
-        print_beside(&all);
+        print_comparison(&all);
     }
 }
 
-/// The two-hand arm, and what is asked for beside it.
+/// Returns the two-hand arm and the robots requested on the command line.
 fn robots() -> Vec<RobotFiles> {
     let mut robots = vec![TWO_HAND_ARM];
     let arguments: Vec<String> = std::env::args().collect();
@@ -74,15 +80,15 @@ impl Measured {
         let robot = files.load().unwrap_or_else(|error| panic!("{error}"));
         Self {
             name: files.name.into_owned(),
-            loopback: Loopback::of(&robot, false),
+            loopback: Loopback::from_robot(&robot, false),
             robot,
             histograms: STAGES
                 .map(|_| Histogram::new_with_bounds(1, 1_000_000_000, 3).expect("bounds")),
         }
     }
 
-    fn take_turn(&mut self) {
-        for _ in 0..TURN {
+    fn run_block(&mut self) {
+        for _ in 0..BLOCK_TICKS {
             self.loopback.sense();
             self.loopback.tick();
             let record = self.loopback.act();
@@ -122,17 +128,17 @@ impl Measured {
 
     fn fingertips(&self) -> usize {
         let hands = self.robot.sides().map(|side| self.robot.hand(side));
-        hands.map(|hand| hand.finger_count()).sum()
+        hands.map(|hand| hand.fingertip_count()).sum()
     }
 
-    /// Median of the body, µs.
+    /// Returns the median duration of the tick body, µs.
     fn body_us(&self) -> f64 {
         self.histograms[BODY].value_at_quantile(0.5) as f64 * 1e-3
     }
 }
 
-/// What each body costs by joint and by fingertip, and by how much more than the first one's.
-fn print_beside(all: &[Measured]) {
+/// Prints the cost per joint and per fingertip of each robot, and its ratio to the first robot.
+fn print_comparison(all: &[Measured]) {
     println!(
         "{:14} {:>6} {:>10} {:>8} {:>12} {:>14}",
         "robot", "joints", "fingertips", "body p50", "per joint", "per fingertip"
@@ -157,7 +163,7 @@ fn print_beside(all: &[Measured]) {
 fn realtime_factor(robot: &RobotModel) -> f64 {
     let side = robot.acting_side();
     let scene = Scene::grasp(Object::built_in("wood").expect("built in"), side);
-    let scene = scene.before(robot.hand(side));
+    let scene = scene.moved_to_hand(robot.hand(side));
     let goal = grasp_goal(&scene.grasp_hint(0).expect("an object"), side, 0.03, 2.0);
     let begin = std::time::Instant::now();
     let mut run = OfflineRun::new(robot, &scene, 1, Settings::default()).expect("a world");

@@ -1,4 +1,4 @@
-//! A real browser without a screen, spoken to by its debugging protocol (Chrome DevTools).
+//! A headless Chromium with one page, controlled over the Chrome DevTools protocol.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -8,26 +8,26 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
-use crate::{PATIENCE, Process, wait_for};
+use crate::{Process, TIMEOUT, wait_for};
 
-/// Names under which Chromium is installed.
+/// Executable names of Chromium.
 const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
-/// Time between two looks at the page: looking costs the browser time to draw.
-const LOOK: Duration = Duration::from_millis(20);
-/// Most fields that Tab may pass on the way to the one that is looked for.
-const FIELDS: usize = 60;
+/// Interval between polls of the page. Polling takes drawing time from the browser.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
+/// Maximum number of Tab presses in a search for a field.
+const TAB_PRESSES_MAX: usize = 60;
 
 /// A browser with one page.
 pub struct Browser {
     socket: WebSocket<TcpStream>,
-    asked: u64,
-    troubles: Vec<String>,
-    // Ends before its folder goes.
+    last_request_id: u64,
+    page_errors: Vec<String>,
+    // dropped before its folder
     _process: Process,
     _folder: tempfile::TempDir,
 }
 
-/// The browser of this machine, if it has one.
+/// Returns the path of the installed browser, if any.
 #[must_use]
 pub fn installed() -> Option<PathBuf> {
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -39,23 +39,24 @@ pub fn installed() -> Option<PathBuf> {
 }
 
 impl Browser {
-    /// Starts this browser with this page.
+    /// Starts the browser and opens a page.
     ///
     /// # Panics
-    /// If it cannot be started.
+    /// If the browser does not start.
     #[must_use]
     pub fn open(program: &std::path::Path, url: &str) -> Self {
-        let folder = tempfile::tempdir().expect("a folder");
+        let folder = tempfile::tempdir().expect("a temporary folder");
         let profile = format!("--user-data-dir={}", folder.path().display());
         let process = Process::start_program(
             program,
             &[
                 "--headless=new",
-                // A container's root has no sandbox; the page is ours.
+                // The sandbox is not available to root in a container; the page is part of this
+                // repository.
                 "--no-sandbox",
                 "--disable-gpu",
                 "--disable-dev-shm-usage",
-                // It looks for nobody but the page.
+                // No traffic other than the page.
                 "--disable-background-networking",
                 "--disable-component-update",
                 "--no-first-run",
@@ -65,93 +66,93 @@ impl Browser {
                 "about:blank",
             ],
         );
-        let told = folder.path().join("DevToolsActivePort");
-        let port: u16 = wait_for("the browser to say its port", || {
-            let text = std::fs::read_to_string(&told).ok()?;
+        let reported = folder.path().join("DevToolsActivePort");
+        let port: u16 = wait_for("the browser to report its port", || {
+            let text = std::fs::read_to_string(&reported).ok()?;
             text.lines().next()?.parse().ok()
         });
         let address = wait_for("the browser's page", || page_of(port));
-        let stream = connected(port).expect("the browser listens");
+        let stream = connected(port).expect("the browser accepts connections");
         let (socket, _) = tungstenite::client(&address, stream).expect("a WebSocket");
         let mut browser = Self {
             socket,
-            asked: 0,
-            troubles: Vec::new(),
+            last_request_id: 0,
+            page_errors: Vec::new(),
             _process: process,
             _folder: folder,
         };
         for domain in ["Page", "Runtime", "Log"] {
-            browser.ask(&format!("{domain}.enable"), json!({}));
+            browser.request(&format!("{domain}.enable"), json!({}));
         }
-        browser.go(url);
+        browser.navigate(url);
         browser
     }
 
-    /// Goes to a page, as if its address had been typed.
-    pub fn go(&mut self, url: &str) {
-        self.ask("Page.navigate", json!({ "url": url }));
+    /// Navigates to a page.
+    pub fn navigate(&mut self, url: &str) {
+        self.request("Page.navigate", json!({ "url": url }));
     }
 
-    /// Asks and waits for the answer.
+    /// Sends a DevTools request and returns its result.
     ///
     /// # Panics
-    /// If the browser refuses, or says nothing for too long.
-    pub fn ask(&mut self, method: &str, parameters: Value) -> Value {
-        self.asked += 1;
-        let request = json!({ "id": self.asked, "method": method, "params": parameters });
+    /// If the browser returns an error or does not reply in time.
+    pub fn request(&mut self, method: &str, parameters: Value) -> Value {
+        self.last_request_id += 1;
+        let request = json!({ "id": self.last_request_id, "method": method, "params": parameters });
         let sent = self.socket.send(Message::text(request.to_string()));
-        sent.unwrap_or_else(|error| panic!("could not ask the browser {method}: {error}"));
-        let end = Instant::now() + PATIENCE;
+        sent.unwrap_or_else(|error| panic!("could not send {method} to the browser: {error}"));
+        let end = Instant::now() + TIMEOUT;
         loop {
-            let told = self.read(method, end);
-            if told["id"] == self.asked {
-                assert!(told["error"].is_null(), "{method}: {told}");
-                return told["result"].clone();
+            let reported = self.read(method, end);
+            if reported["id"] == self.last_request_id {
+                assert!(reported["error"].is_null(), "{method}: {reported}");
+                return reported["result"].clone();
             }
-            self.note(&told);
+            self.record_error(&reported);
         }
     }
 
-    /// The next that the browser tells. What it tells of its own accord puts off no end.
+    /// Reads the next message of the browser, until `end`. Events do not extend the deadline.
     fn read(&mut self, method: &str, end: Instant) -> Value {
         let left = end.saturating_duration_since(Instant::now());
         assert!(
             !left.is_zero(),
-            "waited in vain for the browser's answer to {method}"
+            "timed out waiting for the browser's reply to {method}"
         );
         let bounded = self.socket.get_ref().set_read_timeout(Some(left));
-        bounded.expect("a time that is not zero");
+        bounded.expect("a non-zero duration");
         let message = self.socket.read().unwrap_or_else(|error| {
-            panic!("waited in vain for the browser's answer to {method}: {error}")
+            panic!("timed out waiting for the browser's reply to {method}: {error}")
         });
         let text = message.to_text().unwrap_or_default();
         serde_json::from_str(text).unwrap_or_default()
     }
 
-    fn note(&mut self, event: &Value) {
+    fn record_error(&mut self, event: &Value) {
         let is_error = event["params"]["entry"]["level"] == "error";
         if event["method"] == "Runtime.exceptionThrown"
             || (event["method"] == "Log.entryAdded" && is_error)
         {
-            self.troubles.push(event["params"].to_string());
+            self.page_errors.push(event["params"].to_string());
         }
     }
 
-    /// Errors that the page's scripts threw so far, and requests that failed.
-    pub fn troubles(&mut self) -> &[String] {
-        // They come before the next answer.
+    /// Returns the script errors and failed requests of the page so far.
+    pub fn page_errors(&mut self) -> &[String] {
+        // Pending events arrive before the reply to this request.
         self.value("0");
-        &self.troubles
+        &self.page_errors
     }
 
-    /// The value of an expression in the page; a promise is waited for.
+    /// Evaluates an expression in the page and returns its value; awaits a promise.
     ///
     /// # Panics
-    /// If it throws.
+    /// If the expression throws.
     pub fn value(&mut self, expression: &str) -> Value {
         let asked =
             json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
-        let result = self.ask("Runtime.evaluate", asked);
+        let result = self.request("Runtime.evaluate", asked);
         assert!(
             result["exceptionDetails"].is_null(),
             "{expression}: {result}"
@@ -159,7 +160,7 @@ impl Browser {
         result["result"]["value"].clone()
     }
 
-    /// The text of an element, empty if there is none.
+    /// Returns the text of an element, empty if the element does not exist.
     pub fn text(&mut self, id: &str) -> String {
         let value = self.value(&format!(
             "document.getElementById({id:?})?.textContent ?? ''"
@@ -167,17 +168,17 @@ impl Browser {
         value.as_str().unwrap_or_default().to_owned()
     }
 
-    /// Waits until an element's text is accepted.
+    /// Waits until `accept` returns a value for the text of an element.
     ///
     /// # Panics
-    /// If it is not for too long: with what was waited for, and what the element says instead.
+    /// On timeout, with the awaited condition and the actual text.
     pub fn wait_text<T>(
         &mut self,
         what: &str,
         id: &str,
         mut accept: impl FnMut(&str) -> Option<T>,
     ) -> T {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + TIMEOUT;
         loop {
             let text = self.text(id);
             if let Some(accepted) = accept(&text) {
@@ -185,14 +186,14 @@ impl Browser {
             }
             assert!(
                 Instant::now() < end,
-                "waited in vain for {what}: #{id} says {text:?}"
+                "timed out waiting for {what}: the text of #{id} is {text:?}"
             );
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
 
-    /// Waits until an element's text contains this.
-    pub fn wait_part(&mut self, id: &str, part: &str) {
+    /// Waits until the text of an element contains `part`.
+    pub fn wait_contains(&mut self, id: &str, part: &str) {
         self.wait_text(&format!("{part:?} in #{id}"), id, |text| {
             text.contains(part).then_some(())
         });
@@ -201,26 +202,26 @@ impl Browser {
     /// Waits until an expression is true.
     ///
     /// # Panics
-    /// If it is not for too long.
+    /// On timeout.
     pub fn wait_true(&mut self, what: &str, expression: &str) {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + TIMEOUT;
         while self.value(expression) != Value::Bool(true) {
             assert!(
                 Instant::now() < end,
-                "waited in vain for {what}: {expression}"
+                "timed out waiting for {what}: {expression}"
             );
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
 
-    /// Presses a key on whatever has the focus.
+    /// Presses a key on the focused element.
     pub fn press(&mut self, key: &str) {
         let (code, text) = match key {
             "Tab" => (9, ""),
             "Enter" => (13, "\r"),
             "End" => (35, ""),
             "ArrowRight" => (39, ""),
-            _ => panic!("{key} has no code here"),
+            _ => panic!("no key code is defined for {key}"),
         };
         let kinds: &[&str] = match text {
             "" => &["rawKeyDown", "keyUp"],
@@ -229,42 +230,42 @@ impl Browser {
         for kind in kinds {
             let text = if *kind == "char" { text } else { "" };
             let event = json!({ "type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code, "text": text });
-            self.ask("Input.dispatchKeyEvent", event);
+            self.request("Input.dispatchKeyEvent", event);
         }
     }
 
-    /// Goes on with Tab until an element has the focus, as people without a mouse do.
+    /// Presses Tab until an element has the focus.
     ///
     /// # Panics
-    /// If Tab does not lead there.
+    /// If the element is not reachable with Tab.
     pub fn tab_to(&mut self, selector: &str) {
         let is_there = format!("document.activeElement.matches({selector:?})");
-        for _ in 0..FIELDS {
+        for _ in 0..TAB_PRESSES_MAX {
             if self.value(&is_there) == Value::Bool(true) {
                 return;
             }
             self.press("Tab");
         }
-        panic!("Tab does not lead to {selector}");
+        panic!("{selector} is not reachable with Tab");
     }
 
-    /// Light or dark.
+    /// Sets the colour scheme, "light" or "dark".
     pub fn theme(&mut self, theme: &str) {
         let feature = json!({ "name": "prefers-color-scheme", "value": theme });
-        self.ask(
+        self.request(
             "Emulation.setEmulatedMedia",
             json!({ "features": [feature] }),
         );
     }
 
-    /// What the page looks like now, as PNG in base64.
-    pub fn picture(&mut self) -> String {
-        let shot = self.ask("Page.captureScreenshot", json!({ "format": "png" }));
+    /// Returns a screenshot as base64 PNG.
+    pub fn screenshot(&mut self) -> String {
+        let shot = self.request("Page.captureScreenshot", json!({ "format": "png" }));
         shot["data"].as_str().unwrap_or_default().to_owned()
     }
 }
 
-/// The address at which the browser's one page is spoken to.
+/// Returns the WebSocket address of the browser's page.
 fn page_of(port: u16) -> Option<String> {
     let (_, listed) = request(port, "GET", "/json/list", &[])?;
     let pages: Value = serde_json::from_str(&listed).ok()?;
@@ -275,15 +276,15 @@ fn page_of(port: u16) -> Option<String> {
     Some(page["webSocketDebuggerUrl"].as_str()?.to_owned())
 }
 
-/// A connection on which nothing is waited for without end.
+/// Opens a connection with read and write timeouts.
 fn connected(port: u16) -> std::io::Result<TcpStream> {
     let stream = TcpStream::connect(("127.0.0.1", port))?;
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
+    stream.set_read_timeout(Some(TIMEOUT))?;
+    stream.set_write_timeout(Some(TIMEOUT))?;
     Ok(stream)
 }
 
-/// One request over HTTP: status and body; `None` if there is no answer.
+/// Sends one HTTP request; returns status and body, `None` without a response.
 #[must_use]
 pub fn request(
     port: u16,
@@ -302,11 +303,11 @@ pub fn request(
         text += &format!("{name}: {value}\r\n");
     }
     write!(stream, "{text}\r\n").ok()?;
-    answer(stream)
+    read_response(stream)
 }
 
-/// As many bytes as the answer says that it has: the browser leaves the connection open behind them.
-fn answer(stream: TcpStream) -> Option<(u16, String)> {
+/// Reads the response up to its content length, because the browser keeps the connection open.
+fn read_response(stream: TcpStream) -> Option<(u16, String)> {
     let mut reader = BufReader::new(stream);
     let mut line = String::new();
     reader.read_line(&mut line).ok()?;

@@ -1,42 +1,45 @@
-//! What the benches `latency` and `screens` must not get worse in: ratios and counts, and how they are judged.
+//! Bounds of the benchmarks `latency` and `screens`, and their evaluation.
 //!
-//! A bound is the aim with room for a busy machine of two cores; the README states what a quiet one reaches. A figure that was
-//! not measured holds nothing, and fails as one that got worse: `not_measured` beside the figures says what is lacking.
+//! Inputs: the JSON figures of a benchmark. Output: one verdict per gate. Bounds are ratios and
+//! counts with a margin for a busy two-core machine; the results page lists the values of a quiet
+//! machine. A figure that is missing fails; `not_measured` in the figures names the cause.
 
 use serde_json::Value;
 
-/// Instructions of a tick: mean over the first 3,000 of a grasp, dev profile, rustc 1.95, callgrind 3.19 on x86-64. A robot whose
-/// joints and fingers are counted at run time costs a quarter more of them than one whose numbers the compiler knew (76,900); a second
-/// patch of each fingertip, filtered longer, from which friction is read whatever noise does to the first, costs a sixth while it is
-/// sheared, and holding the skin against the joints a twelfth.
+/// Instructions per tick: mean of the first 3,000 ticks of a grasp, dev profile, rustc 1.95,
+/// callgrind 3.19, x86-64.
+///
+/// Contributions: joint and fingertip counts known only at run time add a quarter to the 76,900 of
+/// compile-time counts. The second, more strongly filtered contact patch per fingertip adds a sixth
+/// under shear. The check of tactile against joint-estimated force adds a twelfth.
 const INSTRUCTIONS: f64 = 107_800.0;
 
-/// One figure with its bounds.
+/// A figure with its lower and upper bound.
 #[derive(Debug)]
 pub struct Gate {
-    /// What it is of.
+    /// Name of the figure.
     pub name: &'static str,
-    of: fn(&Value) -> Option<f64>,
-    least: f64,
-    most: f64,
-    /// Whether it means anything without real-time scheduling.
+    figure: fn(&Value) -> Option<f64>,
+    min: f64,
+    max: f64,
+    /// The figure is meaningful only with real-time scheduling.
     realtime: bool,
 }
 
 const fn at_most(name: &'static str, of: fn(&Value) -> Option<f64>, most: f64) -> Gate {
     Gate {
         name,
-        of,
-        least: 0.0,
-        most,
+        figure: of,
+        min: 0.0,
+        max: most,
         realtime: false,
     }
 }
 
 const fn at_least(name: &'static str, of: fn(&Value) -> Option<f64>, least: f64) -> Gate {
     Gate {
-        least,
-        most: f64::INFINITY,
+        min: least,
+        max: f64::INFINITY,
         ..at_most(name, of, least)
     }
 }
@@ -50,12 +53,12 @@ const fn realtime(gate: Gate) -> Gate {
 
 const fn exactly(name: &'static str, of: fn(&Value) -> Option<f64>, value: f64) -> Gate {
     Gate {
-        least: value,
+        min: value,
         ..at_most(name, of, value)
     }
 }
 
-/// What is held of the tick.
+/// Gates of the tick and the daemon.
 pub const GATES: &[Gate] = &[
     exactly(
         "allocations per tick",
@@ -72,7 +75,7 @@ pub const GATES: &[Gate] = &[
         |f| f["syscalls_per_tick"].as_f64(),
         1.0,
     ),
-    // Another compiler or C library moves it by some percent; less is welcome.
+    // Another compiler or C library changes the count by a few percent. A lower count passes.
     at_most(
         "instructions per tick",
         |f| f["instructions_per_tick"].as_f64(),
@@ -83,7 +86,8 @@ pub const GATES: &[Gate] = &[
         |f| f["daemon"]["page_faults"].as_f64(),
         0.0,
     )),
-    // 0.99 to 1.03; 1.13 where the two cores are threads of one, so that the recorder's work slows the tick's.
+    // Typical: 0.99 to 1.03. Up to 1.13 if the two cores are threads of one core, because the
+    // recorder then slows the tick.
     at_most(
         "tick body recording / not",
         |f| f["recording"]["body_ratio"].as_f64(),
@@ -114,7 +118,7 @@ pub const GATES: &[Gate] = &[
         },
         0.5,
     ),
-    // 0.01 and 0.05 on a quiet machine; with less sleep before the spin it would be 1.
+    // 0.01 and 0.05 on a quiet machine. A shorter spin before the wake-up gives about 1.
     realtime(at_most(
         "wake p50 / cyclictest",
         |f| f["wake"]["p50_ratio"].as_f64(),
@@ -125,7 +129,7 @@ pub const GATES: &[Gate] = &[
         |f| f["wake"]["idle"]["to_bare_loop"]["p50"].as_f64(),
         0.05,
     )),
-    // A fifth is reached where both processes get their cores; a lost lock gives 1.
+    // About 0.2 if each process has its own core; 1 if the phase lock fails.
     realtime(at_most(
         "frame age p50 locked / p99 free",
         |f| {
@@ -153,7 +157,8 @@ pub const GATES: &[Gate] = &[
     ),
 ];
 
-/// What is held of what people look at: the aims themselves, of which a tenth to a third is needed.
+/// Gates of the user interfaces: the design targets themselves. Typical values are a tenth to a
+/// third of them.
 pub const SCREENS: &[Gate] = &[
     at_most("page, MB", |f| f["dashboard"]["page_mb"].as_f64(), 1.5),
     at_most(
@@ -179,65 +184,73 @@ pub const SCREENS: &[Gate] = &[
     ),
 ];
 
-/// How a figure stands to its bounds.
+/// Result of comparing a figure with its bounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// Within them.
-    Holds(f64),
-    /// Beyond them.
-    Worse(f64),
-    /// Means nothing without real-time scheduling, which this machine refused.
-    NotHeld(Option<f64>),
-    /// No number.
+    /// Within the bounds.
+    Passed(f64),
+    /// Outside the bounds.
+    Exceeded(f64),
+    /// Not evaluated: needs real-time scheduling, which this machine refused.
+    NotEvaluated(Option<f64>),
+    /// Missing or not finite.
     NotMeasured,
 }
 
 impl Verdict {
-    /// Whether it is one that must not be.
+    /// Returns whether the benchmark fails.
     #[must_use]
     pub fn fails(self) -> bool {
-        matches!(self, Self::Worse(_) | Self::NotMeasured)
+        matches!(self, Self::Exceeded(_) | Self::NotMeasured)
     }
 }
 
 impl Gate {
-    /// Judges what `atas bench latency --format json` printed.
+    /// Evaluates the output of `atas bench latency --format json`.
     #[must_use]
-    pub fn judge(&self, figures: &Value) -> Verdict {
-        let value = (self.of)(figures).filter(|value| value.is_finite());
+    pub fn evaluate(&self, figures: &Value) -> Verdict {
+        let value = (self.figure)(figures).filter(|value| value.is_finite());
         let refused = figures["daemon"]["realtime"] == Value::Bool(false);
         match value {
-            _ if self.realtime && refused => Verdict::NotHeld(value),
+            _ if self.realtime && refused => Verdict::NotEvaluated(value),
             None => Verdict::NotMeasured,
-            Some(value) if (self.least..=self.most).contains(&value) => Verdict::Holds(value),
-            Some(value) => Verdict::Worse(value),
+            Some(value) if (self.min..=self.max).contains(&value) => Verdict::Passed(value),
+            Some(value) => Verdict::Exceeded(value),
         }
     }
 
-    /// Its line for people.
+    /// Returns the printed line of this gate.
     #[must_use]
     pub fn line(&self, verdict: Verdict) -> String {
         let (value, word) = match verdict {
-            Verdict::Holds(value) => (Some(value), "holds"),
-            Verdict::Worse(value) => (Some(value), "WORSE"),
-            Verdict::NotHeld(value) => (value, "not held: no real-time scheduling here"),
+            Verdict::Passed(value) => (Some(value), "passed"),
+            Verdict::Exceeded(value) => (Some(value), "EXCEEDED"),
+            Verdict::NotEvaluated(value) => (
+                value,
+                "not evaluated: no real-time scheduling on this \
+                machine",
+            ),
             Verdict::NotMeasured => (None, "NOT MEASURED"),
         };
         let value = value.map_or("–".to_owned(), |value| format!("{value:.4}"));
-        let bound = if self.most.is_finite() {
-            self.most
+        let bound = if self.max.is_finite() {
+            self.max
         } else {
-            self.least
+            self.min
         };
         format!("{:40} {value:>12} of {bound:<10} {word}", self.name)
     }
 }
 
-/// Judges all, with a line each on standard output; how many fail. Every gate is printed before one fails.
-#[expect(clippy::print_stdout, reason = "figures are the product of a bench")]
+/// Evaluates and prints all gates; returns the number of failures. Prints every gate even after a
+/// failure.
+#[expect(
+    clippy::print_stdout,
+    reason = "figures are the product of a benchmark"
+)]
 #[must_use]
-pub fn judge(gates: &[Gate], figures: &Value) -> usize {
-    let verdicts = gates.iter().map(|gate| (gate, gate.judge(figures)));
+pub fn evaluate(gates: &[Gate], figures: &Value) -> usize {
+    let verdicts = gates.iter().map(|gate| (gate, gate.evaluate(figures)));
     let failed = verdicts.filter(|(gate, verdict)| {
         println!("{}", gate.line(*verdict));
         verdict.fails()
@@ -259,28 +272,28 @@ mod tests {
     const WAKE: Gate = realtime(at_most("wake", |f| ratio(&f["wake"], &f["other"]), 0.5));
 
     #[test]
-    fn what_was_not_measured_fails_as_what_got_worse() {
+    fn missing_and_exceeded_figures_fail() {
         let check = |gate: &Gate, figures: Value, verdict, fails: bool| {
-            let judged = gate.judge(&figures);
+            let judged = gate.evaluate(&figures);
             assert_eq!(judged, verdict, "{figures}");
             assert_eq!(judged.fails(), fails, "{figures}");
         };
         check(
             &ALLOCATIONS,
             json!({"allocs": 1.0}),
-            Verdict::Holds(1.0),
+            Verdict::Passed(1.0),
             false,
         );
         check(
             &ALLOCATIONS,
             json!({"allocs": 1.5}),
-            Verdict::Worse(1.5),
+            Verdict::Exceeded(1.5),
             true,
         );
         check(
             &ALLOCATIONS,
             json!({"allocs": 0.0}),
-            Verdict::Worse(0.0),
+            Verdict::Exceeded(0.0),
             true,
         );
         check(
@@ -290,7 +303,7 @@ mod tests {
             true,
         );
         check(&ALLOCATIONS, json!({}), Verdict::NotMeasured, true);
-        // A ratio to nothing is no number.
+        // A ratio with a zero denominator is not finite.
         check(
             &WAKE,
             json!({"wake": 1, "other": 0}),
@@ -300,20 +313,20 @@ mod tests {
         check(
             &WAKE,
             json!({"wake": 1, "other": 4}),
-            Verdict::Holds(0.25),
+            Verdict::Passed(0.25),
             false,
         );
         let refused = json!({"wake": 9, "other": 1, "daemon": {"realtime": false}});
-        check(&WAKE, refused, Verdict::NotHeld(Some(9.0)), false);
-        let told = json!({"wake": 9, "other": 1, "daemon": {"realtime": true}});
-        check(&WAKE, told, Verdict::Worse(9.0), true);
+        check(&WAKE, refused, Verdict::NotEvaluated(Some(9.0)), false);
+        let reported = json!({"wake": 9, "other": 1, "daemon": {"realtime": true}});
+        check(&WAKE, reported, Verdict::Exceeded(9.0), true);
     }
 
     #[test]
     fn figures_without_a_number_fail_every_gate() {
         let silent = json!({"daemon": {"realtime": true}});
         for gate in GATES.iter().chain(SCREENS) {
-            let verdict = gate.judge(&silent);
+            let verdict = gate.evaluate(&silent);
             assert_eq!(verdict, Verdict::NotMeasured, "{}", gate.name);
             assert!(gate.line(verdict).contains("NOT MEASURED"));
         }

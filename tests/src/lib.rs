@@ -1,8 +1,8 @@
-//! Real processes on a bus of their own, for whole-system tests and benches.
+//! Test harness of whole-system tests and benchmarks: real processes on a private bus.
 //!
-//! In: names of our binaries and their arguments. Out: running processes that end with the test, their logs when it
-//! fails, and views of the bus; and the daemon's tick with a simulated world in one thread. Nothing here asserts;
-//! nothing depends on this crate.
+//! Inputs: names of this workspace's binaries and their arguments. Outputs: processes that end with
+//! the test, their logs on failure, views of the bus, and the daemon's tick with a simulated world
+//! in one thread. No other crate depends on it.
 #![forbid(unsafe_code)]
 
 pub mod browser;
@@ -18,85 +18,88 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
-/// The examples of the contributor's guide.
+/// Examples of CONTRIBUTING.md, compiled as doctests.
 #[cfg(doctest)]
 #[doc = include_str!("../../CONTRIBUTING.md")]
 struct Contributing;
 
-/// The examples of the guide.
+/// Examples of the module guide, compiled as doctests.
 #[cfg(doctest)]
 #[doc = include_str!("../../clients/guide/src/module.md")]
 struct Guide;
 
-/// Long enough for any machine; nothing is measured against it.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+/// Timeout of waits. Long enough for slow machines; not a measured limit.
+pub const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// One of our binaries, found beside the test's own executable.
+/// Returns the path of a workspace binary in the target folder of the test.
 ///
 /// # Panics
-/// If it has not been built.
+/// If the binary does not exist.
 #[must_use]
 pub fn binary(name: &str) -> PathBuf {
     let own = std::env::current_exe().expect("a test has an executable");
     let folder = own
         .ancestors()
         .nth(2)
-        .expect("it lies in the target folder");
+        .expect("the test runs from the target folder");
     let path = folder.join(name);
     assert!(
         path.exists(),
-        "{} is missing: run `cargo build --workspace` first",
+        "{} is missing; run `cargo build --workspace` first",
         path.display()
     );
     path
 }
 
-/// Several systems at once would contend for the machine's real time: each test that runs one by the clock holds this.
+/// Takes the machine exclusively. Real-time tests hold this lock so that they do not compete for
+/// processor time.
 ///
-/// A test that failed has left nothing behind that the next one could trip over.
-pub fn alone() -> RwLockWriteGuard<'static, ()> {
+/// The lock ignores poisoning: a failed test leaves no state behind.
+pub fn lock_exclusive() -> RwLockWriteGuard<'static, ()> {
     MACHINE.write().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Systems in virtual time do each other no harm, but those by the clock would feel them: each test that runs one holds this.
-pub fn in_virtual_time() -> RwLockReadGuard<'static, ()> {
+/// Takes the machine shared. Tests in virtual time hold this lock: they may run in parallel, but
+/// not with real-time tests.
+pub fn lock_shared() -> RwLockReadGuard<'static, ()> {
     MACHINE.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What [`alone`] takes for itself.
+/// Lock behind [`lock_exclusive`] and [`lock_shared`].
 static MACHINE: RwLock<()> = RwLock::new(());
 
-/// A path beside the workspace, for the shared recordings; `None`, with a word about it, where there is none.
+/// Returns a path in the `shared` folder next to the workspace; `None`, with a message, if it does
+/// not exist.
 #[must_use]
-pub fn shared(path: &str) -> Option<PathBuf> {
+pub fn shared_path(path: &str) -> Option<PathBuf> {
     let found = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../shared")
         .join(path);
     if found.exists() {
         return Some(found);
     }
-    skipped(&format!("{} is not there", found.display()));
+    report_skipped(&format!("{} does not exist", found.display()));
     None
 }
 
-/// Says loudly that the rest of a test was skipped: past the harness, which keeps what a passing test prints to itself.
-pub fn skipped(why: &str) {
+/// Reports on stderr that the rest of a test is skipped. Bypasses the harness, which hides the
+/// output of passing tests.
+pub fn report_skipped(why: &str) {
     let test = std::thread::current().name().unwrap_or_default().to_owned();
-    // If nobody can read it, nobody needs to be told.
+    // A failed write is ignored: without stderr there is no reader.
     let _ = writeln!(std::io::stderr(), "SKIPPED: {test}: {why}");
 }
 
-/// A program that a test needs is not installed. Where everything must be tested, as `CI` says, that is a failure;
-/// elsewhere the rest of the test is skipped, loudly.
+/// Handles a missing program: skips the rest of the test with a message, or fails if `CI` is set.
 ///
 /// # Panics
-/// Where `CI` is set.
-pub fn lacking(what: &str) {
+/// If `CI` is set.
+pub fn skip_or_fail(what: &str) {
     assert!(std::env::var_os("CI").is_none(), "{what}");
-    skipped(what);
+    report_skipped(what);
 }
 
-/// A process that is killed when it goes out of scope, and whose log is shown if the test failed.
+/// A process that is killed on drop. Its log is printed if the test failed.
 #[derive(Debug)]
 pub struct Process {
     name: String,
@@ -106,10 +109,10 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts one of our binaries.
+    /// Starts a workspace binary.
     ///
     /// # Panics
-    /// If it cannot be started.
+    /// If it does not start.
     #[must_use]
     pub fn start(name: &str, arguments: &[&str]) -> Self {
         Self::start_program(&binary(name), arguments)
@@ -118,7 +121,7 @@ impl Process {
     /// Starts any program.
     ///
     /// # Panics
-    /// If it cannot be started.
+    /// If it does not start.
     #[must_use]
     pub fn start_program(program: &Path, arguments: &[&str]) -> Self {
         let name = program.display().to_string();
@@ -142,32 +145,32 @@ impl Process {
         }
     }
 
-    /// Its process id.
+    /// Returns the process id.
     #[must_use]
     pub fn pid(&self) -> u32 {
         self.child.id()
     }
 
-    /// Sends it a signal.
+    /// Sends a signal.
     ///
     /// # Panics
-    /// If it has ended.
+    /// If the process has ended.
     pub fn signal(&self, signal: rustix::process::Signal) {
         let pid = rustix::process::Pid::from_child(&self.child);
-        rustix::process::kill_process(pid, signal).expect("the process lives");
+        rustix::process::kill_process(pid, signal).expect("the process is running");
     }
 
-    /// Waits for its end.
+    /// Waits for the exit status.
     ///
     /// # Panics
-    /// If it does not end.
+    /// On timeout.
     pub fn wait(&mut self) -> ExitStatus {
         wait_for(&format!("{} to end", self.name), || {
             self.child.try_wait().expect("waitable")
         })
     }
 
-    /// What it has said so far, on both streams.
+    /// Returns the output so far, stdout and stderr.
     #[must_use]
     pub fn log(&self) -> String {
         std::fs::read_to_string(&self.log).unwrap_or_default()
@@ -180,7 +183,7 @@ impl Drop for Process {
         reason = "the log of a process explains a failed test"
     )]
     fn drop(&mut self) {
-        // It may have ended already; both calls then have nothing to do.
+        // Both calls fail harmlessly if the process has already ended.
         let _ended = self.child.kill();
         let _status = self.child.wait();
         if std::thread::panicking() {
@@ -189,17 +192,17 @@ impl Drop for Process {
     }
 }
 
-/// Asks again and again until there is an answer.
+/// Calls `ask` repeatedly until it returns a value.
 ///
 /// # Panics
-/// If there is none for too long.
+/// On timeout.
 pub fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
         if let Some(answer) = ask() {
             return answer;
         }
-        assert!(begin.elapsed() < PATIENCE, "waited in vain for {what}");
+        assert!(begin.elapsed() < TIMEOUT, "timed out waiting for {what}");
         std::thread::sleep(Duration::from_millis(1));
     }
 }

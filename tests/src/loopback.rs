@@ -1,8 +1,8 @@
-//! The production tick and a simulated world in one thread, over a real bus: what costs nothing but itself.
+//! The production tick and a simulated world in one thread, over a real bus.
 //!
-//! Sensors write, [`Loopback::tick`] runs one tick of the daemon in lock-step, the robot takes the command. Nothing
-//! waits, so a grasp of eight simulated seconds takes a fraction of one. With a recorder, the input_log is drained by a thread
-//! beside it, as the daemon's supervisor does.
+//! The sensors publish, [`Loopback::tick`] runs one daemon tick in lock-step, the robot executes
+//! the command. No step waits, so eight simulated seconds of a grasp take less than a second. With
+//! a recorder, a second thread drains the input log, as the daemon's supervisor does.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,10 +10,10 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use atas_core::goal::Goal;
-use atas_core::{Controller, Order, Settings, Wiring};
+use atas_core::{Controller, OperatorRequest, SensorSetup, Settings};
 use atas_evaluation::offline::grasp_goal;
 use atasd::input_log::LogReader;
-use atasd::link::{SupervisorEnd, TickRecord, link};
+use atasd::link::{SupervisorSide, TickRecord, link};
 use atasd::pacer::{LockStep, Pacer};
 use atasd::tick::TickLoop;
 use robot_model::RobotModel;
@@ -21,14 +21,15 @@ use shm_bus::{Bus, BusName, FreshBus, Publisher, Realtime, Subscriber};
 use shm_schemas::{HandFrame, JointCommand, JointState, TickInputs, service};
 use sim_backend::{Object, Scene, Sensed, World};
 
-/// How long the object is held, s: longer than any measurement.
+/// Hold time of the object, s: longer than any measurement.
 const HOLD_S: f64 = 100_000.0;
-/// How far it is lifted, m.
+/// Lift height, m.
 const LIFT_M: f64 = 0.05;
-/// Pause of the drain; shorter than the supervisor's, because ticks come faster here.
-const ROUND: Duration = Duration::from_micros(500);
+/// Interval of the drain thread. Shorter than the supervisor's, because the ticks run faster than
+/// real time.
+const DRAIN_INTERVAL: Duration = Duration::from_micros(500);
 
-/// A grasp of wood by the hand that acts.
+/// A grasp of the wood object with the acting hand.
 #[derive(Debug)]
 pub struct Loopback {
     world: World,
@@ -38,40 +39,42 @@ pub struct Loopback {
     joints: Publisher<JointState>,
     commands: Subscriber<JointCommand>,
     ticks: TickLoop,
-    link: SupervisorEnd,
+    link: SupervisorSide,
     _drain: Option<Drain>,
     _buses: [Bus; 2],
     _name: FreshBus,
 }
 
 impl Loopback {
-    /// The scene before the two-hand arm; with `recording`, every tick is recorded.
+    /// Sets up the scene with the two-hand arm; with `recording`, records every tick.
     ///
     /// # Panics
-    /// If the bus cannot be opened.
+    /// If the bus does not open.
     #[must_use]
     pub fn new(recording: bool) -> Self {
-        Self::of(&RobotModel::two_hand_arm().expect("built in"), recording)
+        Self::from_robot(&RobotModel::two_hand_arm().expect("built in"), recording)
     }
 
-    /// The same before another robot.
+    /// Sets up the scene with another robot.
     ///
     /// # Panics
-    /// If the bus cannot be opened, or the robot has no home.
+    /// If the bus does not open or the robot has no home position.
     #[must_use]
-    pub fn of(robot: &RobotModel, recording: bool) -> Self {
+    pub fn from_robot(robot: &RobotModel, recording: bool) -> Self {
         let side = robot.acting_side();
         let scene = Scene::grasp(Object::built_in("wood").expect("built in"), side);
-        let scene = scene.before(robot.hand(side));
+        let scene = scene.moved_to_hand(robot.hand(side));
         let hint = scene.grasp_hint(0).expect("an object");
         let name = FreshBus::new("loop");
         let open = |role| Bus::open(&name, role, Realtime::Yes).expect("a bus");
         let (robot_side, daemon_side) = (open("robot"), open("daemon"));
-        let controller = Controller::new(robot, Wiring::of(robot), Settings::default());
+        let controller =
+            Controller::new(robot, SensorSetup::from_robot(robot), Settings::default());
         let (tick_end, mut link) = link(recording, Arc::default());
         let goal = grasp_goal(&hint, side, LIFT_M, HOLD_S);
         let goal = Goal::resolve(&goal, &[]).expect("built in");
-        link.order(Order::Start(goal)).expect("room for an order");
+        link.request(OperatorRequest::Start(goal))
+            .expect("room for a request");
         let pacer = Pacer::LockStep(LockStep::new());
         let ticks = TickLoop::open(&daemon_side, Box::new(controller), pacer, tick_end, 1000);
         Self {
@@ -91,14 +94,14 @@ impl Loopback {
         }
     }
 
-    /// The sensors write what they sense now.
+    /// Publishes the current sensor data.
     ///
     /// # Panics
-    /// If the bus refuses.
+    /// If publishing fails.
     pub fn sense(&mut self) {
         self.world.sense(&mut self.sensed);
         for (port, frame) in self.frames.iter().zip(&self.sensed.frames) {
-            // A hand that the robot has not got feels nothing.
+            // A hand that the robot lacks has no frame.
             if let Some(frame) = frame {
                 port.send(frame).expect("sent");
             }
@@ -106,20 +109,20 @@ impl Loopback {
         self.joints.send(&self.sensed.joints).expect("sent");
     }
 
-    /// One tick of the daemon.
+    /// Runs one daemon tick.
     pub fn tick(&mut self) {
         production_tick(&mut self.ticks);
     }
 
-    /// The supervisor and the robot take what the tick left.
+    /// Takes the outputs of the tick, as supervisor and robot do, and advances the world.
     ///
     /// # Panics
-    /// If the tick left nothing.
+    /// If the tick has no record.
     pub fn act(&mut self) -> TickRecord {
         let record = self
             .link
             .next_record()
-            .expect("every tick leaves its record");
+            .expect("every tick pushes its record");
         while self.link.next_event().is_some() {}
         let _snapshot = self.link.newest_snapshot();
         self.commands.newest(&mut self.command).expect("readable");
@@ -127,24 +130,24 @@ impl Loopback {
         record
     }
 
-    /// Parts of ticks that found no room.
+    /// Returns the number of input-log parts dropped because the queue was full.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.link.dropped()
     }
 }
 
-/// By this name a profiler knows what belongs to the tick.
+/// Separate function, so that a profiler can attribute the tick's cost.
 #[inline(never)]
 fn production_tick(ticks: &mut TickLoop) {
-    assert!(ticks.run_once(), "nobody asked it to end");
+    assert!(ticks.run_once(), "the loop ended without a request");
 }
 
-/// Publishes the input_log until it is dropped.
+/// Thread that publishes the input log until it is dropped.
 #[derive(Debug)]
 struct Drain {
     thread: Option<JoinHandle<()>>,
-    ends: Arc<AtomicBool>,
+    stop: Arc<AtomicBool>,
 }
 
 impl Drain {
@@ -158,22 +161,22 @@ impl Drain {
             while !ended.load(Ordering::Relaxed) {
                 while let Some(part) = log.next_part() {
                     inputs.send(&part).expect("sent");
-                    log.give_back(part);
+                    log.recycle(part);
                 }
-                std::thread::sleep(ROUND);
+                std::thread::sleep(DRAIN_INTERVAL);
             }
         });
         Self {
             thread: Some(thread),
-            ends,
+            stop: ends,
         }
     }
 }
 
 impl Drop for Drain {
     fn drop(&mut self) {
-        self.ends.store(true, Ordering::Relaxed);
-        // A panic of the drain was printed when it happened.
+        self.stop.store(true, Ordering::Relaxed);
+        // A panic of the drain thread is already printed.
         let _joined = self.thread.take().map(JoinHandle::join);
     }
 }

@@ -1,4 +1,4 @@
-//! A real terminal (a pty) with a program in it, and what stands on its screen.
+//! A pseudo-terminal with a program in it, and the contents of its screen.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -11,20 +11,20 @@ use rustix::termios::{LocalModes, Winsize, tcgetattr, tcsetwinsize};
 
 use crate::{binary, wait_for};
 
-/// A terminal with a program in it.
+/// A terminal with a running program.
 pub struct Terminal {
     program: Child,
     master: File,
     screen: Arc<Mutex<vt100::Parser>>,
-    /// Everything that was written, as it was.
+    /// All bytes that the program wrote.
     raw: Arc<Mutex<Vec<u8>>>,
 }
 
 impl Terminal {
-    /// Starts `atas` with these arguments, with colours or without.
+    /// Starts `atas` with these arguments, with or without colours.
     ///
     /// # Panics
-    /// If it cannot be started.
+    /// If it does not start.
     #[must_use]
     pub fn start(arguments: &[&str], no_color: bool) -> Self {
         let mut command = Command::new(binary("atas"));
@@ -35,11 +35,11 @@ impl Terminal {
         if no_color {
             command.env("NO_COLOR", "1");
         }
-        Self::with(command)
+        Self::from_command(command)
     }
 
-    /// A terminal of 80 × 24 with this program in it.
-    pub fn with(command: Command) -> Self {
+    /// Starts a program in a terminal of 80 × 24.
+    pub fn from_command(command: Command) -> Self {
         let (program, master) = in_terminal(command);
         let terminal = Self {
             program,
@@ -47,16 +47,16 @@ impl Terminal {
             screen: Arc::new(Mutex::new(vt100::Parser::new(24, 80, 0))),
             raw: Arc::default(),
         };
-        terminal.listen();
+        terminal.start_reader();
         terminal
     }
 
-    fn listen(&self) {
+    fn start_reader(&self) {
         let mut master = self.master.try_clone().expect("another handle");
         let (screen, raw) = (Arc::clone(&self.screen), Arc::clone(&self.raw));
         std::thread::spawn(move || {
             let mut bytes = [0; 4096];
-            // An error is the program's end.
+            // A read error means that the program has ended.
             while let Ok(count) = master.read(&mut bytes) {
                 raw.lock()
                     .expect("whole")
@@ -66,10 +66,10 @@ impl Terminal {
         });
     }
 
-    /// Makes the terminal as large.
+    /// Sets the size of the terminal.
     ///
     /// # Panics
-    /// If it is gone.
+    /// If the terminal is closed.
     pub fn resize(&self, rows: u16, columns: u16) {
         self.screen
             .lock()
@@ -79,29 +79,29 @@ impl Terminal {
         tcsetwinsize(&self.master, size(rows, columns)).expect("sized");
     }
 
-    /// What stands on the screen.
+    /// Returns the text on the screen.
     ///
     /// # Panics
-    /// If its reader panicked.
+    /// If the reader thread panicked.
     #[must_use]
     pub fn text(&self) -> String {
         self.screen.lock().expect("whole").screen().contents()
     }
 
-    /// Waits until this stands on the screen.
+    /// Waits until this text is on the screen.
     ///
     /// # Panics
-    /// If it does not for too long.
+    /// On timeout.
     pub fn wait_for(&self, part: &str) {
         wait_for(&format!("{part:?} on the screen"), || {
             self.text().contains(part).then_some(())
         });
     }
 
-    /// Whether these bytes were ever written.
+    /// Returns whether the program ever wrote these bytes.
     ///
     /// # Panics
-    /// If its reader panicked.
+    /// If the reader thread panicked.
     #[must_use]
     pub fn has_written(&self, bytes: &str) -> bool {
         let raw = self.raw.lock().expect("whole");
@@ -109,32 +109,32 @@ impl Terminal {
             .any(|window| window == bytes.as_bytes())
     }
 
-    /// Types q; the terminal is given back.
+    /// Types q and waits until the program has restored the terminal and ended.
     pub fn quit(mut self) {
         self.master.write_all(b"q").expect("typed");
         let code = wait_for("the end of the program", || {
             self.program.try_wait().expect("waitable")
         });
         assert_eq!(code.code(), Some(0));
-        wait_for("the terminal as it was", || {
+        wait_for("the restored terminal", || {
             self.has_written("\x1b[?1049l").then_some(())
         });
     }
 }
 
 impl Terminal {
-    /// How the terminal takes what is typed.
+    /// Returns the local modes of the terminal.
     pub fn modes(&self) -> LocalModes {
         tcgetattr(&self.master).expect("a terminal").local_modes
     }
 
-    /// The program's process.
+    /// Returns the process id of the program.
     pub fn pid(&self) -> Pid {
         Pid::from_child(&self.program)
     }
 
-    /// The program's exit code, when it has ended by itself.
-    pub fn code(&mut self) -> Option<i32> {
+    /// Waits for the program to end and returns its exit code.
+    pub fn exit_code(&mut self) -> Option<i32> {
         let ended = wait_for("the end of the program", || {
             self.program.try_wait().expect("waitable")
         });
@@ -144,16 +144,16 @@ impl Terminal {
 
 impl Drop for Terminal {
     fn drop(&mut self) {
-        // It may have ended already; both calls then have nothing to do.
+        // Both calls fail harmlessly if the program has already ended.
         let _ended = self.program.kill();
         let _status = self.program.wait();
     }
 }
 
-/// A program in a terminal of 80 × 24, and the terminal's other end.
+/// Starts a program in a terminal of 80 × 24; returns it and the master end.
 ///
 /// # Panics
-/// If there is none to be had, or the program cannot be started.
+/// If no terminal is available or the program does not start.
 #[must_use]
 pub fn in_terminal(mut command: Command) -> (Child, File) {
     let master =

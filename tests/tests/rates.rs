@@ -1,42 +1,44 @@
-//! The tick rate is the user's choice: with sensors and joints at 1 kHz, tasks come out the same from 100 Hz to 10 kHz.
+//! Tests of the configurable tick rate: with sensors and joints at 1 kHz, tasks succeed from 100 Hz
+//! to 10 kHz.
 
 use atas_core::check;
-use atas_core::{Controller, Inputs, Order, Settings, Tick, Wiring};
+use atas_core::{Controller, Inputs, OperatorRequest, SensorSetup, Settings, Tick};
 use atas_evaluation::offline::{grasp_goal, pick_place_goal};
-use robot_model::{RobotModel, Side};
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::{GoalRequest, GoalState, GoalUpdate, HandFrame, JointCommand, JointState, Mode};
 use sim_backend::{Object, Scene, Sensed, TICK_NS, World};
 
-/// Steps in which the hand moves with an object.
+/// Steps in which the hand moves an object.
 const CARRYING: [&str; 3] = ["lift", "convey", "place"];
-/// Longest task of these tests, ms.
-const LONGEST_MS: u32 = 90_000;
-/// How much faster than at 1 kHz a joint may be while it carries. Ours: what one more push of Module 2 makes.
+/// Timeout of a task, ms.
+const TASK_TIMEOUT_MS: u32 = 90_000;
+/// Largest ratio of the joint speed while carrying to that at 1 kHz. Derived from one additional
+/// correction of Module 2 (slip).
 const MARGIN: f64 = 2.0;
 
-/// Shortest life of a command that the daemon's configuration allows, periods of the tick.
+/// Shortest command validity that the daemon's configuration allows, tick periods.
 const VALID_PERIODS: f64 = 1.5;
 
-/// A controller that ticks at its own rate in front of a world that samples every millisecond.
-struct Fast<'a> {
+/// A controller at its own tick rate with a world that samples every millisecond.
+struct RateRun<'a> {
     robot: &'a RobotModel,
     world: World,
     controller: Box<Controller>,
     rate_hz: u64,
     index: u64,
     command: JointCommand,
-    /// What waits for the next tick.
+    /// Frames received since the last tick.
     frames: [Vec<HandFrame>; 2],
-    order: Option<Order>,
-    /// Highest speed that was commanded of any joint while an object was carried, rad/s.
+    request: Option<OperatorRequest>,
+    /// Highest commanded speed of any joint while carrying, rad/s.
     carrying_rad_s: f64,
 }
 
-impl<'a> Fast<'a> {
+impl<'a> RateRun<'a> {
     fn new(robot: &'a RobotModel, scene: &Scene, rate_hz: u64) -> Self {
-        let wiring = Wiring {
+        let wiring = SensorSetup {
             tick_s: 1.0 / rate_hz as f64,
-            ..Wiring::default()
+            ..SensorSetup::default()
         };
         let mut settings = Settings::default();
         settings.safety.valid_s = settings.safety.valid_s.max(VALID_PERIODS / rate_hz as f64);
@@ -48,20 +50,20 @@ impl<'a> Fast<'a> {
             index: 0,
             command: JointCommand::default(),
             frames: Default::default(),
-            order: None,
+            request: None,
             carrying_rad_s: 0.0,
         }
     }
 
-    /// One millisecond with the ticks that are due in it, if any. The first takes in what the sensors sent since the tick
-    /// before, the others go on with what is known.
-    fn millisecond(&mut self, order: Option<Order>) -> Option<GoalUpdate> {
+    /// Runs one millisecond with the ticks due in it. The first tick receives the sensor data since
+    /// the last tick; the others receive none.
+    fn millisecond(&mut self, order: Option<OperatorRequest>) -> Option<GoalUpdate> {
         let mut sensed = Sensed::default();
         self.world.sense(&mut sensed);
         for (waiting, frame) in self.frames.iter_mut().zip(&sensed.frames) {
             waiting.extend(frame);
         }
-        self.order = order.or(self.order.take());
+        self.request = order.or(self.request.take());
         let (ticks, mut news) = (self.ticks_due(), None);
         for part in 0..ticks {
             let now_ns = self.world.now_ns() + part * TICK_NS / ticks;
@@ -91,7 +93,7 @@ impl<'a> Fast<'a> {
             frames: [&frames[0], &frames[1]],
             joints,
             targets: &[],
-            order: self.order.take().as_ref(),
+            request: self.request.take().as_ref(),
         });
         self.index += 1;
         self.command = outputs.command;
@@ -103,16 +105,16 @@ impl<'a> Fast<'a> {
         outputs.goal_update
     }
 
-    fn pursue(&mut self, request: &GoalRequest) -> GoalUpdate {
+    fn run_goal(&mut self, request: &GoalRequest) -> GoalUpdate {
         while self.controller.mode().0 != Mode::READY {
             self.millisecond(None);
         }
-        // What is said before the robot is known is no command.
+        // Commands before the controller knows the robot's state are not valid and do not count.
         let refused = self.world.truth().expired_commands;
-        let now = self.controller.circumstances(self.robot, &[]);
+        let now = self.controller.goal_context(self.robot, &[]);
         let goal = check::check(request, &now).expect("reachable");
-        let mut order = Some(Order::Start(goal));
-        for _ in 0..LONGEST_MS {
+        let mut order = Some(OperatorRequest::Start(goal));
+        for _ in 0..TASK_TIMEOUT_MS {
             let update = self.millisecond(order.take());
             if let Some(end) = update.filter(|update| update.state.is_final()) {
                 let expired = self.world.truth().expired_commands - refused;
@@ -120,18 +122,18 @@ impl<'a> Fast<'a> {
                 return end;
             }
         }
-        panic!("no end at {} Hz", self.rate_hz);
+        panic!("goal did not end in time at {} Hz", self.rate_hz);
     }
 }
 
-/// Pursues a goal at every rate. It must succeed, and the joints must not swing: they carry the object no faster than at
-/// 1 kHz, but for a margin.
+/// Runs a goal at every rate. It must succeed, and the joints must not oscillate: while carrying,
+/// their speed stays below `MARGIN` times that at 1 kHz.
 fn check(what: &str, scene: &Scene, request: &GoalRequest) {
     let robot = RobotModel::two_hand_arm().expect("built in");
     let mut calm_rad_s = f64::INFINITY;
     for rate_hz in [1000, 100, 250, 500, 2000, 4000, 10_000] {
-        let mut fast = Fast::new(&robot, scene, rate_hz);
-        let end = fast.pursue(request);
+        let mut fast = RateRun::new(&robot, scene, rate_hz);
+        let end = fast.run_goal(request);
         assert_eq!(
             end.state,
             GoalState::SUCCEEDED,
@@ -150,19 +152,19 @@ fn check(what: &str, scene: &Scene, request: &GoalRequest) {
 }
 
 #[test]
-fn grasps_hold_at_every_rate() {
+fn grasps_succeed_at_every_rate() {
     for name in ["slippery-50", "sponge"] {
-        let scene = Scene::grasp(Object::built_in(name).expect("built in"), Side::Right);
+        let scene = Scene::grasp(Object::built_in(name).expect("built in"), HandSide::Right);
         let hint = scene.grasp_hint(0).expect("an object");
-        check(name, &scene, &grasp_goal(&hint, Side::Right, 0.04, 1.0));
+        check(name, &scene, &grasp_goal(&hint, HandSide::Right, 0.04, 1.0));
     }
 }
 
 #[test]
-fn placing_holds_at_every_rate() {
-    let scene = Scene::pick_place(Object::built_in("wood").expect("built in"), Side::Right);
+fn placing_succeeds_at_every_rate() {
+    let scene = Scene::pick_place(Object::built_in("wood").expect("built in"), HandSide::Right);
     let hint = scene.grasp_hint(0).expect("an object");
     let place = scene.place.expect("a place");
-    let goal = pick_place_goal(&hint, Side::Right, &place, 0.04);
+    let goal = pick_place_goal(&hint, HandSide::Right, &place, 0.04);
     check("wood", &scene, &goal);
 }

@@ -1,45 +1,51 @@
-//! `atas estop`: on the way that nothing else can occupy.
+//! `atas estop`: stops the robot over a separate channel that other clients cannot block.
 //!
-//! No bus is joined, no lock taken, nothing cleaned up first ([`shm_bus::stop`]).
+//! It joins no bus, takes no lock and cleans up nothing first ([`shm_bus::stop`]).
 
 use std::time::{Duration, Instant};
 
 use atas_client::Stopped;
-use atas_console::{Ended, Exit, Output};
+use atas_console::{Exit, ExitError, Output};
 use serde_json::json;
 use shm_bus::{BusError, BusName, Owner, stop};
 use shm_schemas::{ControlOp, StopAnswer, StopOutcome};
 
-/// How long the daemon may take to answer. Ours: an answer takes one tick, and twenty milliseconds without one.
-const ANSWER: Duration = Duration::from_millis(800);
-/// How long a tick may take to come. Ours: a thousand of them.
-const TAKEN_WITHIN: Duration = Duration::from_secs(1);
-/// Pause before it is asked again whether one came: each question is a stop, and an event of the daemon's.
-const ASK_AGAIN: Duration = Duration::from_millis(100);
+/// Longest wait for the daemon's answer. Design choice: an answer takes one tick, or 20 ms without
+/// ticks.
+const ANSWER_TIMEOUT: Duration = Duration::from_millis(800);
+/// Longest wait for a tick that executes the stop. Design choice: 1000 ticks.
+const EXECUTION_TIMEOUT: Duration = Duration::from_secs(1);
+/// Pause between two requests. Each request is a stop and an event of the daemon.
+const RETRY_PAUSE: Duration = Duration::from_millis(100);
 
-/// Stops the robot. Done only if a tick took it.
+/// Stops the robot. Succeeds only after a tick has executed the stop.
 pub(crate) fn estop(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
     let begin = Instant::now();
     loop {
-        let answer = ask(bus)?;
+        let answer = send_stop(bus)?;
         if answer.outcome == StopOutcome::STOPPED {
-            return done(output);
+            return print_done(output);
         }
-        if begin.elapsed() >= TAKEN_WITHIN {
-            return Err(Ended::with(Exit::Failed, not_taken(answer.pid)));
+        if begin.elapsed() >= EXECUTION_TIMEOUT {
+            return Err(ExitError::with_code(
+                Exit::Failed,
+                not_executed_text(answer.pid),
+            ));
         }
-        std::thread::sleep(ASK_AGAIN);
+        std::thread::sleep(RETRY_PAUSE);
     }
 }
 
-fn ask(bus: &BusName) -> anyhow::Result<StopAnswer> {
-    stop::request(bus, "atas estop", ANSWER).map_err(|error| match error {
-        BusError::NoAnswer { .. } => Ended::with(Exit::NoDaemon, silent(bus, &error)),
+fn send_stop(bus: &BusName) -> anyhow::Result<StopAnswer> {
+    stop::request(bus, "atas estop", ANSWER_TIMEOUT).map_err(|error| match error {
+        BusError::NoAnswer { .. } => {
+            ExitError::with_code(Exit::NoDaemon, no_answer_text(bus, &error))
+        }
         error => error.into(),
     })
 }
 
-fn done(output: &mut Output) -> anyhow::Result<()> {
+fn print_done(output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
         return output.json(&json!({
             "op": ControlOp::ESTOP.name(),
@@ -50,26 +56,25 @@ fn done(output: &mut Output) -> anyhow::Result<()> {
     output.line("stopped; `atas recover` re-arms")
 }
 
-/// The daemon has it, and does not tick.
-fn not_taken(pid: u32) -> String {
+/// Error text if the daemon received the stop but does not tick.
+fn not_executed_text(pid: u32) -> String {
     format!(
-        "could not see the robot stop because atasd (process {pid}) has the stop, but no tick took it within {TAKEN_WITHIN:?}: its \
-         ticks stand still, or, in lock-step, no frame comes. The stop counts with its next tick; until then it sends no command, and \
-         the robot obeys none that has expired. See `atas status`; `kill -KILL {pid}` ends a daemon that hangs"
+        "stop not confirmed: atasd (process {pid}) received it, but no tick took it within \
+         {EXECUTION_TIMEOUT:?}. Its ticks stand still, or no frames arrive in lock-step. The stop takes \
+         effect with the next tick; until then the daemon sends no command, and the robot ignores \
+         expired commands. See `atas status`; `kill -KILL {pid}` ends a hung daemon"
     )
 }
 
-/// The daemon does not answer: is it stopped, does it hang, or is it gone?
-fn silent(bus: &BusName, error: &BusError) -> String {
+/// Error text if the daemon does not answer: it is stopped, hung or gone.
+fn no_answer_text(bus: &BusName, error: &BusError) -> String {
     if let Some(stopped) = Stopped::owner(bus) {
-        return format!(
-            "could not see the robot stop because {stopped}; the stop waits for it and counts when it goes on"
-        );
+        return format!("stop not confirmed: {stopped}; the stop takes effect when it continues");
     }
-    match Owner::of(bus) {
+    match Owner::find(bus) {
         Some(owner) => format!(
-            "could not see the robot stop because {owner}, which owns the bus, does not answer within {ANSWER:?}: it hangs; the stop \
-             waits for it, and `kill -KILL {}` ends it",
+            "stop not confirmed: {owner}, which owns the bus, does not answer within {ANSWER_TIMEOUT:?}. \
+             The stop takes effect when it answers again; `kill -KILL {}` ends it",
             owner.pid
         ),
         None => error.to_string(),

@@ -1,19 +1,18 @@
-//! The daemon's events, as lines.
+//! `atas events`: prints the events of the daemon.
 
 use std::time::{Duration, Instant};
 
-use atas_client::{POLL, Session, json, words};
+use atas_client::{POLL, Session, json, text};
 use atas_console::arguments::Events;
 use atas_console::{Interrupt, Output};
 use serde_json::Value;
 use shm_schemas::{EventKind, GoalState, Hand, ModuleEvent, Status, StatusFlags, service};
 
-/// Most events taken at a time.
 const BATCH: usize = 256;
-/// How long to wait for past events: the daemon hands them to a new reader when it next speaks (ours).
-const PAST: Duration = Duration::from_millis(300);
+/// Longest wait for past events. The daemon sends them to a new reader with its next message.
+/// Design choice.
+const HISTORY_WAIT: Duration = Duration::from_millis(300);
 
-/// `atas events`.
 pub(crate) fn events(
     arguments: &Events,
     interrupt: &Interrupt,
@@ -24,27 +23,27 @@ pub(crate) fn events(
         .bus()
         .subscriber::<ModuleEvent>(service::MODULE_EVENT)?;
     let (mut statuses, mut status) = session.watch_status()?;
-    let mut teller = Teller::new(&status);
+    let mut teller = Printer::new(&status);
     let mut filter = Filter::new(arguments);
     let waits = arguments.follow || arguments.count.is_some();
     let begin = Instant::now();
     let mut left = arguments.count.unwrap_or(u64::MAX);
-    while left > 0 && !interrupt.is_set() && (waits || begin.elapsed() < PAST) {
+    while left > 0 && !interrupt.is_set() && (waits || begin.elapsed() < HISTORY_WAIT) {
         if statuses.newest(&mut status)? {
             teller.started_ns = status.started_ns;
         }
         if arguments.follow {
-            teller.tell_conditions(&status, output)?;
+            teller.print_conditions(&status, output)?;
         }
         let mut batch = Vec::new();
         let most = usize::try_from(left).unwrap_or(BATCH).min(BATCH);
         stream.drain(most, |event| batch.push(*event))?;
         for event in &batch {
             let lost = teller.lost_before(event);
-            if let Some(event) = filter.pass(event)
+            if let Some(event) = filter.apply(event)
                 && left > 0
             {
-                teller.tell(&event, lost, output)?;
+                teller.print(&event, lost, output)?;
                 left -= 1;
             }
         }
@@ -52,17 +51,17 @@ pub(crate) fn events(
             std::thread::sleep(POLL);
         }
     }
-    for event in filter.rest() {
-        teller.tell(&event, 0, output)?;
+    for event in filter.last_goal_events() {
+        teller.print(&event, 0, output)?;
     }
     Ok(())
 }
 
-/// Which events are told.
+/// Selection of the events to print.
 struct Filter {
     kinds: Vec<EventKind>,
     hand: Option<Hand>,
-    /// The events of the last goal so far, if only they are wanted.
+    /// Events of the last goal so far; `None` without `--last-goal`.
     last_goal: Option<Vec<ModuleEvent>>,
 }
 
@@ -75,8 +74,8 @@ impl Filter {
         }
     }
 
-    /// What is to be told now that this event has come.
-    fn pass(&mut self, event: &ModuleEvent) -> Option<ModuleEvent> {
+    /// Returns the event if it is to be printed now.
+    fn apply(&mut self, event: &ModuleEvent) -> Option<ModuleEvent> {
         let begins =
             event.kind == EventKind::GOAL && event.text.as_str() == GoalState::RUNNING.name();
         if let Some(goal) = &mut self.last_goal
@@ -84,7 +83,7 @@ impl Filter {
         {
             goal.clear();
         }
-        // A mode is the whole robot's.
+        // A mode applies to the whole robot.
         let is_of = |hand: Hand| event.hand == hand || event.kind == EventKind::MODE;
         let wanted = (self.kinds.is_empty() || self.kinds.contains(&event.kind))
             && self.hand.is_none_or(is_of);
@@ -98,21 +97,20 @@ impl Filter {
         }
     }
 
-    /// The last goal's events, at the end.
-    fn rest(self) -> Vec<ModuleEvent> {
+    fn last_goal_events(self) -> Vec<ModuleEvent> {
         self.last_goal.unwrap_or_default()
     }
 }
 
-/// Tells events one by one, and what is missing between them.
-struct Teller {
-    /// Of a lock-step it is known with its first tick.
+/// Prints events and the number of lost events between them.
+struct Printer {
+    /// Start of the daemon; in lock-step known after the first tick.
     started_ns: u64,
     expected: Option<(u64, u64)>,
     conditions: Option<u32>,
 }
 
-/// Of the status, what changes how far ticks can be trusted.
+/// Status flags that affect the reliability of tick times: flag, text if set, text if clear.
 const CONDITIONS: [(u32, &str, &str); 3] = [
     (
         StatusFlags::PHASE_LOCKED,
@@ -127,7 +125,7 @@ const CONDITIONS: [(u32, &str, &str); 3] = [
     (StatusFlags::DEGRADED, "DEGRADED", "not degraded"),
 ];
 
-impl Teller {
+impl Printer {
     fn new(status: &Status) -> Self {
         Self {
             started_ns: status.started_ns,
@@ -136,7 +134,7 @@ impl Teller {
         }
     }
 
-    fn tell(&mut self, event: &ModuleEvent, lost: u64, output: &mut Output) -> anyhow::Result<()> {
+    fn print(&mut self, event: &ModuleEvent, lost: u64, output: &mut Output) -> anyhow::Result<()> {
         if output.is_json() {
             let mut value = json::event(event);
             value["lost_before"] = Value::from(lost);
@@ -146,12 +144,12 @@ impl Teller {
             output.line(format!("           ({lost} events lost)"))?;
         }
         let since_start_s = self.since_start_s(event.stamp.captured_ns);
-        output.line(format!("{since_start_s:10.3} s  {}", words::event(event)))
+        output.line(format!("{since_start_s:10.3} s  {}", text::event(event)))
     }
 
-    /// Tells under which conditions the daemon ticks, at first and whenever they change. These are states, not events: they
-    /// have no sequence and do not count.
-    fn tell_conditions(&mut self, status: &Status, output: &mut Output) -> anyhow::Result<()> {
+    /// Prints the tick conditions at the start and on each change. They are states, not events:
+    /// they have no sequence number and do not count.
+    fn print_conditions(&mut self, status: &Status, output: &mut Output) -> anyhow::Result<()> {
         let flags = CONDITIONS
             .iter()
             .fold(0, |flags, (flag, ..)| flags | status.flags & flag);
@@ -170,7 +168,7 @@ impl Teller {
         captured_ns.saturating_sub(self.started_ns) as f64 * 1e-9
     }
 
-    /// How many events of the same writer are missing before this one.
+    /// Returns the number of lost events of the same writer before this one.
     fn lost_before(&mut self, event: &ModuleEvent) -> u64 {
         let (epoch, sequence) = (event.stamp.writer_epoch, event.stamp.sequence);
         let lost = match self.expected {
@@ -196,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_was_asked_for_passes() {
+    fn filter_passes_only_selected_events() {
         let goal = |state: GoalState| ModuleEvent {
             text: Text::new(state.name()),
             ..right(EventKind::GOAL)
@@ -215,12 +213,12 @@ mod tests {
                 hand,
                 last_goal: last_goal.then(Vec::new),
             };
-            let mut told: Vec<ModuleEvent> = stream
+            let mut reported: Vec<ModuleEvent> = stream
                 .iter()
-                .filter_map(|event| filter.pass(event))
+                .filter_map(|event| filter.apply(event))
                 .collect();
-            told.extend(filter.rest());
-            let kinds: Vec<EventKind> = told.iter().map(|event| event.kind).collect();
+            reported.extend(filter.last_goal_events());
+            let kinds: Vec<EventKind> = reported.iter().map(|event| event.kind).collect();
             assert_eq!(kinds, expected);
         };
         use EventKind as K;
@@ -233,7 +231,7 @@ mod tests {
 
     #[test]
     fn lost_events_are_counted_per_writer() {
-        let mut teller = Teller::new(&Status::default());
+        let mut teller = Printer::new(&Status::default());
         let mut check = |writer_epoch, sequence, lost| {
             let stamp = Stamp {
                 sequence,

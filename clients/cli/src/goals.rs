@@ -1,14 +1,15 @@
-//! From what the user typed to a goal: one function per command.
+//! Goal requests from command-line arguments, one function per command.
 
 use atas_client::goal::{self, Target};
-use atas_client::scenes::Usual;
-use atas_console::arguments::{Assemble, Grasp, Known, PickPlace, Place, Release, Screw, UserTask};
+use atas_client::scenes::DefaultScene;
+use atas_console::arguments::{
+    Assemble, Grasp, ObjectProperties, PickPlace, Place, Release, Screw, UserTask,
+};
 use atas_console::{Interrupt, Output};
 use shm_schemas::{GoalKind, GoalRequest, Hand, Text};
 
 use crate::send::send;
 
-/// `atas grasp`.
 pub(crate) fn grasp(
     arguments: &Grasp,
     interrupt: &Interrupt,
@@ -20,13 +21,12 @@ pub(crate) fn grasp(
         width_m: arguments.width * 1e-3,
         ..Target::default()
     };
-    let object = with(object, &arguments.known);
+    let object = with_properties(object, &arguments.known);
     let hand = arguments.sending.hand.into();
     let goal = goal::grasp(&object, hand, arguments.lift * 1e-3, arguments.hold);
     send(goal, &arguments.sending, interrupt, output)
 }
 
-/// `atas release`.
 pub(crate) fn release(
     arguments: &Release,
     interrupt: &Interrupt,
@@ -39,21 +39,20 @@ pub(crate) fn release(
     send(goal, &arguments.sending, interrupt, output)
 }
 
-/// `atas pick-place`.
 pub(crate) fn pick_place(
     arguments: &PickPlace,
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let hand: Hand = arguments.sending.hand.into();
-    let usual = Usual::PickPlace.nominal(hand);
+    let usual = DefaultScene::PickPlace.nominal(hand);
     let from = target(
         &usual.object,
         arguments.from,
         arguments.yaw,
         arguments.width,
     );
-    let from = with(from, &arguments.known);
+    let from = with_properties(from, &arguments.known);
     let to_m = place_m(&usual.place, arguments.to, from.at_m[2]);
     let to_yaw_rad = arguments.to_yaw.map_or(from.yaw_rad, f64::to_radians);
     let goal = GoalRequest {
@@ -63,14 +62,13 @@ pub(crate) fn pick_place(
     send(goal, &arguments.sending, interrupt, output)
 }
 
-/// `atas screw`.
 pub(crate) fn screw(
     arguments: &Screw,
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let hand: Hand = arguments.sending.hand.into();
-    let usual = Usual::Screw.nominal(hand);
+    let usual = DefaultScene::Screw.nominal(hand);
     let cap = target(&usual.object, arguments.at, arguments.yaw, arguments.width);
     let goal = GoalRequest {
         turn: arguments.turn.into(),
@@ -79,7 +77,6 @@ pub(crate) fn screw(
     send(goal, &arguments.sending, interrupt, output)
 }
 
-/// `atas assemble`.
 pub(crate) fn assemble(
     arguments: &Assemble,
     interrupt: &Interrupt,
@@ -87,7 +84,7 @@ pub(crate) fn assemble(
 ) -> anyhow::Result<()> {
     let (yaw, width) = (arguments.yaw, arguments.cap_width);
     let hand: Hand = arguments.sending.hand.into();
-    let usual = Usual::Assembly.nominal(hand);
+    let usual = DefaultScene::Assembly.nominal(hand);
     let cap = target(&usual.object, arguments.cap, yaw, width);
     let on_bottle = target(&usual.place, arguments.on, yaw, width);
     let bottle_width_m = arguments
@@ -100,21 +97,20 @@ pub(crate) fn assemble(
     send(goal, &arguments.sending, interrupt, output)
 }
 
-/// `atas task`.
 pub(crate) fn task(
     arguments: &UserTask,
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let hand: Hand = arguments.sending.hand.into();
-    let usual = Usual::PickPlace.nominal(hand);
+    let usual = DefaultScene::PickPlace.nominal(hand);
     let from = target(
         &usual.object,
         arguments.from,
         arguments.yaw,
         arguments.width,
     );
-    let from = with(from, &arguments.known);
+    let from = with_properties(from, &arguments.known);
     let to_m = place_m(&usual.place, arguments.to, from.at_m[2]);
     let goal = GoalRequest {
         kind: GoalKind::CUSTOM,
@@ -128,7 +124,7 @@ pub(crate) fn task(
     send(goal, &arguments.sending, interrupt, output)
 }
 
-/// What the user said of an object, and what is usual for the rest.
+/// Returns the given properties of an object, with the defaults of the scene for the rest.
 fn target(
     usual: &Target,
     place: Option<Place>,
@@ -143,13 +139,14 @@ fn target(
     }
 }
 
-/// The same with what else the user knows.
-fn with(object: Target, known: &Known) -> Target {
+/// Adds the optional properties of an object.
+fn with_properties(object: Target, known: &ObjectProperties) -> Target {
     let top_m = known.top.map_or(0.0, |top_mm| top_mm * 1e-3);
-    object.knowing(top_m, known.max_force.unwrap_or(0.0))
+    object.with_limits(top_m, known.max_force.unwrap_or(0.0))
 }
 
-/// Where the user said, at this height if he did not say how high; else the usual place.
+/// Returns the given position, with `z_m` as the default height; without a position the default
+/// one.
 fn place_m(usual: &Target, place: Option<Place>, z_m: f64) -> [f64; 3] {
     place.map_or(usual.at_m, |place| place.or_height(z_m))
 }

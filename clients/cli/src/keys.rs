@@ -1,7 +1,7 @@
-//! The keys of a terminal, and that it may go: a line that breaks, a window that is closed.
+//! Key input of a terminal that can disconnect, for example by a lost connection or closed window.
 //!
-//! Whoever reads a terminal that is gone gets nothing at once, for ever, and crossterm asks again each time: so the terminal
-//! itself is asked first.
+//! Reading a disconnected terminal returns nothing at once, and crossterm then retries without end.
+//! Hence the terminal itself is polled first.
 
 use std::os::fd::AsFd;
 use std::time::Duration;
@@ -11,36 +11,34 @@ use ratatui::crossterm::event::{self, Event, KeyEvent};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-/// What a while before a terminal brought.
-pub(crate) enum Typed {
-    /// No key, or something that is none.
+/// Result of waiting for a key.
+pub(crate) enum KeyInput {
     Nothing,
-    /// A key.
     Key(KeyEvent),
-    /// The terminal is gone.
-    Gone,
+    /// The terminal is disconnected.
+    Disconnected,
 }
 
-/// Waits for a key for so long at most.
-pub(crate) fn wait(within: Duration) -> anyhow::Result<Typed> {
+/// Waits for a key, at most `within`.
+pub(crate) fn wait(within: Duration) -> anyhow::Result<KeyInput> {
     const UNREADABLE: &str = "could not read the terminal";
     let stdin = std::io::stdin();
     let mut terminal = [PollFd::from_borrowed_fd(stdin.as_fd(), PollFlags::IN)];
     let within = Timespec::try_from(within).context(UNREADABLE)?;
     match poll(&mut terminal, Some(&within)) {
-        // A signal, a window of another size: the next picture shows what came of it.
+        // A signal or a resize; the next redraw shows the effect.
         Ok(_) | Err(Errno::INTR) => {}
         Err(error) => return Err(error).context(UNREADABLE),
     }
     let gone = PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
     if terminal[0].revents().intersects(gone) {
-        return Ok(Typed::Gone);
+        return Ok(KeyInput::Disconnected);
     }
     if !event::poll(Duration::ZERO).context(UNREADABLE)? {
-        return Ok(Typed::Nothing);
+        return Ok(KeyInput::Nothing);
     }
     Ok(match event::read().context(UNREADABLE)? {
-        Event::Key(key) => Typed::Key(key),
-        _ => Typed::Nothing,
+        Event::Key(key) => KeyInput::Key(key),
+        _ => KeyInput::Nothing,
     })
 }

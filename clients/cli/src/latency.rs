@@ -1,4 +1,4 @@
-//! How punctual the daemon is: its figures since the start, and its stages over a window.
+//! `atas latency`: timing of the daemon since its start, and of the tick stages over a window.
 
 use std::time::{Duration, Instant};
 
@@ -10,12 +10,11 @@ use shm_bus::Subscriber;
 use shm_schemas::capacity::STAGES;
 use shm_schemas::{Percentiles, Status, StatusFlags, TickReport, service};
 
-/// Length of the window over which stages are gathered (ours: a thousand ticks at 1 kHz).
+/// Window of the stage times. Design choice: 1000 ticks at 1 kHz.
 const WINDOW: Duration = Duration::from_secs(1);
-/// Most reports taken in one look: all that can wait.
-const AT_ONCE: usize = 256;
+/// Most reports read at once: the whole queue.
+const BATCH: usize = 256;
 
-/// `atas latency`.
 pub(crate) fn latency(
     arguments: &arguments::Latency,
     interrupt: &Interrupt,
@@ -25,8 +24,8 @@ pub(crate) fn latency(
     let mut reports = session.bus().subscriber(service::TICK_REPORT)?;
     let (mut statuses, mut status) = session.watch_status()?;
     loop {
-        let window = Window::gather(&mut reports, interrupt)?;
-        // A daemon that ended must not be shown as one that is punctual.
+        let window = Window::collect(&mut reports, interrupt)?;
+        // Detects a daemon that has ended; its last status must not appear as current.
         if !statuses.newest(&mut status)? && !interrupt.is_set() {
             (statuses, status) = session.watch_status()?;
         }
@@ -40,18 +39,21 @@ pub(crate) fn latency(
     }
 }
 
-/// Durations of each stage, ns, over a window.
+/// Durations of each stage over a window, ns.
 #[derive(Debug, Default)]
 struct Window {
     stages: [Vec<u64>; STAGES],
 }
 
 impl Window {
-    fn gather(reports: &mut Subscriber<TickReport>, interrupt: &Interrupt) -> anyhow::Result<Self> {
+    fn collect(
+        reports: &mut Subscriber<TickReport>,
+        interrupt: &Interrupt,
+    ) -> anyhow::Result<Self> {
         let mut window = Self::default();
         let begin = Instant::now();
         while begin.elapsed() < WINDOW && !interrupt.is_set() {
-            reports.drain(AT_ONCE, |report| window.add(report))?;
+            reports.drain(BATCH, |report| window.add(report))?;
             std::thread::sleep(POLL);
         }
         window
@@ -67,12 +69,12 @@ impl Window {
         }
     }
 
-    /// The figures of each stage that was measured.
+    /// Returns the percentiles of each measured stage.
     fn figures(&self) -> impl Iterator<Item = (&'static str, Percentiles)> {
         let figures = self
             .stages
             .iter()
-            .map(|stage| percentiles::of_sorted(stage));
+            .map(|stage| percentiles::from_sorted(stage));
         TickReport::STAGE_NAMES
             .into_iter()
             .zip(figures)
@@ -80,7 +82,6 @@ impl Window {
     }
 }
 
-/// The distributions of a status, with their names.
 fn since_start(status: &Status) -> [(&'static str, Percentiles); 4] {
     [
         ("wake-up", status.wake),
@@ -130,7 +131,7 @@ fn conditions(flags: u32) -> String {
     let known = [
         (
             StatusFlags::LOCKSTEP,
-            ", lock-step (its times mean nothing)",
+            ", lock-step (times are not meaningful)",
         ),
         (StatusFlags::PHASE_LOCKED, ", phase-locked"),
         (StatusFlags::DEGRADED, ", DEGRADED (see `atas doctor`)"),

@@ -1,36 +1,38 @@
-//! `atas`: what an operator says to a running daemon and asks of it.
+//! `atas`: commands and queries of an operator to a running daemon.
 //!
 //! ```text
-//!  atas_console::arguments ─▶ main ─┬─ atas_gate ─────────▶ the same command as another user, whose bus it is
-//!                                   ├─ goals ─▶ send ────▶ a goal, followed to its end
-//!                                   ├─ follow ──────────▶ a stream of targets, by keys or from a file
-//!                                   ├─ estop ───────────▶ a stop, on a way of its own
-//!                                   ├─ status, top, topic, events, latency, control ─▶ one question, or many
-//!                                   ├─ doctor ──────────▶ can this machine hold the tick
-//!                                   ├─ recordings ───────────▶ atas-recording
-//!                                   └─ neighbours ──────▶ `atas-lab`: demo, eval, plot, robot, calibrate, bench, record, replay, explain; `atas-live`: dashboard, foxglove
+//!  atas_console::arguments ─▶ main ─┬─ atas_gate ──▶ the same command as the user of the bus
+//!                                   ├─ goals ─▶ send ─▶ goal, followed to its end
+//!                                   ├─ teleop ─────▶ stream of targets, from keyboard or file
+//!                                   ├─ estop ──────▶ stop, over a separate channel
+//!                                   ├─ status, top, topic, events, latency, control ─▶ queries
+//!                                   ├─ doctor ─────▶ checks of the computer
+//!                                   ├─ recordings ─▶ atas-recording
+//!                                   └─ companions ─▶ `atas-lab`, `atas-live`
 //! ```
 //!
-//! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`. **Out:** results on standard output, progress and errors on standard error, and
-//!   an exit code of [`atas_console::Exit`].
-//! * **Invariants:** a command that asks something of a daemon waits for its answer. Without a daemon it ends within one second,
-//!   with a code of its own. What stops a robot links neither the controller nor the simulator.
-//! * **Absent on purpose:** control, perception and limits (the daemon's); whatever needs a simulator (`atas-lab`).
+//! * **Inputs:** arguments, `ATAS_BUS`, `NO_COLOR`.
+//! * **Outputs:** results on standard output, progress and errors on standard error, an exit code
+//!   of [`atas_console::Exit`].
+//! * **Invariants:** a request waits for the daemon's answer. Without a daemon it fails within one
+//!   second with its own exit code. This program links neither the controller nor the simulator.
+//! * **Not included:** control, perception and limits (daemon); commands that need a simulator
+//!   (`atas-lab`).
 
+mod companions;
 mod control;
 mod doctor;
 mod estop;
 mod events;
-mod follow;
 mod goals;
 mod keys;
 mod latency;
 mod manual;
-mod neighbours;
 mod recordings;
-mod refusals;
+mod rejections;
 mod send;
 mod status;
+mod teleop;
 mod top;
 mod topic;
 
@@ -41,13 +43,12 @@ use atas_console::{Interrupt, Output};
 
 fn main() -> ExitCode {
     atas_console::run(|command, interrupt, output| {
-        // Returns unless the bus is another user's.
-        atas_gate::pass(command)?;
+        // Returns unless the bus belongs to another user.
+        atas_gate::run_through_gate(command)?;
         execute(command, interrupt, output)
     })
 }
 
-/// The only place that knows which function a command is.
 fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
     match command {
         Command::Grasp(arguments) => goals::grasp(arguments, interrupt, output),
@@ -56,7 +57,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Assemble(arguments) => goals::assemble(arguments, interrupt, output),
         Command::Task(arguments) => goals::task(arguments, interrupt, output),
         Command::Release(arguments) => goals::release(arguments, interrupt, output),
-        Command::Follow(arguments) => follow::follow(arguments, interrupt, output),
+        Command::Teleop(arguments) => teleop::teleop(arguments, interrupt, output),
         Command::Estop(bus) => estop::estop(&bus.bus, output),
         Command::Cancel(bus) => control::cancel(&bus.bus, output),
         Command::Recover(bus) => control::recover(&bus.bus, output),
@@ -68,7 +69,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Param { action } => parameter(action, output),
         Command::Latency(arguments) => latency::latency(arguments, interrupt, output),
         Command::Record { action, .. } => match action {
-            None => neighbours::hand_over(command.program()),
+            None => companions::exec_companion(command.program()),
             Some(RecordAction::Check { file }) => recordings::check(file, output),
             Some(RecordAction::Repair { file, out }) => {
                 recordings::repair(file, out.as_deref(), output)
@@ -78,7 +79,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Export(arguments) => recordings::export(arguments, interrupt, output),
         Command::Doctor(bus) => doctor::doctor(&bus.bus, output),
         Command::Completions { shell } => {
-            // Into memory first: clap's generator panics where a pipe is closed or a disk is full.
+            // Generates into memory first: clap's generator panics on a closed pipe or full disk.
             let (mut command, mut script) = (arguments::command(), Vec::new());
             clap_complete::generate(*shell, &mut command, "atas", &mut script);
             output.bytes(&script)
@@ -93,7 +94,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Replay { .. }
         | Command::Explain(_)
         | Command::Dashboard(_)
-        | Command::Foxglove(_) => neighbours::hand_over(command.program()),
+        | Command::Foxglove(_) => companions::exec_companion(command.program()),
     }
 }
 

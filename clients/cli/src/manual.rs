@@ -1,11 +1,10 @@
-//! Manual pages from the same table as the command line.
+//! Manual pages, generated from the command line.
 
 use std::path::Path;
 
 use anyhow::Context;
 use atas_console::arguments;
 
-/// Writes one page for the program and one for each command.
 pub(crate) fn write(folder: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(arguments::command(), folder))

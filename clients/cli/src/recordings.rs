@@ -1,34 +1,36 @@
-//! `atas record check` and `repair`, `atas diff` and `atas export`: what `atas-recording` did, in words.
+//! `atas record check` and `repair`, `atas diff` and `atas export`: results of `atas-recording` as
+//! text or JSON.
 
 use std::path::Path;
 use std::time::Instant;
 
 use atas_client::json;
 use atas_console::arguments::{self, ExportKind};
-use atas_console::{Ended, Exit, Interrupt, Output};
+use atas_console::{Exit, ExitError, Interrupt, Output};
 use atas_recording::{Choices, Contents, Difference, Exported, Kind};
 use serde_json::{Value, json};
 use shm_schemas::Status;
 
-/// `atas record check`.
 pub(crate) fn check(path: &Path, output: &mut Output) -> anyhow::Result<()> {
     let contents = atas_recording::check(path)?;
     print_contents(&contents, output)?;
     if let Some(damage) = contents.damage {
-        return Err(Ended::with(Exit::Failed, damage));
+        return Err(ExitError::with_code(Exit::Failed, damage));
     }
     if contents.lost > 0 {
-        let sentence = format!("{} parts of ticks are missing in between", contents.lost);
-        return Err(Ended::with(Exit::Failed, sentence));
+        let sentence = format!(
+            "recording incomplete: {} parts of ticks are missing",
+            contents.lost
+        );
+        return Err(ExitError::with_code(Exit::Failed, sentence));
     }
     Ok(())
 }
 
-/// `atas record repair`.
 pub(crate) fn repair(path: &Path, out: Option<&Path>, output: &mut Output) -> anyhow::Result<()> {
     let (out, contents) = atas_recording::repair(path, out)?;
     if !output.is_json() {
-        output.line(format_args!("saved into {}:", out.display()))?;
+        output.line(format_args!("saved to {}:", out.display()))?;
     }
     print_contents(&contents, output)
 }
@@ -54,15 +56,14 @@ fn print_contents(contents: &Contents, output: &mut Output) -> anyhow::Result<()
     ))
 }
 
-/// `atas diff`.
 pub(crate) fn diff(a: &Path, b: &Path, output: &mut Output) -> anyhow::Result<()> {
     let difference = atas_recording::diff(a, b)?;
     print_difference(&difference, output)?;
     match difference.first {
         None => Ok(()),
-        Some((tick, field)) => Err(Ended::with(
+        Some((tick, field)) => Err(ExitError::with_code(
             Exit::Failed,
-            format!("they first differ in tick {tick}: {field}"),
+            format!("the recordings first differ in tick {tick}: {field}"),
         )),
     }
 }
@@ -79,7 +80,7 @@ fn print_difference(difference: &Difference, output: &mut Output) -> anyhow::Res
             .map(|status| {
                 status
                     .as_deref()
-                    .map_or(Value::Null, |status| json::status(status, json::ROOM))
+                    .map_or(Value::Null, |status| json::status(status, json::CAPACITY))
             })
             .collect();
         return output.json(&json!({
@@ -93,13 +94,13 @@ fn print_difference(difference: &Difference, output: &mut Output) -> anyhow::Res
     for (name, status) in ["first", "second"].iter().zip(ends) {
         let end = status
             .as_deref()
-            .map_or("no status recorded".to_owned(), sentence);
+            .map_or("no status recorded".to_owned(), final_state);
         output.line(format_args!("{name}: {end}"))?;
     }
     Ok(())
 }
 
-fn sentence(status: &Status) -> String {
+fn final_state(status: &Status) -> String {
     let reason = if status.reason.is_some() {
         format!(" ({})", status.reason)
     } else {
@@ -114,7 +115,6 @@ fn sentence(status: &Status) -> String {
     }
 }
 
-/// `atas export`.
 pub(crate) fn export(
     arguments: &arguments::Export,
     interrupt: &Interrupt,
@@ -122,7 +122,7 @@ pub(crate) fn export(
 ) -> anyhow::Result<()> {
     let kind = arguments.kind;
     let out = arguments.file();
-    let out = out.map_err(|sentence| Ended::with(Exit::Usage, sentence))?;
+    let out = out.map_err(|sentence| ExitError::with_code(Exit::Usage, sentence))?;
     let choices = Choices {
         kind: match kind {
             ExportKind::Mcap => Kind::Mcap,
@@ -145,5 +145,5 @@ pub(crate) fn export(
             "wrote {file}: {ticks} ticks, {seconds:.1} s of the run in {took_s:.2} s"
         ))?;
     }
-    interrupt.check("the file is whole as far as it goes")
+    interrupt.check("the output file contains the data up to here")
 }

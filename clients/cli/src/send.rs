@@ -1,14 +1,13 @@
-//! A goal as the operator wants it sent: its progress shown, its end told in one sentence.
+//! Sending of a goal: shows its progress and prints its result.
 
-use atas_client::{Cancelled, GoalProgress, Pursuit, Run, Session, json, words};
-use atas_console::arguments::Sending;
-use atas_console::{Ended, Exit, Interrupt, Output, Progress, number};
+use atas_client::{Cancelled, GoalExecution, GoalProgress, Run, Session, json, text};
+use atas_console::arguments::SendOptions;
+use atas_console::{Exit, ExitError, Interrupt, Output, Progress, number};
 use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, GoalState};
 
-/// Sends a goal as the user wants it sent, shows its progress and prints its end.
 pub(crate) fn send(
     goal: GoalRequest,
-    sending: &Sending,
+    sending: &SendOptions,
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
@@ -23,17 +22,22 @@ pub(crate) fn send(
     };
     let session = Session::existing(&sending.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
-    let fingers = Run::of(session.bus(), &status)?.fingers(&status);
+    let fingers = Run::read(session.bus(), &status)?.fingertips(&status);
     let fingers = fingers[goal.hand.index().unwrap_or(0)];
     let mut live = Progress::new(name(&goal));
-    let pursuit = Pursuit {
+    let pursuit = GoalExecution {
         session: &session,
         stop: interrupt.flag(),
         timeout: sending.timeout,
     };
     let (progress, cancelled) = pursuit.run(&goal, |so_far| {
         statuses.newest(&mut status)?;
-        live.show(so_far, fingers, Some(&status), &carried(&goal, so_far));
+        live.show_goal(
+            so_far,
+            fingers,
+            Some(&status),
+            &distance_text(&goal, so_far),
+        );
         anyhow::Ok(())
     })?;
     drop(live);
@@ -47,8 +51,8 @@ pub(crate) fn send(
     }
 }
 
-/// How far the hand has taken the object, for people who watch.
-fn carried(goal: &GoalRequest, progress: &GoalProgress) -> String {
+/// Formats the distance the object has moved.
+fn distance_text(goal: &GoalRequest, progress: &GoalProgress) -> String {
     let by_mm = number(f64::from(progress.last().figures.lifted_m) * 1e3, 1);
     match goal.kind {
         GoalKind::GRASP | GoalKind::RELEASE => format!("lifted {by_mm} mm"),
@@ -56,7 +60,6 @@ fn carried(goal: &GoalRequest, progress: &GoalProgress) -> String {
     }
 }
 
-/// What a goal is called.
 fn name(goal: &GoalRequest) -> &str {
     match goal.kind {
         GoalKind::CUSTOM => goal.task.as_str(),
@@ -66,7 +69,7 @@ fn name(goal: &GoalRequest) -> &str {
 
 fn success(goal: &GoalRequest, progress: &GoalProgress, fingers: usize) -> String {
     let figures = progress.figures();
-    let pressed = words::newtons(&figures.normal_n[..fingers]);
+    let pressed = text::newtons(&figures.normal_n[..fingers]);
     match goal.kind {
         GoalKind::GRASP => format!(
             "holds with F_n {pressed} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m, lifted {:.1} mm",
@@ -76,8 +79,8 @@ fn success(goal: &GoalRequest, progress: &GoalProgress, fingers: usize) -> Strin
             figures.lifted_m * 1e3
         ),
         GoalKind::PICK_PLACE => format!(
-            "set down and let go; carried with F_n {pressed} N (F_1 {:.2}, F_2 {:.2}), stiffness {:.0} N/m; \
-             the hand is at home",
+            "object set down and released; carried with F_n {pressed} N (F_1 {:.2}, F_2 {:.2}), \
+             stiffness {:.0} N/m; the hand is at home",
             figures.f1_n, figures.f2_n, figures.stiffness_n_m,
         ),
         GoalKind::SCREW => "the cap is tight; the hand is at home".into(),
@@ -87,44 +90,45 @@ fn success(goal: &GoalRequest, progress: &GoalProgress, fingers: usize) -> Strin
     }
 }
 
-/// The one sentence about an end without success.
+/// Returns the error of a goal without success.
 fn failure(
     goal: &GoalRequest,
     progress: &GoalProgress,
     cancelled: Option<Cancelled>,
 ) -> anyhow::Error {
     let state = progress.last().state;
-    let (step, hands) = (progress.step(), hands_now(goal, progress));
+    let (step, hands) = (progress.step(), hands_text(goal, progress));
     match cancelled.filter(|_| state == GoalState::CANCELLED) {
-        Some(Cancelled::Interrupted) => Ended::with(
+        Some(Cancelled::Interrupted) => ExitError::with_code(
             Exit::Interrupted,
-            format!("interrupted, goal cancelled in step {step:?}; {hands}"),
+            format!("interrupted: goal cancelled in step {step:?}; {hands}"),
         ),
-        Some(Cancelled::TimedOut(timeout)) => Ended::with(
+        Some(Cancelled::TimedOut(timeout)) => ExitError::with_code(
             Exit::Refused,
-            format!("took longer than {timeout:?}, goal cancelled in step {step:?}; {hands}"),
+            format!("goal cancelled in step {step:?}: it took longer than {timeout:?}; {hands}"),
         ),
         None if state == GoalState::FAILED && may_hold(goal, progress) => {
-            Ended::with(Exit::Refused, format!("{}; {hands}", progress.sentence()))
+            ExitError::with_code(Exit::Refused, format!("{}; {hands}", progress.text()))
         }
-        None => Ended::with(Exit::Refused, progress.sentence()),
+        None => ExitError::with_code(Exit::Refused, progress.text()),
     }
 }
 
-/// Whether a hand may have something between its fingers. Only the acting hand's forces are told.
+/// Returns true if a hand may hold an object. Updates contain only the forces of the acting hand.
 fn may_hold(goal: &GoalRequest, progress: &GoalProgress) -> bool {
     goal.kind == GoalKind::ASSEMBLE || progress.presses()
 }
 
-/// What the hands do after an end without success: a goal that ends lets nothing fall.
-fn hands_now(goal: &GoalRequest, progress: &GoalProgress) -> String {
+/// Describes the hands after a goal without success; they never drop an object.
+fn hands_text(goal: &GoalRequest, progress: &GoalProgress) -> String {
     match goal.kind {
         GoalKind::ASSEMBLE => {
-            "each hand keeps what it holds; `atas release --hand left` and `--hand right` let go"
+            "both hands keep their grip; open them with `atas release --hand left` and `--hand \
+             right`"
                 .into()
         }
         _ if may_hold(goal, progress) => format!(
-            "the hand keeps what it has between its fingers; `atas release --hand {}` lets go",
+            "the hand keeps its grip; open it with `atas release --hand {}`",
             goal.hand
         ),
         _ => "the hand stays where it is".into(),
@@ -134,6 +138,8 @@ fn hands_now(goal: &GoalRequest, progress: &GoalProgress) -> String {
 #[cfg(test)]
 mod tests {
     use std::time::Duration;
+
+    use atas_console::exit_of;
 
     use super::*;
     use shm_schemas::{Cause, GoalUpdate, Hand, ModuleId, Reason, Text};
@@ -148,22 +154,29 @@ mod tests {
         }
     }
 
-    fn told(updates: &[(GoalState, &str, Reason)], cancelled: Option<Cancelled>) -> (String, Exit) {
+    fn failure_of(
+        updates: &[(GoalState, &str, Reason)],
+        cancelled: Option<Cancelled>,
+    ) -> (String, Exit) {
         let mut progress = GoalProgress::default();
         for (state, step, reason) in updates {
             progress.add(&update(*state, step, *reason));
         }
         let error = failure(&GoalRequest::default(), &progress, cancelled);
-        (error.to_string(), Exit::of(&error))
+        (error.to_string(), exit_of(&error))
     }
 
     #[test]
-    fn failures_are_one_sentence_with_step_cause_value_limit_and_module() {
+    fn failure_names_step_cause_limit_and_module() {
         let check = |updates: &[(GoalState, &str, Reason)], expected: &str| {
-            assert_eq!(told(updates, None), (expected.to_owned(), Exit::Refused));
+            assert_eq!(
+                failure_of(updates, None),
+                (expected.to_owned(), Exit::Refused)
+            );
         };
         let running = |step| (GoalState::RUNNING, step, Reason::default());
-        let heavy = Reason::limit(Cause::TOO_HEAVY, 8.0, 8.0).by(ModuleId::FORCE_LIMIT);
+        let heavy =
+            Reason::with_limit(Cause::TOO_HEAVY, 8.0, 8.0).with_module(ModuleId::FORCE_LIMIT);
         check(
             &[
                 running("lift"),
@@ -171,20 +184,19 @@ mod tests {
                 running("leave"),
                 (GoalState::REFUSED, "leave", heavy),
             ],
-            "lift: 8.00 N do not hold it, and the fingers may press with 8.00 N at most (`grasp.f2_max_n`): object too heavy (module 3, \
-             force limit)",
+            "lift: object too heavy: not held with 8.00 N, the limit is 8.00 N (`grasp.f2_max_n`) (module 3, force limit)",
         );
         check(
-            &[(GoalState::REJECTED, "", Reason::of(Cause::BUSY))],
+            &[(GoalState::REJECTED, "", Reason::new(Cause::BUSY))],
             "another goal is active; wait for it or cancel it",
         );
         check(
             &[(
                 GoalState::REJECTED,
                 "",
-                Reason::limit(Cause::UNREACHABLE, 0.9, 0.4).about(0),
+                Reason::with_limit(Cause::UNREACHABLE, 0.9, 0.4).with_index(0),
             )],
-            "the hand cannot reach it: from x is 0.9000 m, the limit is 0.4000 m; move the object nearer",
+            "goal out of reach: from x is 0.9000 m, the limit is 0.4000 m; use at most 0.4000 m",
         );
         check(
             &[
@@ -192,7 +204,8 @@ mod tests {
                 (
                     GoalState::FAILED,
                     "approach",
-                    Reason::limit(Cause::NOTHING_TOUCHED, 0.026, 0.026).by(ModuleId::FIRST_TOUCH),
+                    Reason::with_limit(Cause::NOTHING_TOUCHED, 0.026, 0.026)
+                        .with_module(ModuleId::FIRST_TOUCH),
                 ),
             ],
             "approach: closed to 26.0 mm and touched nothing; is the object there? (module 1, first touch)",
@@ -203,7 +216,7 @@ mod tests {
                 (
                     GoalState::FAILED,
                     "open",
-                    Reason::limit(Cause::TIMED_OUT, 10.0, 10.0),
+                    Reason::with_limit(Cause::TIMED_OUT, 10.0, 10.0),
                 ),
             ],
             "open: took 10.0 s, allowed 10.0 s",
@@ -211,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn an_end_in_mid_task_says_what_the_hands_do_now() {
+    fn failed_task_describes_the_hands() {
         let check = |kind, state, normal_n, part: &str| {
             let goal = GoalRequest {
                 kind,
@@ -219,17 +232,20 @@ mod tests {
                 ..GoalRequest::default()
             };
             let mut progress = GoalProgress::default();
-            let mut end = update(state, "screw", Reason::limit(Cause::TIMED_OUT, 9.0, 9.0));
+            let mut end = update(
+                state,
+                "screw",
+                Reason::with_limit(Cause::TIMED_OUT, 9.0, 9.0),
+            );
             end.figures.normal_n = [normal_n; 4];
             progress.add(&end);
-            let told = failure(&goal, &progress, None).to_string();
-            assert_eq!(told, format!("screw: took 9.0 s, allowed 9.0 s{part}"));
+            let reported = failure(&goal, &progress, None).to_string();
+            assert_eq!(reported, format!("screw: took 9.0 s, allowed 9.0 s{part}"));
         };
         let (screw, assemble) = (GoalKind::SCREW, GoalKind::ASSEMBLE);
-        let keeps =
-            "; the hand keeps what it has between its fingers; `atas release --hand left` lets go";
-        let keep =
-            "; each hand keeps what it holds; `atas release --hand left` and `--hand right` let go";
+        let keeps = "; the hand keeps its grip; open it with `atas release --hand left`";
+        let keep = "; both hands keep their grip; open them with `atas release --hand left` and `--hand \
+             right`";
         check(screw, GoalState::FAILED, 2.0, keeps);
         check(screw, GoalState::FAILED, 0.02, "");
         check(assemble, GoalState::FAILED, 0.0, keep);
@@ -237,22 +253,22 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_goal_says_what_the_hand_does_now() {
-        let cancelled = |step| [(GoalState::CANCELLED, step, Reason::of(Cause::CANCELLED))];
+    fn cancelled_goal_describes_the_hand() {
+        let cancelled = |step| [(GoalState::CANCELLED, step, Reason::new(Cause::CANCELLED))];
         let check = |step, why, expected: &str, exit| {
-            let end = told(&cancelled(step), Some(why));
+            let end = failure_of(&cancelled(step), Some(why));
             assert_eq!(end, (expected.to_owned(), exit));
         };
         check(
             "reach",
             Cancelled::Interrupted,
-            "interrupted, goal cancelled in step \"reach\"; the hand stays where it is",
+            "interrupted: goal cancelled in step \"reach\"; the hand stays where it is",
             Exit::Interrupted,
         );
         check(
             "reach",
             Cancelled::TimedOut(Duration::from_secs(3)),
-            "took longer than 3s, goal cancelled in step \"reach\"; the hand stays where it is",
+            "goal cancelled in step \"reach\": it took longer than 3s; the hand stays where it is",
             Exit::Refused,
         );
     }

@@ -1,21 +1,21 @@
-//! The daemon's status, once or again and again.
+//! `atas status`: status of the daemon, once or continuously.
 
 use std::time::{Duration, Instant};
 
-use atas_client::{POLL, Run, Session, Stopped, json, standstill, words};
-use atas_console::{Ended, Exit, Interrupt, Output, arguments, modules, number, table};
+use atas_client::{POLL, Run, Session, Stopped, json, standstill, text};
+use atas_console::{Exit, ExitError, Interrupt, Output, arguments, modules, number, table};
 use shm_bus::{BusName, Owner, now_ns};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
-use crate::refusals::{self, refusals};
+use crate::rejections::{self, rejection_texts};
 
-/// Pause between two pictures of a watched status.
-const PICTURE: Duration = Duration::from_millis(200);
-/// Silence after which a watched daemon counts as gone (ours: 50 missing statuses).
-const SILENCE: Duration = Duration::from_secs(1);
+/// Pause between two updates of a watched status.
+const UPDATE_PERIOD: Duration = Duration::from_millis(200);
+/// Time without a status after which a watched daemon counts as gone. Design choice: 50 missing
+/// statuses.
+const STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// `atas status`.
 pub(crate) fn status(
     arguments: &arguments::Status,
     interrupt: &Interrupt,
@@ -24,31 +24,34 @@ pub(crate) fn status(
     let session = Session::existing(&arguments.bus.bus)?;
     let (mut statuses, mut status) = session.watch_status()?;
     let mut before = status;
-    let mut run = Run::of(session.bus(), &status)?;
+    let mut run = Run::read(session.bus(), &status)?;
     if !arguments.watch {
-        refusals::look_again(&mut statuses, &mut status)?;
-        let refusals = refusals(&session, &status)?;
+        rejections::await_rejections(&mut statuses, &mut status)?;
+        let refusals = rejection_texts(&session, &status)?;
         let frozen = standstill(&status, now_ns());
-        let fingers = run.fingers(&status);
+        let fingers = run.fingertips(&status);
         print([&before, &status], fingers, &refusals, frozen, output)?;
         return frozen.map_or(Ok(()), |frozen| {
-            Err(Ended::with(Exit::Failed, standing_still(frozen)))
+            Err(ExitError::with_code(Exit::Failed, standstill_text(frozen)))
         });
     }
-    let mut heard = Instant::now();
+    let mut received = Instant::now();
     let mut drawn = None::<Instant>;
     while !interrupt.is_set() {
         if statuses.newest(&mut status)? {
-            heard = Instant::now();
-        } else if heard.elapsed() > SILENCE {
-            return Err(Ended::with(Exit::NoDaemon, fell_silent(&arguments.bus.bus)));
+            received = Instant::now();
+        } else if received.elapsed() > STATUS_TIMEOUT {
+            return Err(ExitError::with_code(
+                Exit::NoDaemon,
+                missing_status_text(&arguments.bus.bus),
+            ));
         }
-        if drawn.is_none_or(|drawn| drawn.elapsed() >= PICTURE) {
+        if drawn.is_none_or(|drawn| drawn.elapsed() >= UPDATE_PERIOD) {
             output.clear()?;
             let frozen = standstill(&status, now_ns());
-            let refusals = refusals(&session, &status)?;
-            run.look(session.bus(), &status)?;
-            let fingers = run.fingers(&status);
+            let refusals = rejection_texts(&session, &status)?;
+            run.poll(session.bus(), &status)?;
+            let fingers = run.fingertips(&status);
             print([&before, &status], fingers, &refusals, frozen, output)?;
             drawn = Some(Instant::now());
             before = status;
@@ -58,7 +61,7 @@ pub(crate) fn status(
     Ok(())
 }
 
-/// Prints the newer of two statuses, of hands with so many fingers.
+/// Prints the newer of two statuses. `fingers`: number of fingertips per hand.
 fn print(
     [before, status]: [&Status; 2],
     fingers: [usize; HANDS],
@@ -74,7 +77,7 @@ fn print(
     }
     output.line(heading([before, status]))?;
     if let Some(frozen) = frozen {
-        output.line(standing_still(frozen))?;
+        output.line(standstill_text(frozen))?;
     }
     for refusal in refusals {
         output.line(refusal)?;
@@ -83,20 +86,20 @@ fn print(
     output.table(timing(status))
 }
 
-/// Why a daemon that was heard is heard no more.
-fn fell_silent(bus: &BusName) -> String {
-    let why = match (Stopped::owner(bus), Owner::of(bus)) {
+/// Explains why a watched daemon no longer reports.
+fn missing_status_text(bus: &BusName) -> String {
+    let why = match (Stopped::owner(bus), Owner::find(bus)) {
         (Some(stopped), _) => stopped.to_string(),
         (None, Some(owner)) => format!("{owner}, which owns the bus, hangs"),
         (None, None) => "it ended".to_owned(),
     };
-    format!("the daemon has not reported its status for a second: {why}")
+    format!("no status from the daemon for one second: {why}")
 }
 
-fn standing_still(frozen: Duration) -> String {
+fn standstill_text(frozen: Duration) -> String {
     format!(
-        "the ticks have stood still for {:.1} s: what is said here is as old, and nothing is controlled; if `atas estop` has \
-         no effect either, restart the daemon",
+        "the ticks have stood still for {:.1} s: this status is outdated and the robot is not \
+         controlled; if `atas estop` has no effect, restart the daemon",
         frozen.as_secs_f64()
     )
 }
@@ -108,15 +111,15 @@ fn heading([before, status]: [&Status; 2]) -> String {
         status.pid,
         status.rate_hz,
         flags(status.flags),
-        up(status),
+        uptime(status),
     )];
     lines.push(if status.reason.is_some() {
-        let why = refusals::why_so([before, status]);
+        let why = rejections::mode_reason([before, status]);
         format!("mode {}: {why}", status.mode)
     } else {
         format!("mode {}{}", status.mode, hint(status.mode))
     });
-    lines.push(words::goal(status));
+    lines.push(text::goal(status));
     lines.push(format!(
         "{} ticks, {} missed, {} late, {} records dropped",
         status.ticks, status.missed_ticks, status.late_ticks, status.dropped_records
@@ -124,8 +127,8 @@ fn heading([before, status]: [&Status; 2]) -> String {
     lines.join("\n")
 }
 
-/// For how long the daemon runs. A lock-step that has not ticked yet has no time.
-fn up(status: &Status) -> String {
+/// Formats the run time of the daemon. Lock-step has no time before its first tick.
+fn uptime(status: &Status) -> String {
     let is_virtual = status.flags & StatusFlags::LOCKSTEP != 0;
     if is_virtual && status.ticks == 0 {
         return String::new();
@@ -137,7 +140,10 @@ fn up(status: &Status) -> String {
 
 fn hint(mode: Mode) -> &'static str {
     match mode {
-        Mode::INIT => ": waits for the first frames and joint states; is a sensor process running?",
+        Mode::INIT => {
+            ": waiting for the first frames and joint states; is a sensor process \
+            running?"
+        }
         _ => "",
     }
 }
@@ -155,14 +161,14 @@ fn flags(flags: u32) -> String {
         ),
         (
             StatusFlags::SENSE_ONLY,
-            "senses only and moves nothing (robot.joints_required is false)",
+            "perception only, no motion (robot.joints_required is false)",
         ),
     ];
     let set = known.iter().filter(|(flag, _)| flags & flag != 0);
     set.map(|(_, text)| format!(", {text}")).collect()
 }
 
-/// What comes in. A hand that is not there has no line.
+/// Table of the inputs. Absent hands have no row.
 fn hands(status: &Status, fingers: [usize; HANDS]) -> comfy_table::Table {
     let mut rows = table(&[
         "hand", "frames", "lost", "bad", "age ms", "F_n N", "F_t N", "touches", "modules",
@@ -174,7 +180,7 @@ fn hands(status: &Status, fingers: [usize; HANDS]) -> comfy_table::Table {
             hand.to_string(),
             sensor.frames.to_string(),
             sensor.lost.to_string(),
-            refusals::refused(sensor).to_string(),
+            rejections::rejected_frames(sensor).to_string(),
             age_ms(sensor.age_ns),
             forces(&sensor.normal_n[..fingers]),
             forces(&sensor.tangential_n[..fingers]),
@@ -241,29 +247,33 @@ mod tests {
     use super::*;
     use shm_schemas::{Cause, GoalKind, GoalState, Reason, Stamp, Text};
 
-    fn told(status: &Status) -> String {
+    fn heading_of(status: &Status) -> String {
         heading([status, status])
     }
 
     #[test]
-    fn a_goal_is_told_with_its_own_name_its_step_and_why_it_ended() {
+    fn heading_names_goal_step_and_reason() {
         let status = Status {
             goal_id: 7,
             goal_kind: GoalKind::CUSTOM,
             goal_state: GoalState::FAILED,
             task: Text::new("polish"),
             step: Text::new("press"),
-            goal_reason: Reason::limit(Cause::TIMED_OUT, 9.0, 9.0),
+            goal_reason: Reason::with_limit(Cause::TIMED_OUT, 9.0, 9.0),
             ..Status::default()
         };
         let expected = "goal polish failed, step press: took 9.0 s, allowed 9.0 s";
-        assert!(told(&status).contains(expected), "{}", told(&status));
-        let none = told(&Status::default());
+        assert!(
+            heading_of(&status).contains(expected),
+            "{}",
+            heading_of(&status)
+        );
+        let none = heading_of(&Status::default());
         assert!(none.contains("no goal yet"), "{none}");
     }
 
     #[test]
-    fn every_finger_of_the_hands_that_are_there_has_its_force() {
+    fn table_lists_fingertips_of_present_hands() {
         let mut status = Status::default();
         status.hands[1].normal_n = [0.25, 1.5, 2.75, 0.0];
         status.hands[1].touches = [1, 2, 3, 0];
@@ -275,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn how_long_the_daemon_runs_is_told_on_its_own_clock_or_not_at_all() {
+    fn uptime_uses_the_daemon_clock() {
         let check = |flags, ticks, [started_s, captured_s]: [u64; 2], expected: &str| {
             let status = Status {
                 stamp: Stamp {
@@ -287,7 +297,7 @@ mod tests {
                 ticks,
                 ..Status::default()
             };
-            assert_eq!(up(&status), expected, "{flags} {ticks}");
+            assert_eq!(uptime(&status), expected, "{flags} {ticks}");
         };
         check(0, 0, [500, 500], ", up 0 s");
         check(0, 9, [500, 517], ", up 17 s");
@@ -297,18 +307,18 @@ mod tests {
     }
 
     #[test]
-    fn a_daemon_that_senses_only_says_so_whatever_is_missing() {
+    fn perception_only_is_shown_without_frames() {
         let status = Status {
             flags: StatusFlags::SENSE_ONLY,
-            reason: Reason::limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6),
+            reason: Reason::with_limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6),
             ..Status::default()
         };
-        let told = told(&status);
+        let reported = heading_of(&status);
         for part in [
-            "senses only and moves nothing (robot.joints_required is false)",
+            "perception only, no motion (robot.joints_required is false)",
             "no tactile frame of hand left yet",
         ] {
-            assert!(told.contains(part), "{told}");
+            assert!(reported.contains(part), "{reported}");
         }
     }
 }

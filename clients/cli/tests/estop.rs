@@ -1,4 +1,4 @@
-//! `atas estop` as a process, where ordinary commands wait in vain.
+//! Process tests of `atas estop` while ordinary commands are blocked.
 use std::fs::File;
 use std::process::{Command, Output, Stdio};
 use std::sync::Arc;
@@ -25,7 +25,7 @@ fn estop(bus: &FreshBus) -> (i32, String, String) {
 }
 
 #[test]
-fn it_needs_neither_the_start_up_lock_nor_a_place() {
+fn estop_needs_no_lock_or_client_slot() {
     let name = FreshBus::new("estop");
     let owner = OwnerLock::take(&name, "atasd").expect("sole owner");
     let listener = Arc::new(Listener::open(&owner).expect("a listener"));
@@ -44,7 +44,7 @@ fn it_needs_neither_the_start_up_lock_nor_a_place() {
     ] {
         assert!(stderr.contains(part), "{stderr}");
     }
-    let untaken = signal.pending().expect("it waits for a tick");
+    let untaken = signal.pending().expect("the stop is pending");
     let ticks = std::thread::spawn(move || {
         let next = || signal.pending().filter(|number| *number > untaken);
         let number = loop {
@@ -67,7 +67,7 @@ fn it_needs_neither_the_start_up_lock_nor_a_place() {
 }
 
 #[test]
-fn without_a_daemon_it_says_so_and_leaves_nothing() {
+fn estop_without_daemon_fails_without_leftovers() {
     let name = FreshBus::new("estopno");
     let (code, stdout, stderr) = estop(&name);
     assert_eq!((code, stdout.as_str()), (3, ""), "{stderr}");

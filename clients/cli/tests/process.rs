@@ -1,4 +1,4 @@
-//! The program as a process: exit codes, messages, and what it leaves behind.
+//! Process tests: exit codes, messages, and leftovers.
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -27,7 +27,7 @@ fn run(arguments: &[&str]) -> (i32, String, String) {
 }
 
 #[test]
-fn without_a_daemon_every_command_says_so_with_its_own_code() {
+fn commands_without_daemon_exit_with_3() {
     let bus = FreshBus::new("nodaemon");
     let check = |arguments: &str| {
         let words: Vec<&str> = arguments
@@ -63,7 +63,7 @@ fn without_a_daemon_every_command_says_so_with_its_own_code() {
 }
 
 #[test]
-fn a_frozen_tick_is_not_ready() {
+fn status_fails_on_frozen_ticks() {
     let name = FreshBus::new("frozen");
     let bus = Bus::open(&name, "atasd", Realtime::No).expect("the bus opens");
     let statuses = bus
@@ -88,12 +88,12 @@ fn a_frozen_tick_is_not_ready() {
         assert!(stdout.contains(part), "{stdout}{stderr}");
     };
     check(now_ns().saturating_sub(2_500_000_000), 1, "stood still for");
-    // A stamp of the future is fresh however long the program takes to start.
+    // A future timestamp is fresh even if the program starts slowly.
     check(u64::MAX, 0, "mode ready");
 }
 
 #[test]
-fn wrong_usage_has_its_own_code() {
+fn invalid_usage_exits_with_2() {
     let check = |arguments: &[&str], part: &str| {
         let (code, _, stderr) = run(arguments);
         assert_eq!(code, 2, "{arguments:?}: {stderr}");
@@ -104,17 +104,17 @@ fn wrong_usage_has_its_own_code() {
 }
 
 #[test]
-fn help_tells_the_exit_codes() {
+fn help_lists_exit_codes() {
     let (code, stdout, _) = run(&["--help"]);
     assert_eq!(code, 0);
     assert!(
-        stdout.contains("3  no daemon answers on the bus"),
+        stdout.contains("3   no daemon answers on the bus"),
         "{stdout}"
     );
 }
 
 #[test]
-fn completions_and_manual_pages() {
+fn completions_and_manual_pages_are_written() {
     let (code, stdout, _) = run(&["completions", "bash"]);
     assert!(code == 0 && stdout.contains("_atas"), "{stdout}");
     assert!(
@@ -138,7 +138,7 @@ fn completions_and_manual_pages() {
 }
 
 #[test]
-fn the_doctor_fails_exactly_if_a_finding_does() {
+fn doctor_fails_only_on_failed_checks() {
     let bus = FreshBus::new("doctor");
     let (code, stdout, stderr) = run(&["doctor", "--format", "json", "--bus", bus.as_str()]);
     let findings: Vec<serde_json::Value> = serde_json::from_str(&stdout).expect("JSON");
@@ -153,7 +153,7 @@ fn the_doctor_fails_exactly_if_a_finding_does() {
 }
 
 #[test]
-fn the_laboratorys_commands_are_one_program_with_the_operators() {
+fn help_includes_lab_commands() {
     let (code, stdout, _) = run(&["help"]);
     assert_eq!(code, 0);
     for command in ["demo", "eval", "plot", "bench", "replay", "status", "grasp"] {
@@ -167,8 +167,8 @@ fn the_laboratorys_commands_are_one_program_with_the_operators() {
 }
 
 #[test]
-fn a_program_without_its_laboratory_says_how_to_build_it() {
-    // Linked, not copied: what another thread's child still holds open for writing cannot be started.
+fn missing_lab_program_explains_the_build() {
+    // A hard link: a copy held open for writing by a child of another thread cannot be executed.
     let program = Path::new(env!("CARGO_BIN_EXE_atas"));
     let folder = tempfile::tempdir_in(program.parent().expect("a folder")).expect("a folder");
     let alone = folder.path().join("atas");
@@ -186,23 +186,23 @@ fn a_program_without_its_laboratory_says_how_to_build_it() {
     );
 }
 
-/// What an operator stops a robot with links neither the controller nor a simulator, not even by a dependency's dependency.
+/// The program that stops a robot links neither controller nor simulator, not even indirectly.
 #[test]
-fn the_operators_program_links_neither_controller_nor_simulator() {
+fn atas_links_neither_controller_nor_simulator() {
     let bytes = std::fs::read(env!("CARGO_BIN_EXE_atas")).expect("readable");
     let holds = |name: &str| {
         bytes
             .windows(name.len())
             .any(|part| part == name.as_bytes())
     };
-    assert!(holds("atas_client"), "symbols are there to be looked at");
+    assert!(holds("atas_client"), "symbols are present");
     for name in ["atas_core", "sim_backend", "atas_evaluation"] {
         assert!(!holds(name), "{name} is linked");
     }
 }
 
 #[test]
-fn errors_are_json_where_results_are() {
+fn json_format_applies_to_errors() {
     let bus = FreshBus::new("jsonerr");
     let check = |arguments: &[&str], exit: i32, part: &str| {
         let (code, stdout, stderr) = run(arguments);
@@ -220,7 +220,7 @@ fn errors_are_json_where_results_are() {
 }
 
 #[test]
-fn a_mistyped_bus_leaves_nothing_behind() {
+fn mistyped_bus_leaves_no_files() {
     let bus = FreshBus::new("mistyped");
     let left = || {
         let files = std::fs::read_dir("/dev/shm")
@@ -242,7 +242,7 @@ fn a_mistyped_bus_leaves_nothing_behind() {
 }
 
 #[test]
-fn a_full_disk_and_a_closed_pipe_are_no_panic() {
+fn full_disk_and_closed_pipe_do_not_panic() {
     let printing = [
         &["completions", "bash"][..],
         &["help"],
@@ -277,7 +277,7 @@ fn a_full_disk_and_a_closed_pipe_are_no_panic() {
 }
 
 #[test]
-fn what_a_suffix_means_is_written_or_refused() {
+fn wrong_output_suffix_is_rejected() {
     let check = |arguments: &[&str], suffix: &str| {
         let (code, _, stderr) = run(arguments);
         assert!(
@@ -289,5 +289,5 @@ fn what_a_suffix_means_is_written_or_refused() {
     check(&["record", "--out", "run.bag"], ".mcap");
     check(&["demo", "swarm", "--replay", "swarm.gif"], ".html");
     let export = ["export", "run.mcap", "--to", "csv", "--out", "run.parquet"];
-    check(&export, "say --to parquet");
+    check(&export, "use --to parquet");
 }

@@ -1,4 +1,4 @@
-//! Recording and replay with real processes: what was recorded replays bit for bit, and what was changed is named.
+//! Process tests of recording and replay: recordings replay bit for bit, and changes are located.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -8,17 +8,17 @@ use std::time::{Duration, Instant};
 use rustix::process::{Pid, Signal, kill_process};
 use shm_bus::FreshBus;
 
-/// Long enough for any machine; nothing is measured against it.
+/// Timeout, long enough for any computer; no measurement depends on it.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A program that lies next to `atas`; `None` if it was not built in this run.
+/// Returns a program next to `atas`, or `None` if it was not built.
 fn program(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_BIN_EXE_atas")).with_file_name(name);
     if path.is_file() {
         return Some(path);
     }
     let why = "is not built; use `cargo test --workspace`";
-    // Past the harness, which keeps what a passing test prints to itself.
+    // Standard error directly, because the test harness captures output of passing tests.
     let _ = writeln!(
         std::io::stderr(),
         "SKIPPED: recording and replay: {name} {why}"
@@ -26,7 +26,7 @@ fn program(name: &str) -> Option<PathBuf> {
     None
 }
 
-/// A process that ends with this value.
+/// Process that is killed on drop.
 struct Running(Child);
 
 impl Running {
@@ -49,7 +49,7 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // It may have ended already; both calls then have nothing to do.
+        // Both calls do nothing if the process has ended.
         let _ended = self.0.kill();
         let _status = self.0.wait();
     }
@@ -68,7 +68,8 @@ fn atas(arguments: &[&str]) -> (i32, String) {
     (status.code().expect("a code"), text.into_owned())
 }
 
-/// Records one goal from the daemon's first tick to its last; false if the programs are not built.
+/// Records one goal from the daemon's first to last tick; returns false if the programs are not
+/// built.
 fn record(file: &Path, clock: &[&str]) -> bool {
     let needed = ["atas-sim", "atasd", "atas-lab"].map(program);
     let [Some(simulator), Some(daemon), Some(_)] = needed else {
@@ -78,7 +79,7 @@ fn record(file: &Path, clock: &[&str]) -> bool {
     let (bus, out) = (bus.as_str(), file.to_str().expect("UTF-8"));
     let itself = Path::new(env!("CARGO_BIN_EXE_atas"));
     let recorder = Running::start(itself, &["record", "--bus", bus, "--out", out]);
-    // The file is made after the ports are open.
+    // The file is created after the ports are open.
     wait_until(|| file.exists());
     let simulate = [&["run", "--bus", bus, "--object", "wood"], clock].concat();
     let _simulator = Running::start(&simulator, &simulate);
@@ -94,13 +95,13 @@ fn record(file: &Path, clock: &[&str]) -> bool {
         "--width",
         "40",
     ];
-    let (_, told) = atas(&goal);
-    assert!(told.contains("grasp"), "{told}");
+    let (_, printed) = atas(&goal);
+    assert!(printed.contains("grasp"), "{printed}");
     assert_eq!(daemon.end(Signal::TERM), Some(0), "the daemon");
     assert_eq!(
         recorder.end(Signal::INT),
         Some(0),
-        "the recorder: nothing may be lost"
+        "the recorder: data was lost"
     );
     true
 }
@@ -108,7 +109,7 @@ fn record(file: &Path, clock: &[&str]) -> bool {
 fn wait_until(mut is_so: impl FnMut() -> bool) {
     let begin = Instant::now();
     while !is_so() {
-        assert!(begin.elapsed() < PATIENCE, "waited in vain");
+        assert!(begin.elapsed() < PATIENCE, "timed out");
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -122,43 +123,49 @@ fn number(json: &str, key: &str) -> u64 {
 }
 
 #[test]
-fn a_run_in_lock_step_replays_and_what_was_changed_is_named() {
+fn lockstep_run_replays_and_changes_are_located() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     if !record(&file, &["--lockstep"]) {
         return;
     }
     let path = file.to_str().expect("UTF-8");
-    let (code, told) = atas(&["replay", path, "--format", "json"]);
-    assert_eq!((code, number(&told, "different")), (0, 0), "{told}");
-    assert!(number(&told, "ticks") > 1000, "{told}");
-    let (code, told) = atas(&["diff", path, path]);
-    assert_eq!(code, 0, "{told}");
+    let (code, printed) = atas(&["replay", path, "--format", "json"]);
+    assert_eq!((code, number(&printed, "different")), (0, 0), "{printed}");
+    assert!(number(&printed, "ticks") > 1000, "{printed}");
+    let (code, printed) = atas(&["diff", path, path]);
+    assert_eq!(code, 0, "{printed}");
 
     let changed = folder.path().join("changed.mcap");
     change_one_byte(&file, &changed);
     let changed = changed.to_str().expect("UTF-8");
-    let (code, told) = atas(&["replay", changed]);
-    assert_eq!(code, 1, "{told}");
-    assert!(told.contains("tick 500: command.position_rad[3]"), "{told}");
-    let (code, told) = atas(&["diff", path, changed]);
-    assert_eq!(code, 1, "{told}");
-    assert!(told.contains("tick 500: command.position_rad[3]"), "{told}");
+    let (code, printed) = atas(&["replay", changed]);
+    assert_eq!(code, 1, "{printed}");
+    assert!(
+        printed.contains("tick 500: command.position_rad[3]"),
+        "{printed}"
+    );
+    let (code, printed) = atas(&["diff", path, changed]);
+    assert_eq!(code, 1, "{printed}");
+    assert!(
+        printed.contains("tick 500: command.position_rad[3]"),
+        "{printed}"
+    );
 }
 
 #[test]
-fn a_run_by_the_clock_replays() {
+fn realtime_run_replays() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     if !record(&file, &[]) {
         return;
     }
-    let (code, told) = atas(&["replay", file.to_str().expect("UTF-8")]);
-    assert_eq!(code, 0, "{told}");
+    let (code, printed) = atas(&["replay", file.to_str().expect("UTF-8")]);
+    assert_eq!(code, 0, "{printed}");
 }
 
 #[test]
-fn a_recording_that_was_cut_off_is_told_and_repaired() {
+fn truncated_recording_is_detected_and_repaired() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     if !record(&file, &["--lockstep"]) {
@@ -171,17 +178,20 @@ fn a_recording_that_was_cut_off_is_told_and_repaired() {
         folder.path().join("whole.mcap"),
     );
     let whole = whole.to_str().expect("UTF-8");
-    let (code, told) = atas(&["record", "check", path]);
-    assert!(code == 1 && told.contains("atas record repair"), "{told}");
-    let (code, told) = atas(&["record", "repair", path, "--out", whole]);
-    assert_eq!(code, 0, "{told}");
-    let (code, told) = atas(&["record", "check", whole]);
-    assert_eq!(code, 0, "{told}");
-    let (code, told) = atas(&["replay", whole, "--format", "json"]);
-    assert_eq!((code, number(&told, "different")), (0, 0), "{told}");
+    let (code, printed) = atas(&["record", "check", path]);
+    assert!(
+        code == 1 && printed.contains("atas record repair"),
+        "{printed}"
+    );
+    let (code, printed) = atas(&["record", "repair", path, "--out", whole]);
+    assert_eq!(code, 0, "{printed}");
+    let (code, printed) = atas(&["record", "check", whole]);
+    assert_eq!(code, 0, "{printed}");
+    let (code, printed) = atas(&["replay", whole, "--format", "json"]);
+    assert_eq!((code, number(&printed, "different")), (0, 0), "{printed}");
 }
 
-/// Copies a recording with one byte of one command changed.
+/// Copies a recording and changes one byte of one command.
 fn change_one_byte(from: &Path, to: &Path) {
     use shm_schemas::{JointCommand, TickInputs, service};
     let offset = std::mem::offset_of!(TickInputs, command)
@@ -194,7 +204,7 @@ fn change_one_byte(from: &Path, to: &Path) {
     for message in mcap::MessageStream::new(&bytes).expect("MCAP") {
         let mut message = message.expect("whole");
         if message.channel.topic == service::TICK_INPUTS {
-            // In lock-step every tick takes at most one frame of a hand: one part.
+            // In lock-step every tick takes at most one frame per hand: one part.
             if ticks == 500 {
                 message.data.to_mut()[offset] ^= 1;
             }

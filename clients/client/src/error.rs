@@ -1,4 +1,4 @@
-//! Why a daemon could not be asked.
+//! Errors of a client.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -7,13 +7,13 @@ use shm_bus::{BusError, BusName};
 
 use crate::standstill::Stopped;
 
-/// Why a daemon could not be asked, or did not answer.
+/// Error of a client: no daemon, no answer, or a rejection.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// The bus.
+    /// Error of the bus.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// Nothing reports its status.
+    /// No daemon reports its status.
     #[error(
         "could not find a daemon because nothing on bus {bus:?} (folder {}) reports its status; start `atasd`, or name its \
          bus with --bus or {}", folder.display(), BusName::ENV
@@ -21,21 +21,21 @@ pub enum ClientError {
     NoDaemon {
         /// Name of the bus.
         bus: String,
-        /// Its folder.
+        /// Folder of the bus.
         folder: PathBuf,
     },
-    /// There is a daemon, and its process is stopped.
-    #[error("could not ask on bus {bus:?} because {stopped}")]
+    /// The process of the daemon is stopped (suspended).
+    #[error("no answer on bus {bus:?}: {stopped}")]
     Stopped {
         /// Name of the bus.
         bus: String,
-        /// Its owner.
+        /// Owner of the bus.
         stopped: Stopped,
     },
-    /// The daemon understood and refused.
+    /// The daemon rejected the request.
     #[error("{0}")]
     Refused(String),
-    /// A goal was cancelled, but its end was not confirmed.
+    /// The goal was cancelled, but its end was not confirmed.
     #[error(
         "cancelled the goal, but the daemon did not confirm it within {0:?}; see `atas status`, and stop the robot with \
          `atas estop` if in doubt"

@@ -1,36 +1,37 @@
-//! What a client asks for: one constructor per task of the paper.
+//! Goal requests: one constructor per task of the paper.
 //!
-//! In: places and sizes as the client believes them, SI units. Out: a request; the session adds its timestamp and id. What the
-//! robot can do is the daemon's to say.
+//! Inputs: positions and sizes as known to the client, SI units. Output: a request; the session
+//! adds stamp and id. The daemon decides whether the robot can execute it.
 
 use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, Hand, Text};
 
-/// Usual lift of a grasp, m (ours: clear of the table, seen at a glance).
+/// Default lift of a grasp, m. Design choice: clear of the table and easily visible.
 pub const LIFT_M: f64 = 0.040;
-/// Usual hold of a grasp, s (ours: ten slip windows).
+/// Default hold time of a grasp, s. Design choice: ten slip windows.
 pub const HOLD_S: f64 = 1.0;
-/// Lift of a cap from its stand in assembly, m (ours: clear of the stand and of the bottle's neck).
+/// Lift of a cap from its stand in assembly, m. Design choice: clear of the stand and of the
+/// bottle's neck.
 const CAP_LIFT_M: f64 = 0.05;
 
-/// Where fingertips shall close on something: metres from the robot's base, x forward, y left, z up.
+/// Grasp target: metres from the robot's base, x forward, y left, z up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Target {
-    /// The place between the fingertips.
+    /// Position between the fingertips.
     pub at_m: [f64; 3],
     /// Direction of the closing axis from x towards y, rad.
     pub yaw_rad: f64,
     /// Expected width along that axis, m.
     pub width_m: f64,
-    /// How far it reaches above that place, m; zero if unknown.
+    /// Height of the object above that position, m; zero if unknown.
     pub top_m: f64,
-    /// What it may be pressed with at most, N; zero if unknown.
+    /// Largest permitted force, N; zero if unknown.
     pub max_force_n: f64,
 }
 
 impl Target {
-    /// The same with what else is known of it; see the fields.
+    /// Returns the target with height and force limit.
     #[must_use]
-    pub fn knowing(self, top_m: f64, max_force_n: f64) -> Self {
+    pub fn with_limits(self, top_m: f64, max_force_n: f64) -> Self {
         Self {
             top_m,
             max_force_n,
@@ -39,7 +40,16 @@ impl Target {
     }
 }
 
-/// Grasp, lift and hold.
+/// Creates a request to grasp, lift and hold.
+///
+/// ```
+/// use atas_client::goal::{HOLD_S, LIFT_M, Target, grasp};
+/// use shm_schemas::{GoalKind, Hand};
+///
+/// let object = Target { at_m: [0.32, -0.15, 0.03], width_m: 0.05, ..Target::default() };
+/// let request = grasp(&object, Hand::RIGHT, LIFT_M, HOLD_S);
+/// assert_eq!((request.kind, request.width_m), (GoalKind::GRASP, 0.05));
+/// ```
 #[must_use]
 pub fn grasp(object: &Target, hand: Hand, lift_m: f64, hold_s: f64) -> GoalRequest {
     GoalRequest {
@@ -58,7 +68,8 @@ pub fn grasp(object: &Target, hand: Hand, lift_m: f64, hold_s: f64) -> GoalReque
     }
 }
 
-/// Carry an object to a place: where the fingertips shall be when it stands there.
+/// Creates a request to carry an object; `to_m` is the position between the fingertips at the
+/// destination.
 #[must_use]
 pub fn pick_place(object: &Target, hand: Hand, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
     GoalRequest {
@@ -69,8 +80,8 @@ pub fn pick_place(object: &Target, hand: Hand, to_m: [f64; 3], lift_m: f64) -> G
     }
 }
 
-/// Set down what the hand holds at a place, as it lies in the hand: `object` is where it was grasped, and goes back to if
-/// there is no support.
+/// Creates a request to set down the held object, in its present orientation in the hand. `object`
+/// is where it was grasped; the hand puts it back there if there is no support.
 #[must_use]
 pub fn set_down(object: &Target, hand: Hand, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
     GoalRequest {
@@ -80,7 +91,7 @@ pub fn set_down(object: &Target, hand: Hand, to_m: [f64; 3], lift_m: f64) -> Goa
     }
 }
 
-/// Close a cap where it sits.
+/// Creates a request to screw a cap at its position.
 #[must_use]
 pub fn screw(cap: &Target, hand: Hand) -> GoalRequest {
     GoalRequest {
@@ -89,8 +100,9 @@ pub fn screw(cap: &Target, hand: Hand) -> GoalRequest {
     }
 }
 
-/// Close a bottle with a cap from its stand: `cap` as it stands, `on_bottle` where the fingertips shall be when it sits on
-/// the bottle, `bottle_width_m` where the other hand holds it.
+/// Creates a request to screw a cap from a stand onto a bottle. `cap` is the cap on its stand,
+/// `on_bottle` the position between the fingertips with the cap on the bottle, `bottle_width_m` the
+/// width where the other hand holds it.
 #[must_use]
 pub fn assemble(
     cap: &Target,

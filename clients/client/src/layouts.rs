@@ -1,20 +1,28 @@
-//! Layouts by the hash that frames carry.
+//! Element layouts by the hash in a frame.
 
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
 
-/// The layout of this hash, if it is one that has a name.
+/// Returns the named layout with this hash, if any.
+///
+/// ```
+/// use shm_schemas::Layout;
+///
+/// let hash = Layout::dome_41().hash();
+/// assert_eq!(atas_client::layouts::name(hash).as_deref(), Some("dome-41"));
+/// ```
 #[must_use]
 pub fn named(hash: u64) -> Option<Layout> {
-    Layout::named(&name(hash)?)
+    Layout::from_name(&name(hash)?)
 }
 
-/// The name of the layout of this hash, if it is one of those whose names say it all: grids of any pitch have none here.
+/// Returns the name of the layout with this hash, if the name alone defines it; grids of arbitrary
+/// pitch have no name here.
 #[must_use]
 pub fn name(hash: u64) -> Option<String> {
     let names = Layout::NAMES.iter().map(|name| (*name).to_owned());
     let pads = (1..=ELEMENTS).map(|count| format!("pad-{count}"));
-    let is_it = |name: &String| Layout::named(name).is_some_and(|layout| layout.hash() == hash);
+    let is_it = |name: &String| Layout::from_name(name).is_some_and(|layout| layout.hash() == hash);
     names.chain(pads).find(is_it)
 }
 
@@ -23,9 +31,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_layout_with_a_name_is_found_by_its_hash() {
+    fn named_layout_is_found_by_hash() {
         for name in ["dome-41", "dome-1", "pad-7", "pad-64"] {
-            let layout = Layout::named(name).expect("known");
+            let layout = Layout::from_name(name).expect("known");
             let found = named(layout.hash()).expect(name);
             assert_eq!(
                 (found.count, found.normal),

@@ -1,43 +1,56 @@
-//! A client of a running daemon: joins its bus, asks, follows what it asked for.
+//! Client library of a running daemon: joins its bus, sends requests and goals, reads progress and
+//! data.
 //!
 //! ```text
 //!  Session ─┬─ watch_status, control: one answer
-//!           ├─ Pursuit: a goal from its sending to its end ─▶ GoalProgress
-//!           ├─ Leader: a goal that opens a stream of targets, and the stream
-//!           ├─ Watch: looking on
-//!           └─ Run: which robot, which sensors
-//!  goal, scenes: what a goal may ask for, and what is usual where nothing is said
-//!  standstill: whether the ticks still come, and whether a daemon that says nothing is stopped
-//!  json, words, percentiles: what the bus says, for programs and for people
+//!           ├─ GoalExecution: a goal from sending to its end ─▶ GoalProgress
+//!           ├─ TeleopSender: a goal that opens a stream of targets, and the stream
+//!           ├─ Observer: observation
+//!           └─ Run: robot and sensors
+//!  goal, scenes: goal requests, and default positions and sizes
+//!  standstill: detection of stopped ticks and of a suspended daemon
+//!  json, text, percentiles: bus data for programs and for people
 //! ```
 //!
-//! * **In:** the bus of a daemon. **Out:** answers, progress, errors that say what to do.
-//! * **Invariants:** whoever asks waits for the answer, and no longer than a second. Nothing here knows how the daemon
-//!   decides: neither the controller nor a simulator is linked.
-//! * **Absent on purpose:** the terminal (`atas-console`), and every file.
+//! * **Input:** the bus of a daemon. **Outputs:** answers, progress, errors with a remedy.
+//! * **Invariants:** a request waits for its answer, at most one second. The crate depends neither
+//!   on the controller nor on a simulator.
+//! * **Not included:** the terminal (`atas-console`) and files.
+//!
+//! ```
+//! use atas_client::{Session, json};
+//! use shm_bus::BusName;
+//!
+//! # fn print_status() -> Result<(), Box<dyn std::error::Error>> {
+//! let session = Session::existing(&BusName::from_env()?)?;
+//! let (_statuses, status) = session.watch_status()?;
+//! println!("{}", json::status(&status, json::CAPACITY));
+//! # Ok(())
+//! # }
+//! ```
 
-pub mod account;
 mod error;
 pub mod goal;
+mod goal_execution;
+pub mod goal_summary;
 pub mod histogram;
 pub mod json;
 pub mod layouts;
-mod leader;
+mod observer;
 pub mod percentiles;
 mod progress;
-mod pursuit;
 mod run;
 pub mod scenes;
 mod session;
 mod standstill;
-mod watch;
-pub mod words;
+mod teleop;
+pub mod text;
 
 pub use error::ClientError;
-pub use leader::{Leader, Led, Wanted};
+pub use goal_execution::{Cancelled, GoalExecution};
+pub use observer::{Observer, body_ns};
 pub use progress::GoalProgress;
-pub use pursuit::{Cancelled, Pursuit};
 pub use run::Run;
 pub use session::{POLL, Session};
 pub use standstill::{Stopped, standstill};
-pub use watch::{Watch, body_ns};
+pub use teleop::{TeleopHands, TeleopSender, TeleopTarget};

@@ -2,9 +2,10 @@
 
 use shm_schemas::Percentiles;
 
-/// Percentiles of sorted durations: the smallest one that so large a share does not exceed.
+/// Returns percentiles of sorted durations: the smallest duration that a given fraction does not
+/// exceed.
 #[must_use]
-pub fn of_sorted(sorted_ns: &[u64]) -> Percentiles {
+pub fn from_sorted(sorted_ns: &[u64]) -> Percentiles {
     let at = |share: f64| {
         let rank = (share * sorted_ns.len() as f64).ceil() as usize;
         sorted_ns.get(rank.max(1) - 1).copied().unwrap_or(0)
@@ -18,11 +19,16 @@ pub fn of_sorted(sorted_ns: &[u64]) -> Percentiles {
     }
 }
 
-/// Percentiles of durations in any order.
+/// Returns percentiles of durations in any order.
+///
+/// ```
+/// let figures = atas_client::percentiles::from_unsorted((1..=100).rev().collect());
+/// assert_eq!((figures.p50_ns, figures.max_ns), (50, 100));
+/// ```
 #[must_use]
-pub fn of(mut durations_ns: Vec<u64>) -> Percentiles {
+pub fn from_unsorted(mut durations_ns: Vec<u64>) -> Percentiles {
     durations_ns.sort_unstable();
-    of_sorted(&durations_ns)
+    from_sorted(&durations_ns)
 }
 
 #[cfg(test)]
@@ -38,7 +44,7 @@ mod tests {
                 p999_ns,
                 max_ns,
                 count,
-            } = of(durations.to_vec());
+            } = from_unsorted(durations.to_vec());
             assert_eq!([p50_ns, p99_ns, p999_ns, max_ns, count], expected);
         };
         check(&[], [0; 5]);

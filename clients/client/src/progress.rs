@@ -1,38 +1,39 @@
-//! How a goal goes on: its updates, condensed to what a user wants to hear at the end.
+//! Progress of a goal: its updates, condensed to the result for a user.
 
 use shm_schemas::{GoalState, GoalUpdate, GraspFigures, Text};
 
-/// Normal force of a finger that presses, N (ours: above the sensors' noise, below the least grip).
+/// Normal force of a pressing fingertip, N. Design choice: above sensor noise, below the smallest
+/// grip force.
 const PRESSED_N: f32 = 0.1;
 
-// Steps by what they mean to a client, named as the controller's tables name them; a test compares.
-/// The hand opens what it held.
+// Steps by meaning, named as in the controller's tables (tested).
+/// The hand opens.
 const OPENING: [&str; 2] = ["open", "let go"];
-/// The hand lets go of what it placed.
-const LETTING_GO: &str = "let go";
-/// The hand is on its way home without an object.
+/// The hand releases an object that it placed.
+const RELEASING: &str = "let go";
+/// The hand moves home without an object.
 const GOING_HOME: [&str; 2] = ["leave", "home"];
-/// The hand turns back because it could not go on.
-const RETREATING: [&str; 5] = ["lower", "open", "leave", "raise", "withdraw"];
-/// The hand raises again what found no support.
+/// The hand executes a recovery because it could not continue.
+const RECOVERING: [&str; 5] = ["lower", "open", "leave", "raise", "withdraw"];
+/// The hand raises an object that found no support.
 const RAISING: &str = "raise";
 
-/// What happened to a goal so far.
+/// Updates of a goal so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct GoalProgress {
     last: GoalUpdate,
-    /// When the goal began, ns; 0 before the first update.
+    /// Start time of the goal, ns; 0 before the first update.
     begun_ns: u64,
-    /// The last step of the task: what ends it early names what the hand does afterwards, or nothing.
+    /// Last step of the task. The update that ends a task early names a later step, or none.
     step: Text<16>,
-    /// The last update of the attempt itself, before the hand let go of the object.
+    /// Last update of the attempt, before the hand released the object.
     attempt: GoalUpdate,
-    /// When the hand began to let go of what it had placed, ns.
-    let_go_ns: Option<u64>,
+    /// Time at which the hand began to release the placed object, ns.
+    released_ns: Option<u64>,
 }
 
 impl GoalProgress {
-    /// Takes in the next update.
+    /// Adds the next update.
     pub fn add(&mut self, update: &GoalUpdate) {
         self.last = *update;
         if self.begun_ns == 0 {
@@ -44,44 +45,45 @@ impl GoalProgress {
             return;
         }
         self.step = update.step;
-        if !self.lets_go() {
+        if !self.is_releasing() {
             self.attempt = *update;
         }
-        if update.step.as_str() == LETTING_GO {
-            self.let_go_ns.get_or_insert(update.stamp.captured_ns);
+        if update.step.as_str() == RELEASING {
+            self.released_ns.get_or_insert(update.stamp.captured_ns);
         }
     }
 
-    /// When the hand began to let go of what it had placed, ns of the controller's clock; `None` if it never did.
+    /// Returns the time at which the hand began to release the placed object, ns of the
+    /// controller's clock; `None` if it did not.
     #[must_use]
-    pub fn let_go_ns(&self) -> Option<u64> {
-        self.let_go_ns
+    pub fn released_ns(&self) -> Option<u64> {
+        self.released_ns
     }
 
-    /// From the first update to the last, s.
+    /// Returns the time from the first update to the last, s.
     #[must_use]
     pub fn took_s(&self) -> f64 {
         self.last.stamp.captured_ns.saturating_sub(self.begun_ns) as f64 * 1e-9
     }
 
-    /// The last update.
+    /// Returns the last update.
     #[must_use]
     pub fn last(&self) -> &GoalUpdate {
         &self.last
     }
 
-    /// Whether the hand is done with the object: opens, goes home, or retreats.
-    fn lets_go(&self) -> bool {
+    /// Returns true if the hand has finished with the object: opens, moves home, or recovers.
+    fn is_releasing(&self) -> bool {
         let step = self.step.as_str();
-        OPENING.contains(&step) || GOING_HOME.contains(&step) || self.retreats()
+        OPENING.contains(&step) || GOING_HOME.contains(&step) || self.is_recovering()
     }
 
-    /// Whether the hand does what it does because it could not go on.
-    fn retreats(&self) -> bool {
-        RETREATING.contains(&self.step.as_str())
+    /// Returns true if the hand executes a recovery.
+    fn is_recovering(&self) -> bool {
+        RECOVERING.contains(&self.step.as_str())
     }
 
-    /// What the hand knew and pressed when it last tried.
+    /// Returns the estimates and forces of the hand at its last attempt.
     #[must_use]
     pub fn figures(&self) -> &GraspFigures {
         if self.was_attempted() {
@@ -91,28 +93,28 @@ impl GoalProgress {
         }
     }
 
-    /// The step that decided: the last one, but the one before if the hand then retreated.
+    /// Returns the decisive step: the last one, or the one before a recovery.
     #[must_use]
     pub fn step(&self) -> &str {
         let refused = self.last.state == GoalState::REFUSED;
         let failed = self.last.state == GoalState::FAILED && self.step.as_str() == RAISING;
-        if (refused || failed) && self.retreats() && self.was_attempted() {
+        if (refused || failed) && self.is_recovering() && self.was_attempted() {
             self.attempt.step.as_str()
         } else {
             self.step.as_str()
         }
     }
 
-    /// One sentence about an end without success: the step, the cause, the value against its limit, the module.
+    /// Returns one sentence about an end without success: step, cause, value with limit, module.
     #[must_use]
-    pub fn sentence(&self) -> String {
+    pub fn text(&self) -> String {
         match self.step() {
             "" => self.last.reason.to_string(),
             step => format!("{step}: {}", self.last.reason),
         }
     }
 
-    /// Whether a finger of the acting hand presses.
+    /// Returns true if a fingertip of the acting hand presses.
     #[must_use]
     pub fn presses(&self) -> bool {
         let pressed_n = &self.last.figures.normal_n;
@@ -129,14 +131,14 @@ mod tests {
     use super::*;
     use shm_schemas::{Cause, Reason};
 
-    fn told(updates: &[(GoalState, &str, f32)]) -> GoalProgress {
+    fn progress_of(updates: &[(GoalState, &str, f32)]) -> GoalProgress {
         let mut progress = GoalProgress::default();
         for (state, step, normal_n) in updates {
             progress.add(&GoalUpdate {
                 goal_id: 7,
                 state: *state,
                 step: Text::new(step),
-                reason: Reason::of(Cause::CANCELLED),
+                reason: Reason::new(Cause::CANCELLED),
                 figures: GraspFigures {
                     normal_n: [*normal_n; 4],
                     ..GraspFigures::default()
@@ -148,10 +150,10 @@ mod tests {
     }
 
     #[test]
-    fn the_step_that_decided_and_the_force_that_held() {
+    fn progress_has_decisive_step_and_holding_force() {
         use GoalState as S;
         let check = |updates: &[(GoalState, &str, f32)], step: &str, normal_n: f32| {
-            let progress = told(updates);
+            let progress = progress_of(updates);
             let held_n = progress.figures().normal_n[0];
             assert_eq!((progress.step(), held_n), (step, normal_n), "{updates:?}");
         };
@@ -219,9 +221,9 @@ mod tests {
     }
 
     #[test]
-    fn steps_mean_what_the_controllers_tables_say() {
-        use atas_core::tasks::{BACK_OUT, BUILT_IN, Motion, PICK_PLACE, RAISE, RELEASE, WITHDRAW};
-        let names = |track: &atas_core::tasks::Track| -> Vec<String> {
+    fn step_names_equal_the_controller_tables() {
+        use atas_core::tasks::{BUILT_IN, Motion, PICK_PLACE, PUT_BACK, RAISE, RELEASE, WITHDRAW};
+        let names = |track: &atas_core::tasks::StepSequence| -> Vec<String> {
             track
                 .iter()
                 .map(|step| step.name.as_str().to_owned())
@@ -235,21 +237,22 @@ mod tests {
         let placing = PICK_PLACE.acting.iter();
         for step in placing {
             let lets_go = step.motion == Motion::LetGo;
-            assert_eq!(step.name.as_str() == LETTING_GO, lets_go, "{step:?}");
+            assert_eq!(step.name.as_str() == RELEASING, lets_go, "{step:?}");
         }
         assert!(names(&RELEASE.acting).iter().all(|name| known(name)));
-        let retreats = [names(&BACK_OUT), names(&RAISE), names(&WITHDRAW)].concat();
-        let mut told: Vec<&str> = retreats.iter().map(String::as_str).collect();
-        let mut here = RETREATING.to_vec();
-        told.sort_unstable();
+        let retreats = [names(&PUT_BACK), names(&RAISE), names(&WITHDRAW)].concat();
+        let mut reported: Vec<&str> = retreats.iter().map(String::as_str).collect();
+        let mut here = RECOVERING.to_vec();
+        reported.sort_unstable();
         here.sort_unstable();
-        assert_eq!(told, here);
+        assert_eq!(reported, here);
         assert_eq!(names(&RAISE), [RAISING]);
     }
 
     #[test]
-    fn a_finger_presses_above_the_sensors_noise() {
-        let presses = |normal_n| told(&[(GoalState::CANCELLED, "screw", normal_n)]).presses();
+    fn fingertip_presses_above_sensor_noise() {
+        let presses =
+            |normal_n| progress_of(&[(GoalState::CANCELLED, "screw", normal_n)]).presses();
         assert!(presses(2.5) && !presses(0.02) && !presses(f32::NAN));
     }
 }

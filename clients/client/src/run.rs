@@ -1,4 +1,4 @@
-//! What runs: the robot and its sensors, as the daemon names them when it starts.
+//! Run of a daemon: robot and sensors, from the header that the daemon publishes at start.
 
 use std::time::{Duration, Instant};
 
@@ -8,33 +8,30 @@ use shm_schemas::{RunHeader, Status, service};
 
 use crate::POLL;
 
-/// How long one who asks once waits (ours: the daemon hands its header to new readers every 4 ms).
+/// Longest wait for the header. Design choice: the daemon sends it to new readers every 4 ms.
 const WAIT: Duration = Duration::from_millis(100);
-/// Pause before a header that did not come is asked for again (ours).
-const AGAIN: Duration = Duration::from_secs(1);
+/// Pause before the next request for a missing header. Design choice.
+const RETRY_PAUSE: Duration = Duration::from_secs(1);
 
-/// The run of the daemon that reports, as far as it is known.
+/// Run of the reporting daemon, as far as known.
 #[derive(Debug, Default)]
 pub struct Run {
     header: Box<RunHeader>,
     is_known: bool,
-    /// Process of the daemon.
+    /// Process id of the daemon.
     pid: u32,
-    /// Open only while the header is awaited: its few places are the recorders'.
+    /// Open only while waiting for the header: the few reader slots are for recorders.
     port: Option<Subscriber<RunHeader>>,
     asked: Option<Instant>,
 }
 
 impl Run {
-    /// The run of the daemon with this status; unknown if it does not say it at once.
-    ///
-    /// # Errors
-    /// The shared memory of the daemon cannot be read.
-    pub fn of(bus: &Bus, status: &Status) -> Result<Self, BusError> {
+    /// Reads the run of the daemon with this status; unknown if the header does not arrive in time.
+    pub fn read(bus: &Bus, status: &Status) -> Result<Self, BusError> {
         let mut run = Self::default();
         let begin = Instant::now();
         while !run.is_known && begin.elapsed() < WAIT {
-            run.look(bus, status)?;
+            run.poll(bus, status)?;
             if !run.is_known {
                 std::thread::sleep(POLL);
             }
@@ -43,11 +40,8 @@ impl Run {
         Ok(run)
     }
 
-    /// Looks what runs now. Whether that is another run than before, or is only now known.
-    ///
-    /// # Errors
-    /// The shared memory of the daemon cannot be read.
-    pub fn look(&mut self, bus: &Bus, status: &Status) -> Result<bool, BusError> {
+    /// Checks for a new run. Returns true if the run changed or became known.
+    pub fn poll(&mut self, bus: &Bus, status: &Status) -> Result<bool, BusError> {
         let is_another = self.pid != status.pid;
         if is_another {
             (self.pid, self.is_known, self.port, self.asked) = (status.pid, false, None, None);
@@ -55,10 +49,10 @@ impl Run {
         if self.is_known || self.pid == 0 {
             return Ok(is_another);
         }
-        if self.asked.is_none_or(|asked| asked.elapsed() > AGAIN) {
+        if self.asked.is_none_or(|asked| asked.elapsed() > RETRY_PAUSE) {
             self.asked = Some(Instant::now());
             self.port = match bus.subscriber(service::RUN_HEADER) {
-                // Another second.
+                // Next attempt a second later.
                 Err(BusError::Full { .. }) => None,
                 port => Some(port?),
             };
@@ -72,19 +66,19 @@ impl Run {
         Ok(is_another || self.is_known)
     }
 
-    /// How it began, if the daemon has said so.
+    /// Returns the header, if known.
     #[must_use]
     pub fn header(&self) -> Option<&RunHeader> {
         self.is_known.then_some(&*self.header)
     }
 
-    /// Fingers of each hand that feel: none of a hand that nobody requires and that has said nothing; all that payloads have room
-    /// for where nothing is known.
+    /// Returns the number of fingertips with sensors per hand: 0 for a hand that is neither
+    /// required nor publishing, the capacity of the payload if nothing is known.
     #[must_use]
-    pub fn fingers(&self, status: &Status) -> [usize; HANDS] {
+    pub fn fingertips(&self, status: &Status) -> [usize; HANDS] {
         std::array::from_fn(|hand| {
-            let (wiring, felt) = (&self.header.hands[hand], &status.hands[hand]);
-            let is_there = wiring.required != 0 || felt.frames > 0;
+            let (wiring, measured) = (&self.header.hands[hand], &status.hands[hand]);
+            let is_there = wiring.required != 0 || measured.frames > 0;
             match (self.is_known, is_there) {
                 (false, _) => FINGERS,
                 (true, true) => (wiring.fingers as usize).min(FINGERS),
@@ -99,15 +93,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hand_has_the_fingers_that_the_daemon_says_and_none_where_nobody_feels() {
+    fn hand_without_sensors_has_no_fingertips() {
         let mut run = Run::default();
         let mut status = Status::default();
-        assert_eq!(run.fingers(&status), [FINGERS; HANDS], "nothing is hidden");
+        assert_eq!(
+            run.fingertips(&status),
+            [FINGERS; HANDS],
+            "all fingertips are shown"
+        );
         run.is_known = true;
         (run.header.hands[0].fingers, run.header.hands[1].fingers) = (1, 3);
         run.header.hands[1].required = 1;
-        assert_eq!(run.fingers(&status), [0, 3]);
+        assert_eq!(run.fingertips(&status), [0, 3]);
         status.hands[0].frames = 5;
-        assert_eq!(run.fingers(&status), [1, 3]);
+        assert_eq!(run.fingertips(&status), [1, 3]);
     }
 }

@@ -1,7 +1,7 @@
-//! What a client takes for granted where it is told nothing: the scenes that `atas-sim run --scene` sets.
+//! Default positions and sizes for clients: those of the scenes of `atas-sim run --scene`.
 //!
-//! In: a task's scene and a hand. Out: places and sizes as that scene tells its clients. The numbers stand here so that a
-//! client needs no simulator; a test holds them to what the simulator sets.
+//! Inputs: the scene of a task and a hand. Outputs: positions and sizes. The numbers are copied
+//! here so that a client needs no simulator; a test compares them with the simulator.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
@@ -9,10 +9,10 @@ use shm_schemas::Hand;
 
 use crate::goal::Target;
 
-/// The scenes of tasks, with the simulator's usual objects.
+/// Scenes of tasks with the default objects of the simulator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Usual {
-    /// A block on a plate, and another plate beside it.
+pub enum DefaultScene {
+    /// A block on a plate, and an empty plate next to it.
     PickPlace,
     /// A cap on the neck of a clamped bottle.
     Screw,
@@ -20,22 +20,22 @@ pub enum Usual {
     Assembly,
 }
 
-/// What a client is told of a scene.
+/// Data of a scene for clients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nominal {
-    /// The first object: what is carried or turned.
+    /// First object, which is carried or turned.
     pub object: Target,
-    /// Where it shall go; an object without a place stays where it is.
+    /// Destination; an object without one stays at its position.
     pub place: Target,
     /// Width of the second object, the bottle, m; 0 if there is none.
     pub bottle_width_m: f64,
 }
 
-impl Usual {
-    /// Every scene.
+impl DefaultScene {
+    /// All scenes.
     pub const ALL: [Self; 3] = [Self::PickPlace, Self::Screw, Self::Assembly];
 
-    /// Its name for `atas-sim run --scene`.
+    /// Returns the name for `atas-sim run --scene`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -45,12 +45,20 @@ impl Usual {
         }
     }
 
-    /// What a client is told of it when this hand acts: the places of the two hands mirror each other.
+    /// Returns the data for this hand. Positions of the two hands mirror each other.
+    ///
+    /// ```
+    /// use atas_client::scenes::DefaultScene;
+    /// use shm_schemas::Hand;
+    ///
+    /// let place = |hand| DefaultScene::PickPlace.nominal(hand).object.at_m;
+    /// assert_eq!(place(Hand::LEFT)[1], -place(Hand::RIGHT)[1], "the hands mirror each other");
+    /// ```
     #[must_use]
     pub fn nominal(self, hand: Hand) -> Nominal {
         let side = if hand == Hand::LEFT { 1.0 } else { -1.0 };
         let at = |[x_m, out_m, z_m]: [f64; 3], yaw_rad, width_m| Target {
-            // What lies in the middle has no side, and no minus sign either.
+            // The sum avoids a negative zero in the middle.
             at_m: [x_m, side * out_m + 0.0, z_m],
             yaw_rad,
             width_m,
@@ -81,7 +89,7 @@ impl Usual {
         }
     }
 
-    /// The defaults in words, for `--help`.
+    /// Returns the defaults as text for `--help`.
     #[must_use]
     pub fn help(self) -> String {
         let nominal = self.nominal(Hand::RIGHT);
@@ -111,33 +119,42 @@ impl Usual {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robot_model::Side;
+    use robot_model::HandSide;
     use sim_backend::{GraspHint, Object, Scene};
 
     #[test]
-    fn a_client_expects_what_the_simulator_sets() {
+    fn defaults_equal_the_simulator() {
         let object = |name| Object::built_in(name).expect("built in");
         let scene = |usual, side| match usual {
-            Usual::PickPlace => Scene::pick_place(object(Scene::OBJECT), side),
-            Usual::Screw => Scene::screw(object(Scene::CAP), object(Scene::BOTTLE), side),
-            Usual::Assembly => Scene::assembly(object(Scene::CAP), object(Scene::BOTTLE), side),
-        };
-        let check = |usual: Usual, told: &Target, set: &GraspHint| {
-            let told = [told.at_m.as_slice(), &[told.yaw_rad, told.width_m]].concat();
-            let set = [set.from_m.as_slice(), &[set.yaw_rad, set.width_m]].concat();
-            for (told, set) in told.iter().zip(&set) {
-                assert!((told - set).abs() < 1e-9, "{usual:?}: {told} and {set}");
+            DefaultScene::PickPlace => Scene::pick_place(object(Scene::OBJECT), side),
+            DefaultScene::Screw => Scene::screw(object(Scene::CAP), object(Scene::BOTTLE), side),
+            DefaultScene::Assembly => {
+                Scene::assembly(object(Scene::CAP), object(Scene::BOTTLE), side)
             }
         };
-        for (usual, side) in Usual::ALL
+        let check = |usual: DefaultScene, reported: &Target, set: &GraspHint| {
+            let reported = [
+                reported.at_m.as_slice(),
+                &[reported.yaw_rad, reported.width_m],
+            ]
+            .concat();
+            let set = [set.from_m.as_slice(), &[set.yaw_rad, set.width_m]].concat();
+            for (reported, set) in reported.iter().zip(&set) {
+                assert!(
+                    (reported - set).abs() < 1e-9,
+                    "{usual:?}: {reported} and {set}"
+                );
+            }
+        };
+        for (usual, side) in DefaultScene::ALL
             .into_iter()
-            .flat_map(|u| Side::BOTH.map(|s| (u, s)))
+            .flat_map(|u| HandSide::BOTH.map(|s| (u, s)))
         {
             let nominal = usual.nominal(Hand::BOTH[side.index()]);
             let scene = scene(usual, side);
             let first = scene.grasp_hint(0).expect("an object");
             check(usual, &nominal.object, &first);
-            if usual != Usual::Screw {
+            if usual != DefaultScene::Screw {
                 check(usual, &nominal.place, &scene.place.expect("a place"));
                 let bottle = scene.grasp_hint(1).map_or(0.0, |hint| hint.width_m);
                 assert!((nominal.bottle_width_m - bottle).abs() < 1e-9, "{usual:?}");

@@ -1,4 +1,4 @@
-//! This process's place on the bus of a daemon.
+//! Session: connection of a client process to the bus of a daemon.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,16 +11,19 @@ use shm_schemas::{
 
 use crate::{ClientError, Stopped};
 
-/// How often a waiting client looks (ours: imperceptible to a person).
+/// Poll interval of a waiting client. Design choice: not perceptible to a person.
 pub const POLL: Duration = Duration::from_millis(5);
-/// How long to wait for a sign of the daemon, which publishes its status 50 times a second (ours: 40 of them).
-const SIGN_OF_LIFE: Duration = Duration::from_millis(800);
-/// How long the daemon may take to answer a request (ours: it looks 50 times a second).
-const ANSWER: Duration = Duration::from_millis(900);
-/// How long a goal waits for a daemon that begins or re-arms (ours: on a busy machine the first frames take a tenth of it).
-const ARMING: Duration = Duration::from_secs(2);
+/// Longest wait for the daemon's status, which it publishes 50 times a second. Design choice: 40
+/// statuses.
+const STATUS_TIMEOUT: Duration = Duration::from_millis(800);
+/// Longest wait for the answer to a request. Design choice: the daemon polls requests 50 times a
+/// second.
+const ANSWER_TIMEOUT: Duration = Duration::from_millis(900);
+/// Longest wait of a goal for a daemon that starts or re-arms. Design choice: ten times the delay
+/// of the first frames on a busy machine.
+const ARMING_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// This process's place on the bus of a daemon.
+/// Connection of this process to the bus of a daemon.
 pub struct Session {
     bus: Bus,
     epoch: u64,
@@ -28,25 +31,25 @@ pub struct Session {
 }
 
 impl Session {
-    /// Joins a bus that is there. A name that nobody has made a bus of leaves nothing behind.
+    /// Joins an existing bus. A missing bus is not created.
     ///
     /// # Errors
-    /// There is no such bus, or it cannot be joined.
+    /// The bus does not exist or cannot be joined.
     pub fn existing(name: &BusName) -> Result<Self, ClientError> {
-        Ok(Self::of(Bus::join(name, "atas", Realtime::No)?))
+        Ok(Self::from_bus(Bus::join(name, "atas", Realtime::No)?))
     }
 
-    /// Joins a bus, and makes it where it is not: for those who may come before the daemon.
+    /// Joins a bus, and creates it if missing: for programs that may start before the daemon.
     ///
     /// # Errors
     /// The bus cannot be joined.
     pub fn join(name: &BusName) -> Result<Self, ClientError> {
-        Ok(Self::of(Bus::open(name, "atas", Realtime::No)?))
+        Ok(Self::from_bus(Bus::open(name, "atas", Realtime::No)?))
     }
 
-    /// On a bus that this process has joined.
+    /// Creates a session on a bus that this process has joined.
     #[must_use]
-    pub fn of(bus: Bus) -> Self {
+    pub fn from_bus(bus: Bus) -> Self {
         Self {
             bus,
             epoch: writer_epoch(),
@@ -54,13 +57,13 @@ impl Session {
         }
     }
 
-    /// The bus, to open ports on.
+    /// Returns the bus.
     #[must_use]
     pub fn bus(&self) -> &Bus {
         &self.bus
     }
 
-    /// The timestamp of the next request.
+    /// Returns the stamp of the next request.
     pub fn stamp(&self) -> Stamp {
         let sequence = self.sequence.get();
         self.sequence.set(sequence + 1);
@@ -71,16 +74,17 @@ impl Session {
         }
     }
 
-    /// Begins to read the daemon's status, and waits for the first one: proof that a daemon lives.
+    /// Subscribes to the daemon's status and waits for the first one, which proves that a daemon
+    /// runs.
     ///
     /// # Errors
-    /// [`ClientError::NoDaemon`] if none comes.
+    /// [`ClientError::NoDaemon`] if no status arrives.
     pub fn watch_status(&self) -> Result<(Subscriber<Status>, Status), ClientError> {
         let mut statuses = self.bus.subscriber::<Status>(service::STATUS)?;
         let mut status = Status::default();
         let begin = Instant::now();
         while !statuses.newest(&mut status)? {
-            if begin.elapsed() > SIGN_OF_LIFE {
+            if begin.elapsed() > STATUS_TIMEOUT {
                 return Err(self.no_daemon());
             }
             std::thread::sleep(POLL);
@@ -88,16 +92,17 @@ impl Session {
         Ok((statuses, status))
     }
 
-    /// Waits while the daemon begins or re-arms after a hold, in which it takes no goal, so that what starts or recovers it may send
-    /// one at once. Where that lasts, or `stop` is set, the daemon shall say itself why it takes none.
+    /// Waits while the daemon starts or re-arms after a hold, so that a goal can be sent
+    /// immediately afterwards. Returns early when `stop` is set or after two seconds; the daemon
+    /// then rejects the goal with its reason.
     ///
     /// # Errors
-    /// [`ClientError::NoDaemon`] if no status comes.
+    /// [`ClientError::NoDaemon`] if no status arrives.
     pub fn wait_until_armed(&self, stop: &AtomicBool) -> Result<(), ClientError> {
         let (mut statuses, mut status) = self.watch_status()?;
         let begin = Instant::now();
         while matches!(status.mode, Mode::INIT | Mode::HOLD)
-            && begin.elapsed() < ARMING
+            && begin.elapsed() < ARMING_TIMEOUT
             && !stop.load(Ordering::Relaxed)
         {
             std::thread::sleep(POLL);
@@ -117,11 +122,16 @@ impl Session {
         }
     }
 
-    /// Asks once and waits for the answer, whatever it is.
+    /// Sends a request and waits for any answer.
     ///
     /// # Errors
-    /// Nobody answers.
-    pub fn ask(&self, op: ControlOp, value: f64, name: &str) -> Result<ControlReply, ClientError> {
+    /// No answer arrives.
+    pub fn request(
+        &self,
+        op: ControlOp,
+        value: f64,
+        name: &str,
+    ) -> Result<ControlReply, ClientError> {
         let request = ControlRequest {
             stamp: self.stamp(),
             op,
@@ -129,20 +139,20 @@ impl Session {
             name: Text::new(name),
             ..ControlRequest::default()
         };
-        Ok(self.bus.control_client()?.call(&request, ANSWER)?)
+        Ok(self.bus.control_client()?.call(&request, ANSWER_TIMEOUT)?)
     }
 
-    /// Asks for something that must be done.
+    /// Sends a request that must succeed.
     ///
     /// # Errors
-    /// Nobody answers, or the daemon refuses, with its reason.
-    pub fn demand(
+    /// No answer arrives, or the daemon rejects the request with a reason.
+    pub fn request_success(
         &self,
         op: ControlOp,
         value: f64,
         name: &str,
     ) -> Result<ControlReply, ClientError> {
-        let reply = self.ask(op, value, name)?;
+        let reply = self.request(op, value, name)?;
         match reply.outcome {
             ControlOutcome::DONE => Ok(reply),
             outcome => Err(ClientError::Refused(format!("{outcome}: {}", reply.text))),
@@ -155,7 +165,8 @@ mod tests {
     use super::*;
     use shm_bus::FreshBus;
 
-    /// Waits beside a daemon that reports these modes one after the other, the last one for ever; which it had got to.
+    /// Waits for a daemon that reports these modes in order and keeps the last one; returns the
+    /// mode reached.
     fn waited(modes: &[Mode], stop: bool) -> Mode {
         let name = FreshBus::new("armed");
         let bus = Bus::open(&name, "atasd", Realtime::No).expect("a bus");
@@ -183,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_daemon_that_begins_or_re_arms_is_waited_for_and_no_other() {
+    fn only_starting_and_rearming_daemons_are_awaited() {
         let check = |modes: &[Mode], stop: bool, expected: Mode| {
             assert_eq!(waited(modes, stop), expected, "{modes:?}, stop {stop}");
         };
@@ -192,7 +203,8 @@ mod tests {
         check(&then(Mode::READY), false, Mode::READY);
         check(&then(Mode::RUN), false, Mode::RUN);
         check(&then(Mode::SAFE_STOP), false, Mode::SAFE_STOP);
-        // It does not come to be ready: that is its own to say. Told to stop: nothing is waited for.
+        // A daemon that does not become ready answers the goal itself. A set stop flag ends the
+        // wait.
         check(&BEGINS, false, Mode::INIT);
         check(&then(Mode::READY), true, Mode::INIT);
         check(&[Mode::FAULT], false, Mode::FAULT);

@@ -1,5 +1,5 @@
-//! Whether the ticks still come: a daemon whose tick thread is frozen goes on saying what it last was, and one whose process is
-//! stopped says nothing.
+//! Detection of stopped ticks. A daemon whose tick thread is frozen keeps publishing its last
+//! state; a suspended process publishes nothing.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -9,27 +9,28 @@ use atas_process::stat::Stat;
 use shm_bus::{BusName, Owner};
 use shm_schemas::{Status, StatusFlags};
 
-/// Age of the newest snapshot from which the ticks stand still. They leave one every 20 ms; a shared machine takes a core
-/// away for some 10 ms at times (ours).
-const FROZEN: Duration = Duration::from_millis(200);
+/// Age of the newest snapshot at which ticks count as stopped. Snapshots arrive every 20 ms, and a
+/// shared machine may pause a core for about 10 ms. Design choice.
+const STOPPED_AGE: Duration = Duration::from_millis(200);
 
-/// How long the daemon's ticks have been standing still, if they do. Virtual time stands still as it likes.
+/// Returns the time since the last tick if the ticks have stopped. Virtual time may pause for any
+/// duration.
 #[must_use]
 pub fn standstill(status: &Status, now_ns: u64) -> Option<Duration> {
     let is_virtual = status.flags & StatusFlags::LOCKSTEP != 0;
     let age = Duration::from_nanos(now_ns.saturating_sub(status.stamp.captured_ns));
-    (!is_virtual && age >= FROZEN).then_some(age)
+    (!is_virtual && age >= STOPPED_AGE).then_some(age)
 }
 
-/// A bus's owner whose process was stopped, by Ctrl-Z, a debugger or a freezer.
+/// Owner of a bus whose process is suspended by Ctrl-Z, a debugger or a freezer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stopped(pub Owner);
 
 impl Stopped {
-    /// The owner of a bus, if it is stopped.
+    /// Returns the owner of a bus if it is suspended.
     #[must_use]
     pub fn owner(bus: &BusName) -> Option<Self> {
-        let owner = Owner::of(bus)?;
+        let owner = Owner::find(bus)?;
         let process = PathBuf::from(format!("/proc/{}", owner.pid));
         let is_stopped = Stat::read(&process).is_ok_and(|stat| stat.is_stopped());
         is_stopped.then_some(Self(owner))
@@ -53,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn old_snapshots_of_real_time_stand_still() {
+    fn old_snapshot_in_real_time_is_a_standstill() {
         let check = |flags, captured_ns, now_ns, expected_ms: Option<u64>| {
             let mut status = Status {
                 flags,
@@ -71,7 +72,7 @@ mod tests {
         check(0, 1_000_000_000, 1_200_000_000, Some(200));
         check(0, 1_000_000_000, 3_500_000_000, Some(2_500));
         check(StatusFlags::LOCKSTEP, 0, 3_500_000_000, None);
-        // A stamp of the future is nobody's standstill.
+        // A stamp in the future is not a standstill.
         check(0, u64::MAX, 0, None);
     }
 }

@@ -1,7 +1,8 @@
-//! The command line: what a user may type, and how it is read.
+//! Command line of the `atas` programs.
 //!
-//! Users type millimetres and degrees; everything behind this file is in SI units. Values are only checked for being
-//! numbers here: which of them the robot can do is the daemon's to say, so that there is one place that knows.
+//! Users enter millimetres and degrees; all values behind this module are in SI units. The parsers
+//! reject values that are not finite numbers or have the wrong unit. The daemon alone checks the
+//! limits of the robot.
 
 use std::path::PathBuf;
 
@@ -21,42 +22,43 @@ mod demos;
 mod evals;
 mod examples;
 mod exports;
-mod follows;
 mod goals;
 mod plots;
 mod records;
 mod robots;
+mod teleop;
 mod topics;
 mod values;
 
 pub use access::{Access, Right};
-pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoBy};
+pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoTransport};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
 pub use dashboards::{Dashboard, Foxglove};
 pub use demos::{
-    Demo, DemoAssembly, DemoGrasp, DemoHybrid, DemoPickPlace, DemoScrew, DemoSwarm, Running,
+    Demo, DemoAssembly, DemoGrasp, DemoHybrid, DemoOptions, DemoPickPlace, DemoScrew, DemoSwarm,
 };
 pub use evals::{
-    CalibrationEvaluation, Eval, Evaluation, HybridEvaluation, Merging, RecordedEvaluation,
+    CalibrationEvaluation, Eval, Evaluation, HybridEvaluation, MergeParts, RecordedEvaluation,
     ReflexEvaluation, Summary, TaskName, Tuning, Variants,
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
-pub use follows::Follow;
 pub use goals::{
-    Assemble, Grasp, HandName, Known, PickPlace, Release, Screw, Sending, TurnName, UserTask, Zero,
+    Assemble, Grasp, HandName, ObjectProperties, PickPlace, Release, Screw, SendOptions, TurnName,
+    UserTask, Zero,
 };
-pub use plots::{Drawn, Plot, PlotRecorded};
+pub use plots::{Plot, PlotOffline, PlotRecorded};
 pub use records::{Record, RecordAction};
 pub use robots::RobotAction;
+pub use teleop::Teleop;
 pub use topics::Topic;
 pub use values::Place;
 
-/// Artificial tactile affordance system: what fingertips feel induces the next movement
+/// Artificial tactile affordance system: robot manipulation controlled by tactile feedback
 #[derive(Debug, Parser)]
 #[command(name = "atas", version, after_help = Exit::TABLE, arg_required_else_help = true)]
 pub struct Arguments {
-    /// How results are printed on standard output
+    /// Format of the results on standard output
     #[arg(
         long,
         value_enum,
@@ -65,17 +67,17 @@ pub struct Arguments {
         value_name = "FORMAT"
     )]
     pub format: Format,
-    /// What to do
+    /// Command to run
     #[command(subcommand)]
     pub command: Command,
 }
 
 impl Arguments {
-    /// What these words say, the program's name first.
+    /// Parses a command line; the first word is the program name.
     ///
     /// # Errors
-    /// They are no command line.
-    pub fn of(words: &[&str]) -> Result<Self, clap::Error> {
+    /// The words are not a valid command line.
+    pub fn from_words(words: &[&str]) -> Result<Self, clap::Error> {
         Self::try_parse_from(words)
     }
 }
@@ -83,138 +85,148 @@ impl Arguments {
 /// The commands of both programs.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Show a task: starts daemon and simulator on a bus of their own, runs the task, cleans up
+    /// Run a demo task: start daemon and simulator on a private bus, run the task, clean up
     Demo {
-        /// Which task
+        /// Task to run
         #[command(subcommand)]
         task: Demo,
     },
-    /// Measure a task over many seeded trials, in this process and in virtual time
+    /// Evaluate a task over many seeded trials in virtual time, without a daemon
     Eval {
-        /// Which task
+        /// Task to evaluate
         #[command(subcommand)]
         task: Eval,
     },
-    /// Draw the goals of recorded runs, or of an offline run: forces, modules, trajectories; SVG, PNG or PDF
+    /// Plot goals of recordings or of an offline run: forces, modules, trajectories; SVG, PNG or
+    /// PDF
     #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
     Plot {
-        /// An offline run instead of recordings: a seeded one in this process
+        /// Seeded offline run in this process, instead of recordings
         #[command(subcommand)]
         offline: Option<Plot>,
-        /// Which recordings
+        /// Recordings to plot
         #[command(flatten)]
         recorded: Option<PlotRecorded>,
     },
     /// Grasp an object, lift it and hold it; Ctrl-C cancels
     Grasp(Grasp),
-    /// Grasp an object, carry it to another place and set it down there; Ctrl-C cancels
+    /// Grasp an object, carry it to another position and set it down; Ctrl-C cancels
     PickPlace(PickPlace),
-    /// Turn a cap on its bottle until it is tight; Ctrl-C cancels
+    /// Turn a cap on a bottle until it is tight; Ctrl-C cancels
     Screw(Screw),
-    /// Hold a bottle with one hand; put a cap on it with the other, and screw it tight; Ctrl-C cancels
+    /// Hold a bottle with one hand, put a cap on it with the other and screw it tight; Ctrl-C
+    /// cancels
     #[command(visible_alias = "assembly")]
     Assemble(Assemble),
-    /// Run a task of your own, which the daemon's configuration defines; Ctrl-C cancels
+    /// Run a task that the daemon's configuration defines; Ctrl-C cancels
     Task(UserTask),
-    /// Lead a hand: by keys in a terminal, or along a file of targets; touch decides how hard it holds
-    Follow(Follow),
-    /// Open a hand where it is and bring it home; Ctrl-C cancels
+    /// Teleoperate a hand with the keyboard or a file of targets; the daemon controls the grip
+    /// force
+    Teleop(Teleop),
+    /// Open a hand in place and move it home; Ctrl-C cancels
     Release(Release),
-    /// Stop now: the robot keeps its place and its grip until `atas recover`
+    /// Stop the robot: it holds its position and grip until `atas recover`
     #[command(visible_alias = "stop")]
     Estop(BusArgument),
-    /// Cancel the active goal, whoever sent it; the hands keep what they hold
+    /// Cancel the active goal of any client; the hands keep their grip
     Cancel(BusArgument),
-    /// Leave a stop or a hold, if its cause is gone
+    /// Leave a stop or hold after its cause is removed
     Recover(BusArgument),
-    /// Take what the fingertips of an empty hand feel as nothing: their new zero
+    /// Zero the fingertip sensors of an empty hand at their present reading
     Zero(Zero),
-    /// Show how the daemon and its sensors are
+    /// Show the state of the daemon and its sensors
     Status(Status),
-    /// Show the running system on one screen: forces, fingertips, modules, ticks, services, faults; q ends it
+    /// Show the running system live: forces, fingertips, modules, ticks, services, faults; q quits
     Top(BusArgument),
-    /// Look at the bus itself: its services, what they say, how often
+    /// Inspect the services of the bus: contents and rates
     Topic {
-        /// What to do with them
+        /// Action
         #[command(subcommand)]
         action: Topic,
     },
-    /// Show what happened: modules, touches, steps, modes, warnings
+    /// Show events: modules, touches, steps, modes, warnings
     Events(Events),
-    /// Read and change the daemon's parameters
+    /// Read and change daemon parameters
     Param {
-        /// What to do with them
+        /// Action
         #[command(subcommand)]
         action: Param,
     },
-    /// Show how punctual the daemon is: wake-up, frame age, tick by stage, sensor to command
+    /// Show the timing of the daemon: wake-up, frame age, tick stages, sensor to command
     Latency(Latency),
-    /// Show what a robot is: its joints, its fingertips, what it reaches and what it can do
+    /// Describe a robot: joints, fingertips, workspace, capabilities
     Robot {
-        /// What to do with it
+        /// Action
         #[command(subcommand)]
         action: RobotAction,
     },
-    /// Calibrate a fingertip from recorded presses: scale, axes, crosstalk, noise, thresholds, compression
+    /// Calibrate a fingertip from recorded presses: scale, axes, crosstalk, noise, thresholds,
+    /// compression
     Calibrate {
-        /// Which step of it
+        /// Calibration step
         #[command(subcommand)]
         action: Calibrate,
     },
-    /// Measure this machine
+    /// Measure this computer: timing, stop, observers
     Bench {
-        /// What
+        /// Measurement
         #[command(subcommand)]
         what: Bench,
     },
-    /// Record what the daemon takes in and gives out, until Ctrl-C; start it before `atasd --record-stream`
+    /// Record inputs and outputs of the daemon until Ctrl-C; start before `atasd --record-stream`
     #[command(args_conflicts_with_subcommands = true)]
     Record {
-        /// What to do with a file instead
+        /// Action on an existing recording
         #[command(subcommand)]
         action: Option<RecordAction>,
-        /// How to record
+        /// Recording options
         #[command(flatten)]
         options: Record,
     },
-    /// Run the controller on a recording and compare every command bit for bit; exit code 1 if one differs
+    /// Replay a recording through the controller and compare every command bit by bit
+    ///
+    /// Exit code 1 if a command differs.
     Replay {
-        /// The files of one run, in order
+        /// Files of one run, in order
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
     },
-    /// Name the first tick and field in which two recordings differ, and how both ended; exit code 1 if they do
+    /// Find the first tick and field in which two recordings differ, and show the final state of
+    /// both
+    ///
+    /// Exit code 1 if they differ.
     Diff {
-        /// One recording
+        /// First recording
         first: PathBuf,
-        /// Another
+        /// Second recording
         second: PathBuf,
     },
-    /// Tell why a goal ended as it did: its steps, the decisive moments with their forces and limits
+    /// Explain the result of a goal: steps and decisive moments with forces and limits
     Explain(Explain),
-    /// Write a recording as what other programs open: MCAP for Rerun, Foxglove and PlotJuggler, CSV, Parquet
+    /// Export a recording to MCAP (Rerun, Foxglove, PlotJuggler), CSV or Parquet
     Export(Export),
-    /// Look on in a browser: fingertips, forces, modules, the robot; a running daemon or a recording
+    /// Show fingertips, forces, modules and robot in a browser, live or from a recording
     Dashboard(Dashboard),
-    /// Serve the live topics and the robot to Foxglove, over its WebSocket protocol
+    /// Serve live topics and the robot to Foxglove over WebSocket
     Foxglove(Foxglove),
-    /// Check this machine, the bus and the daemon, and say what to do; exit code 1 if anything fails
+    /// Check computer, bus and daemon, and recommend fixes; exit code 1 if a check fails
     Doctor(BusArgument),
-    /// Print the completions of a shell
+    /// Print the completion script of a shell
     Completions {
-        /// Which shell
+        /// Shell
         #[arg(value_enum)]
         shell: clap_complete::Shell,
     },
-    /// Write the manual pages into a folder
+    /// Write the manual pages
     Man {
-        /// The folder
+        /// Output folder
         folder: PathBuf,
     },
 }
 
 impl Command {
-    /// The program that does it: the operator's own, or one beside it that links what the operator's must not.
+    /// Returns the program that executes the command. Only [`Program::Operator`] links neither
+    /// controller, simulator nor server.
     #[must_use]
     pub fn program(&self) -> Program {
         match self {
@@ -233,18 +245,18 @@ impl Command {
     }
 }
 
-/// The programs that share this command line.
+/// Programs that share this command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Program {
     /// `atas`.
     Operator,
-    /// `atas-lab`: needs the simulator or the controller.
+    /// `atas-lab`: links the simulator and the controller.
     Lab,
-    /// `atas-live`: a server.
+    /// `atas-live`: servers for browser and Foxglove.
     Live,
 }
 
-/// Which bus.
+/// Bus selection.
 #[derive(Args, Clone, Debug)]
 pub struct BusArgument {
     /// Bus of the daemon
@@ -255,10 +267,10 @@ pub struct BusArgument {
 /// `atas status`.
 #[derive(Args, Clone, Debug)]
 pub struct Status {
-    /// Go on, five times a second, until Ctrl-C
+    /// Update five times per second until Ctrl-C
     #[arg(long)]
     pub watch: bool,
-    /// Which daemon
+    /// Daemon to query
     #[command(flatten)]
     pub bus: BusArgument,
 }
@@ -266,23 +278,23 @@ pub struct Status {
 /// `atas events`.
 #[derive(Args, Clone, Debug)]
 pub struct Events {
-    /// Only events of these kinds, separated by commas: goal, step, mode, touch-on, touch-off, module-on, module-off,
-    /// stiffness, warning
+    /// Only these kinds of events, separated by commas: goal, step, mode, touch-on, touch-off,
+    /// module-on, module-off, stiffness, warning
     #[arg(long = "kind", value_name = "KIND", value_delimiter = ',', value_parser = event_kind)]
     pub kinds: Vec<EventKind>,
-    /// Only events of this hand, and those of none
+    /// Only events of this hand, and events without a hand
     #[arg(long, value_enum)]
     pub hand: Option<HandName>,
-    /// Only the last goal's, from its beginning
+    /// Only events of the last goal, from its beginning
     #[arg(long, conflicts_with_all = ["follow", "count"])]
     pub last_goal: bool,
-    /// Go on with new events, until Ctrl-C
+    /// Continue with new events until Ctrl-C
     #[arg(long)]
     pub follow: bool,
-    /// Stop after this many events, and wait for them
+    /// Wait for this many events, then stop
     #[arg(long, value_name = "N")]
     pub count: Option<u64>,
-    /// Which daemon
+    /// Daemon to query
     #[command(flatten)]
     pub bus: BusArgument,
 }
@@ -290,10 +302,10 @@ pub struct Events {
 /// `atas latency`.
 #[derive(Args, Clone, Debug)]
 pub struct Latency {
-    /// Go on, once a second, until Ctrl-C
+    /// Update once per second until Ctrl-C
     #[arg(long)]
     pub watch: bool,
-    /// Which daemon
+    /// Daemon to query
     #[command(flatten)]
     pub bus: BusArgument,
 }
@@ -301,24 +313,24 @@ pub struct Latency {
 /// `atas param`.
 #[derive(Debug, Subcommand)]
 pub enum Param {
-    /// Every parameter with its value, range and meaning
+    /// List all parameters with value, range and meaning
     List(BusArgument),
-    /// One parameter's value
+    /// Show one parameter
     Get {
-        /// Its name, for example `grasp.dr_n`
+        /// Parameter name, for example `grasp.dr_n`
         name: String,
-        /// Which daemon
+        /// Daemon to query
         #[command(flatten)]
         bus: BusArgument,
     },
     /// Change one parameter until the daemon restarts
     Set {
-        /// Its name, for example `grasp.dr_n`
+        /// Parameter name, for example `grasp.dr_n`
         name: String,
-        /// Its new value, SI units
+        /// New value, SI units
         #[arg(value_parser = finite, allow_hyphen_values = true)]
         value: f64,
-        /// Which daemon
+        /// Daemon to change
         #[command(flatten)]
         bus: BusArgument,
     },

@@ -1,134 +1,75 @@
-//! Exit codes: what a script may rely on. This table is the only place that knows them.
+//! Exit codes of errors; errors with an exit code.
 
 use std::fmt;
-use std::process::ExitCode;
 
 use atas_client::ClientError;
 use shm_bus::BusError;
 
-/// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Exit {
-    /// Done as asked.
-    Ok = 0,
-    /// Something failed that has no code of its own.
-    Failed = 1,
-    /// The command line is wrong.
-    Usage = 2,
-    /// No daemon answers on the bus.
-    NoDaemon = 3,
-    /// The goal was refused, failed or was cancelled; or the daemon refused the request.
-    Refused = 4,
-    /// Ctrl-C or SIGTERM, after cleaning up.
-    Interrupted = 5,
-    /// A demo ran, but an object did not end as physics, or evolution, says it should.
-    Unexpected = 6,
+pub use atas_process::exit::Exit;
+
+/// Returns the exit code of an error.
+#[must_use]
+pub fn exit_of(error: &anyhow::Error) -> Exit {
+    if let Some(ended) = error.downcast_ref::<ExitError>() {
+        return ended.exit;
+    }
+    match error.downcast_ref::<ClientError>() {
+        Some(ClientError::NoDaemon { .. } | ClientError::Stopped { .. }) => return Exit::NoDaemon,
+        Some(ClientError::Refused(_)) => return Exit::Refused,
+        Some(ClientError::Bus(error)) => return exit_of_bus(error),
+        _ => {}
+    }
+    error
+        .downcast_ref::<BusError>()
+        .map_or(Exit::Failed, exit_of_bus)
 }
 
-impl Exit {
-    /// The table as users read it, in every `--help`.
-    pub const TABLE: &'static str = "\
-Exit codes:
-  0  done as asked
-  1  failed
-  2  wrong usage
-  3  no daemon answers on the bus
-  4  the goal or the request was refused, failed or was cancelled
-  5  interrupted, after cleaning up
-  6  a demo's object did not end as physics, or evolution, says it should";
-
-    /// The code that an error leads to.
-    #[must_use]
-    pub fn of(error: &anyhow::Error) -> Self {
-        if let Some(ended) = error.downcast_ref::<Ended>() {
-            return ended.exit;
-        }
-        match error.downcast_ref::<ClientError>() {
-            Some(ClientError::NoDaemon { .. } | ClientError::Stopped { .. }) => {
-                return Self::NoDaemon;
-            }
-            Some(ClientError::Refused(_)) => return Self::Refused,
-            Some(ClientError::Bus(error)) => return Self::of_bus(error),
-            _ => {}
-        }
-        error
-            .downcast_ref::<BusError>()
-            .map_or(Self::Failed, Self::of_bus)
-    }
-
-    fn of_bus(error: &BusError) -> Self {
-        match error {
-            BusError::Absent { .. }
-            | BusError::OtherUser { .. }
-            | BusError::NoServer { .. }
-            | BusError::ServerGone { .. }
-            | BusError::NoAnswer { .. } => Self::NoDaemon,
-            _ => Self::Failed,
-        }
+fn exit_of_bus(error: &BusError) -> Exit {
+    match error {
+        BusError::Absent { .. }
+        | BusError::OtherUser { .. }
+        | BusError::NoServer { .. }
+        | BusError::ServerGone { .. }
+        | BusError::NoAnswer { .. } => Exit::NoDaemon,
+        error if error.is_in_use() => Exit::InUse,
+        _ => Exit::Bus,
     }
 }
 
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        Self::from(exit as u8)
-    }
-}
-
-/// An end with a code of its own and a sentence.
+/// Error with an exit code.
 #[derive(Debug)]
-pub struct Ended {
-    /// The code.
+pub struct ExitError {
+    /// Exit code.
     pub exit: Exit,
-    /// One sentence for the user.
-    pub sentence: String,
+    /// Message for the user.
+    pub message: String,
 }
 
-impl Ended {
-    /// An error with this code and sentence.
-    pub fn with(exit: Exit, sentence: impl Into<String>) -> anyhow::Error {
+impl ExitError {
+    /// Creates an error with this exit code and message.
+    pub fn with_code(exit: Exit, sentence: impl Into<String>) -> anyhow::Error {
         anyhow::Error::new(Self {
             exit,
-            sentence: sentence.into(),
+            message: sentence.into(),
         })
     }
 }
 
-impl fmt::Display for Ended {
+impl fmt::Display for ExitError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.sentence)
+        f.write_str(&self.message)
     }
 }
 
-impl std::error::Error for Ended {}
+impl std::error::Error for ExitError {}
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn every_code_is_in_the_table() {
-        let all = [
-            Exit::Ok,
-            Exit::Failed,
-            Exit::Usage,
-            Exit::NoDaemon,
-            Exit::Refused,
-            Exit::Interrupted,
-            Exit::Unexpected,
-        ];
-        let lines: Vec<&str> = Exit::TABLE.lines().skip(1).collect();
-        assert_eq!(lines.len(), all.len());
-        for (line, exit) in lines.iter().zip(all) {
-            assert!(
-                line.starts_with(&format!("  {}  ", exit as u8)),
-                "{line:?} for {exit:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn errors_lead_to_codes() {
-        let check = |error: anyhow::Error, exit| assert_eq!(Exit::of(&error), exit, "{error}");
+    fn errors_map_to_exit_codes() {
+        let check = |error: anyhow::Error, exit| assert_eq!(exit_of(&error), exit, "{error}");
         let gone = || BusError::ServerGone {
             service: "atas/v1/goal",
         };
@@ -139,7 +80,10 @@ mod tests {
             anyhow::Error::new(gone()).context("while asking"),
             Exit::NoDaemon,
         );
-        check(Ended::with(Exit::Interrupted, "stopped"), Exit::Interrupted);
+        check(
+            ExitError::with_code(Exit::Interrupted, "stopped"),
+            Exit::Interrupted,
+        );
         check(anyhow::anyhow!("other"), Exit::Failed);
     }
 }

@@ -1,38 +1,39 @@
-//! Ctrl-C and SIGTERM as a flag that long work looks at.
+//! Ctrl-C and SIGTERM as a flag that long work polls.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use atas_process::end;
+use atas_process::shutdown;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-use crate::{Ended, Exit};
+use crate::{Exit, ExitError};
 
-/// Set by the first signal. The second one ends the process at once.
+/// Flag that the first signal sets. The second signal ends the process.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Begins to listen to SIGINT, SIGTERM and SIGHUP instead of dying of them.
-    pub fn listen() -> anyhow::Result<Self> {
-        let flag = end::on_signals(&[SIGINT, SIGTERM, SIGHUP], Exit::Interrupted as i32)?;
+    /// Installs handlers for SIGINT, SIGTERM and SIGHUP instead of their default action.
+    pub fn install() -> anyhow::Result<Self> {
+        let flag =
+            shutdown::install_stop_flag(&[SIGINT, SIGTERM, SIGHUP], Exit::Interrupted as i32)?;
         Ok(Self(flag))
     }
 
-    /// Whether a signal came.
+    /// Returns true after a signal.
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The flag itself, for work that knows nothing of signals.
+    /// Returns the flag, for code without signal handling.
     pub fn flag(&self) -> &AtomicBool {
         &self.0
     }
 
-    /// An error if a signal came.
+    /// Returns an error after a signal.
     pub fn check(&self, what: &str) -> anyhow::Result<()> {
         if self.is_set() {
-            Err(Ended::with(
+            Err(ExitError::with_code(
                 Exit::Interrupted,
                 format!("interrupted: {what}"),
             ))

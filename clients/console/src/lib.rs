@@ -1,13 +1,14 @@
-//! What `atas` and `atas-lab` have in common at a terminal: one command line, one way to print, one table of exit codes.
+//! Terminal interface shared by the `atas` programs: command line, output, progress and exit codes.
 //!
-//! Two programs share it so that they are one to their users: `atas` reads every command, does the operator's itself and
-//! hands the laboratory's to `atas-lab`. Help, completions and manual pages come from the one table in [`arguments`].
+//! Users see one program. `atas` parses all commands, executes those of the operator and passes the
+//! others to `atas-lab` or `atas-live`. Help, completions and manual pages come from [`arguments`].
 //!
-//! * **In:** arguments, `ATAS_BUS`, `NO_COLOR`, `RUST_LOG`, signals. **Out:** results on standard output, progress and errors
-//!   on standard error, and an exit code of [`Exit`].
-//! * **Invariants:** a reader that goes away ends a command without a word. The first signal asks work to end, the second ends
-//!   the process.
-//! * **Absent on purpose:** what any command does.
+//! * **Inputs:** arguments, `ATAS_BUS`, `NO_COLOR`, `RUST_LOG`, signals.
+//! * **Outputs:** results on standard output, progress and errors on standard error, an exit code
+//!   of [`Exit`].
+//! * **Invariants:** a closed output pipe ends a command without an error. The first signal
+//!   requests the end of the work, the second one ends the process.
+//! * **Not included:** the commands themselves.
 
 pub mod arguments;
 mod exit;
@@ -16,8 +17,8 @@ mod output;
 mod program;
 mod progress;
 
-pub use exit::{Ended, Exit};
+pub use exit::{Exit, ExitError, exit_of};
 pub use interrupt::Interrupt;
-pub use output::{Format, Mood, Output, modules, number, table, whole};
+pub use output::{Format, Output, Rating, modules, no_break, number, table};
 pub use program::run;
 pub use progress::Progress;

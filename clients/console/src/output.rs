@@ -1,4 +1,4 @@
-//! Standard output: results for people or for programs.
+//! Standard output of the `atas` programs: tables and text for people, JSON lines for programs.
 
 use std::io::{IsTerminal, Write};
 use std::ops::Range;
@@ -11,7 +11,7 @@ use comfy_table::{
 use serde::Serialize;
 use shm_schemas::ModuleId;
 
-/// How results are printed.
+/// Output format.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// Tables and sentences
@@ -21,7 +21,7 @@ pub enum Format {
     Json,
 }
 
-/// Standard output in one format.
+/// Standard output in one [`Format`].
 pub struct Output {
     format: Format,
     colour: bool,
@@ -29,7 +29,8 @@ pub struct Output {
 }
 
 impl Output {
-    /// Standard output. Colours only on a terminal, and not if `NO_COLOR` is set to anything (no-color.org).
+    /// Opens standard output. Colours need a terminal and an unset or empty `NO_COLOR`
+    /// (no-color.org).
     pub fn new(format: Format) -> Self {
         let wanted = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
         let out = std::io::stdout();
@@ -40,24 +41,24 @@ impl Output {
         }
     }
 
-    /// Whether results are for programs.
+    /// Returns true for JSON output.
     #[must_use]
     pub fn is_json(&self) -> bool {
         self.format == Format::Json
     }
 
-    /// Whether somebody watches.
+    /// Returns true if standard output is a terminal.
     #[must_use]
     pub fn is_terminal(&self) -> bool {
         self.out.is_terminal()
     }
 
-    /// Prints one line, or several.
+    /// Prints text and a line end.
     pub fn line(&mut self, text: impl std::fmt::Display) -> anyhow::Result<()> {
         writeln!(self.out, "{text}").context("could not write to standard output")
     }
 
-    /// Prints what is a file of its own.
+    /// Writes raw bytes and flushes them.
     ///
     /// # Errors
     /// Standard output cannot be written.
@@ -74,7 +75,8 @@ impl Output {
         self.line(text)
     }
 
-    /// Clears the terminal for the next picture of a watched value.
+    /// Clears the terminal before the next picture of a watched value; does nothing without a
+    /// terminal.
     pub fn clear(&mut self) -> anyhow::Result<()> {
         if self.is_terminal() {
             write!(self.out, "\x1b[H\x1b[2J").context("could not write to standard output")?;
@@ -82,55 +84,60 @@ impl Output {
         Ok(())
     }
 
-    /// Prints a table as wide as the terminal, or 80 columns where there is none. What does not fit beside the first column, which
-    /// names the rows, comes below with that column again. Cells are broken at spaces; see [`whole`].
+    /// Prints a table as wide as the terminal, or [`COLUMNS_DEFAULT`] columns without one.
+    ///
+    /// Columns that do not fit go into further tables below, each of which repeats the first
+    /// column. Cells break at spaces; see [`no_break`].
     ///
     /// # Errors
     /// Standard output cannot be written.
     pub fn table(&mut self, table: Table) -> anyhow::Result<()> {
         let terminal = table.width().filter(|columns| *columns >= COLUMNS_MIN);
-        let columns = terminal.filter(|_| self.is_terminal()).unwrap_or(COLUMNS);
-        self.line(fitted(table, columns))
+        let columns = terminal
+            .filter(|_| self.is_terminal())
+            .unwrap_or(COLUMNS_DEFAULT);
+        self.line(fit_to_width(table, columns))
     }
 
-    /// A cell that says how something went, in colour where colours are wanted.
+    /// Builds a table cell whose colour shows the rating.
     #[must_use]
-    pub fn verdict(&self, text: &str, mood: Mood) -> Cell {
+    pub fn rated_cell(&self, text: &str, mood: Rating) -> Cell {
         let cell = Cell::new(text);
         if !self.colour {
             return cell;
         }
         cell.fg(match mood {
-            Mood::Good => Color::Green,
-            Mood::Warning => Color::Yellow,
-            Mood::Bad => Color::Red,
+            Rating::Good => Color::Green,
+            Rating::Warning => Color::Yellow,
+            Rating::Bad => Color::Red,
         })
     }
 }
 
-/// How something went.
+/// Rating of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mood {
-    /// Well.
+pub enum Rating {
+    /// Works as intended.
     Good,
-    /// It works, but not as it should.
+    /// Works with a defect.
     Warning,
-    /// Not.
+    /// Does not work.
     Bad,
 }
 
-impl From<bool> for Mood {
+impl From<bool> for Rating {
     fn from(good: bool) -> Self {
         if good { Self::Good } else { Self::Bad }
     }
 }
 
-/// Columns below which a terminal's width is not believed: nothing could be read there.
+/// Narrowest terminal width in use, columns. A smaller reported width is taken as an error and
+/// ignored.
 const COLUMNS_MIN: u16 = 40;
-/// Columns of what is printed into a file or a pipe.
-const COLUMNS: u16 = 80;
+/// Width of a table in a file or pipe, columns.
+const COLUMNS_DEFAULT: u16 = 80;
 
-/// A table in the one style of these programs, for [`Output::table`].
+/// Creates a table in the common style of the `atas` programs, for [`Output::table`].
 #[must_use]
 pub fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
@@ -139,25 +146,26 @@ pub fn table(header: &[&str]) -> Table {
     table
 }
 
-/// Words that a table keeps on one line, such as a range of numbers.
+/// Returns the words with no-break spaces: a table keeps them on one line.
 #[must_use]
-pub fn whole(words: &str) -> String {
-    words.replace(' ', BOUND)
+pub fn no_break(words: &str) -> String {
+    words.replace(' ', NO_BREAK_SPACE)
 }
 
-/// A space that is not broken at (U+00A0); printed as any other.
-const BOUND: &str = "\u{a0}";
-/// Longest word that stays whole: what is longer is a path, and no table could hold it. Ours: half of 80 columns.
+/// No-break space (U+00A0); printed as an ordinary space.
+const NO_BREAK_SPACE: &str = "\u{a0}";
+/// Longest word that a table keeps whole, characters. Half of 80 columns (design choice): longer
+/// words are paths, which no table can hold.
 const WORD_MAX: usize = 40;
-/// What stands between two columns.
+/// Space between two columns.
 const GAP: u16 = 2;
 
-/// The table in so many columns, in as many parts as it takes.
-fn fitted(mut table: Table, columns: u16) -> String {
+/// Lays the table out in the given number of columns, as several tables if needed.
+fn fit_to_width(mut table: Table, columns: u16) -> String {
     table
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(columns);
-    let least = least_widths(&mut table);
+    let least = min_widths(&mut table);
     let parts = parts(&least, columns).into_iter().map(|part| {
         let mut shown = table.clone();
         for (column, least) in shown.column_iter_mut().zip(&least) {
@@ -168,13 +176,13 @@ fn fitted(mut table: Table, columns: u16) -> String {
                 false => ColumnConstraint::Hidden,
             });
         }
-        shown.to_string().replace(BOUND, " ")
+        shown.to_string().replace(NO_BREAK_SPACE, " ")
     });
     parts.collect::<Vec<_>>().join("\n\n")
 }
 
-/// Of each column its longest word.
-fn least_widths(table: &mut Table) -> Vec<u16> {
+/// Returns the length of each column's longest word.
+fn min_widths(table: &mut Table) -> Vec<u16> {
     let longest = |index: usize, table: &Table| {
         let cells = table.column_cells_with_header_iter(index).flatten();
         cells.map(|cell| longest_word(&cell.content())).max()
@@ -184,12 +192,12 @@ fn least_widths(table: &mut Table) -> Vec<u16> {
         .collect()
 }
 
-/// Which columns stand beside the first one in each part: as many as fit, and at least one.
+/// Groups the columns after the first: as many per part as fit, at least one.
 fn parts(least: &[u16], columns: u16) -> Vec<Range<usize>> {
     let first = least.first().map_or(0, |least| least + GAP);
     let (mut parts, mut begin, mut taken) = (Vec::new(), 1, first);
     for (index, least) in least.iter().enumerate().skip(1) {
-        // The last one needs no gap behind it.
+        // The last column of a part needs no gap.
         if taken + least + GAP > columns + GAP - 1 && index > begin {
             parts.push(begin..index);
             (begin, taken) = (index, first);
@@ -205,7 +213,7 @@ fn longest_word(text: &str) -> u16 {
     lengths.max().unwrap_or(0).min(WORD_MAX) as u16
 }
 
-/// A number with so many digits after the point, and no minus before a zero.
+/// Formats a number with the given digits after the point, and zero without a sign.
 pub fn number(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
@@ -215,7 +223,7 @@ pub fn number(value: f64, digits: usize) -> String {
     }
 }
 
-/// The active modules of a bit set, by the short forms of their names.
+/// Lists the active modules of a bit set by their short names.
 pub fn modules(active: u32) -> String {
     let is_active = |id: &&ModuleId| id.0 < u32::BITS && active & (1 << id.0) != 0;
     let names: Vec<&str> = ModuleId::ALL
@@ -235,7 +243,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_without_minus_zero() {
+    fn zero_has_no_minus_sign() {
         let check = |value, digits, expected| assert_eq!(number(value, digits), expected);
         check(-0.004, 2, "0.00");
         check(-0.006, 2, "-0.01");
@@ -246,13 +254,13 @@ mod tests {
     }
 
     #[test]
-    fn tables_fit_their_columns_and_break_no_number() {
-        // What is printed of a table of these columns, each a heading and a cell.
+    fn tables_fit_width_without_breaking_numbers() {
+        // `columns`: heading and cell of each column.
         let check = |columns: &[(&str, &str)], wide: u16, parts: usize| {
             let (header, row): (Vec<&str>, Vec<&str>) = columns.iter().copied().unzip();
             let mut rows = table(&header);
-            rows.add_row(row.iter().map(|cell| cell.replace('~', BOUND)));
-            let text = fitted(rows, wide);
+            rows.add_row(row.iter().map(|cell| cell.replace('~', NO_BREAK_SPACE)));
+            let text = fit_to_width(rows, wide);
             let lengths = text.lines().map(|line| line.chars().count());
             assert!(lengths.max() <= Some(wide.into()), "{text}");
             for word in row.iter().flat_map(|cell| cell.split(' ')) {
@@ -295,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn modules_by_name() {
+    fn modules_are_listed_by_name() {
         let check = |active: u32, expected| assert_eq!(modules(active), expected);
         check(0, "none");
         check(1 << ModuleId::SLIP.0, "module 2, slip");

@@ -1,4 +1,4 @@
-//! A program from its command line to its exit code.
+//! Main function of a program, from command line to exit code.
 
 use std::process::ExitCode;
 
@@ -6,12 +6,13 @@ use atas_process::command_line;
 use clap::FromArgMatches;
 
 use crate::arguments::{Arguments, Command, command};
-use crate::{Exit, Interrupt, Output};
+use crate::{Exit, Interrupt, Output, exit_of};
 
-/// What errors are told under: all programs of this command line are one to their users.
+/// Program name in error messages, the same for all `atas` programs.
 const PROGRAM: &str = "atas";
 
-/// Reads the command line, does what it says by `execute`, tells errors in one line, returns the exit code.
+/// Parses the command line, runs the command with `execute`, prints an error on one line and
+/// returns the exit code.
 #[must_use]
 pub fn run(
     execute: impl FnOnce(&Command, &Interrupt, &mut Output) -> anyhow::Result<()>,
@@ -22,10 +23,10 @@ pub fn run(
         .and_then(|matches| Arguments::from_arg_matches(&matches));
     let arguments = match parsed {
         Ok(arguments) => arguments,
-        Err(error) => return command_line::end(PROGRAM, &error, Exit::Failed as u8),
+        Err(error) => return command_line::exit_without_work(PROGRAM, &error),
     };
     let mut output = Output::new(arguments.format);
-    let ended = Interrupt::listen()
+    let ended = Interrupt::install()
         .and_then(|interrupt| execute(&arguments.command, &interrupt, &mut output));
     let Err(error) = ended else {
         return Exit::Ok.into();
@@ -33,19 +34,20 @@ pub fn run(
     if is_broken_pipe(&error) {
         return Exit::Ok.into();
     }
-    let exit = Exit::of(&error);
+    let exit = exit_of(&error);
     let sentence = format!("{error:#}");
-    command_line::tell(PROGRAM, &sentence, exit as u8, output.is_json());
+    command_line::print_error(PROGRAM, &sentence, exit, output.is_json());
     exit.into()
 }
 
-/// Whoever reads the output may stop reading: `atas events | head` is no error.
+/// Returns true if the reader of the output closed the pipe, as in `atas events | head`. This is
+/// not an error.
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let io = error.downcast_ref::<std::io::Error>();
     io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
-/// Warnings of the libraries below, or what `RUST_LOG` asks for.
+/// Logs to standard error: warnings, or the levels of `RUST_LOG`.
 fn log_to_stderr() {
     let filter = tracing_subscriber::EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));

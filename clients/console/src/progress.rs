@@ -1,4 +1,5 @@
-//! Live progress of a goal on standard error: one line that changes on a terminal, one line per step elsewhere.
+//! Live progress of a goal on standard error: one updated line on a terminal, otherwise one line
+//! per step.
 
 use std::io::{IsTerminal, Write};
 use std::time::Duration;
@@ -9,18 +10,18 @@ use shm_schemas::{GoalState, GraspFigures, Status};
 
 use crate::output::{modules, number};
 
-/// How often the terminal's line changes at most (ours).
+/// Shortest time between two updates of the terminal line (design choice).
 const REDRAW: Duration = Duration::from_millis(100);
 
 /// Progress of one goal.
 pub struct Progress {
     label: String,
     bar: Option<ProgressBar>,
-    told: String,
+    last_key: String,
 }
 
 impl Progress {
-    /// Progress under a label.
+    /// Creates a progress display with a label.
     pub fn new(label: &str) -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
             let bar = ProgressBar::new_spinner().with_style(
@@ -34,39 +35,39 @@ impl Progress {
         Self {
             label: label.to_owned(),
             bar,
-            told: String::new(),
+            last_key: String::new(),
         }
     }
 
-    /// Says what must stay on the screen.
-    pub fn say(&self, text: &str) {
+    /// Prints a line that stays on the screen.
+    pub fn print(&self, text: &str) {
         match &self.bar {
             Some(bar) => bar.println(text),
-            // Progress that nobody can read must not end the work.
+            // Failed progress output must not stop the command.
             None => {
                 let _ = writeln!(std::io::stderr(), "{}: {text}", self.label);
             }
         }
     }
 
-    /// Says what is going on before the first update.
-    pub fn note(&mut self, text: &str) {
+    /// Shows the current activity before the first update.
+    pub fn show_activity(&mut self, text: &str) {
         match &self.bar {
             Some(bar) => bar.set_message(text.to_owned()),
-            None => self.tell(text, text),
+            None => self.print_once(text, text),
         }
     }
 
-    /// Shows what changes too often to be told line by line.
-    pub fn live(&self, text: &str) {
+    /// Shows a value that changes too often for line output; terminal only.
+    pub fn show_live(&self, text: &str) {
         if let Some(bar) = &self.bar {
             bar.set_message(text.to_owned());
         }
     }
 
-    /// Shows where the goal of a hand with so many fingers stands. `status` adds the active modules, `live` what else is worth
-    /// watching.
-    pub fn show(
+    /// Shows the state of a goal of a hand with `fingers` fingertips. `status` adds the active
+    /// modules, `live` further values.
+    pub fn show_goal(
         &mut self,
         goal: &GoalProgress,
         fingers: usize,
@@ -75,7 +76,7 @@ impl Progress {
     ) {
         let last = goal.last();
         let step = last.step.as_str();
-        // A goal that was rejected has no step: nothing has begun.
+        // A rejected goal has no step.
         if step.is_empty() || last.state == GoalState::REJECTED {
             return;
         }
@@ -90,15 +91,15 @@ impl Progress {
         line += &format!("  {live}");
         match &self.bar {
             Some(bar) => bar.set_message(line),
-            None => self.tell(step, &line),
+            None => self.print_once(step, &line),
         }
     }
 
-    /// Prints `line` if `key` is not the one told last.
-    fn tell(&mut self, key: &str, line: &str) {
-        if self.told != key {
-            self.told = key.to_owned();
-            // Progress that nobody can read must not end the work.
+    /// Prints `line` if `key` differs from the last printed key.
+    fn print_once(&mut self, key: &str, line: &str) {
+        if self.last_key != key {
+            self.last_key = key.to_owned();
+            // Failed progress output must not stop the command.
             let _ = writeln!(std::io::stderr(), "{}: {line}", self.label);
         }
     }
@@ -112,7 +113,7 @@ impl Drop for Progress {
     }
 }
 
-/// F_n of each finger between its two thresholds.
+/// Formats F_n of each fingertip, and the thresholds F_1 and F_2.
 fn forces(figures: &GraspFigures, fingers: usize) -> String {
     let pressed = figures.normal_n.iter().take(fingers);
     let pressed: Vec<String> = pressed.map(|n| number((*n).into(), 2)).collect();
@@ -125,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_finger_has_its_force() {
+    fn force_is_shown_per_fingertip() {
         let figures = GraspFigures {
             normal_n: [0.5, 1.25, 2.0, 0.0],
             ..GraspFigures::default()

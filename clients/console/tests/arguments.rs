@@ -1,4 +1,4 @@
-//! The command line: what is accepted, what is refused, and in which words.
+//! Command-line tests: accepted and rejected lines, with error messages.
 
 use std::time::Duration;
 
@@ -12,12 +12,12 @@ fn parse(line: &str) -> Result<Command, String> {
 }
 
 #[test]
-fn the_table_of_commands_is_consistent() {
+fn command_definition_is_consistent() {
     Arguments::command().debug_assert();
 }
 
 #[test]
-fn accepted() {
+fn valid_lines_are_accepted() {
     let check = |line: &str| {
         if let Err(message) = parse(line) {
             panic!("{line}: {message}");
@@ -103,7 +103,7 @@ fn accepted() {
 }
 
 #[test]
-fn refused() {
+fn invalid_lines_are_rejected() {
     let check = |line: &str, part: &str| {
         let message = parse(line).expect_err(line);
         assert!(message.contains(part), "{line}: {message}");
@@ -136,6 +136,9 @@ fn refused() {
         "atas grasp --at 0.3,0.1,0.1 --width 5 --hand third",
         "left, right",
     );
+    check("atas grasp --at 0.3,0.1,0.1 --width 0.05", "0.05 m is 50.0");
+    check("atas grasp --at 320,-150,34 --width 50", "320 mm is 0.32");
+    check("atas screw --at 0.3,-150", "-150 mm is -0.15");
     check("atas pick-place --from 0.3", "X,Y or X,Y,Z");
     check("atas pick-place --to 0.3,0.1,0.1,0.1", "X,Y or X,Y,Z");
     check("atas pick-place --to 0.3,inf", "X,Y or X,Y,Z");
@@ -179,7 +182,7 @@ fn refused() {
 }
 
 #[test]
-fn values_and_defaults() {
+fn values_and_defaults_are_parsed() {
     match parse("atas grasp --at 0.32,-0.15,0.04 --width 50 --timeout 2.5") {
         Ok(Command::Grasp(grasp)) => {
             assert_eq!(grasp.at, [0.32, -0.15, 0.04]);
@@ -226,7 +229,7 @@ fn values_and_defaults() {
 }
 
 #[test]
-fn what_is_exported_and_what_its_name_ends_in_are_one() {
+fn export_suffix_must_match_kind() {
     let file = |line: &str| match parse(&format!("atas export runs/run.mcap {line}")) {
         Ok(Command::Export(export)) => export.file(),
         other => panic!("{line}: {other:?}"),
@@ -245,24 +248,24 @@ fn what_is_exported_and_what_its_name_ends_in_are_one() {
     };
     refused(
         "--to csv --out x.parquet",
-        ["means parquet", "--to says csv", "say --to parquet"],
+        ["means parquet", "--to is csv", "use --to parquet"],
     );
     refused(
         "--to parquet --out x.csv",
-        ["means csv", "--to says parquet", "say --to csv"],
+        ["means csv", "--to is parquet", "use --to csv"],
     );
     refused(
         "--to mcap --out x.CSV",
-        ["means csv", "--to says mcap", "ends in .mcap"],
+        ["means csv", "--to is mcap", "ends in .mcap"],
     );
     refused(
         "--to csv --out x",
-        ["means no kind of file", "--to says csv", "rename it"],
+        ["means an unknown file type", "--to is csv", "rename it"],
     );
 }
 
 #[test]
-fn help_tells_the_defaults_of_the_simulators_scenes() {
+fn help_lists_simulator_scene_defaults() {
     let check = |command: &str, parts: &[&str]| {
         let help = parse(&format!("atas {command} --help")).expect_err(command);
         for part in parts {

@@ -11,19 +11,19 @@ pub struct Condition {
     /// Frames per second of the fingertip sensors.
     pub rate_hz: u32,
     /// Errors of robot, skins, objects, and of the data given to the client.
-    pub errors: Named,
+    pub errors: NamedErrors,
 }
 
 /// Errors with their name in reports.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Named {
+pub struct NamedErrors {
     /// Specification as users type it: `none`, `crosstalk`, `position=2,yaw=5`.
     pub name: String,
     /// The errors.
     pub errors: Errors,
 }
 
-impl Named {
+impl NamedErrors {
     /// Returns no errors.
     #[must_use]
     pub fn none() -> Self {
@@ -34,7 +34,7 @@ impl Named {
     }
 }
 
-impl core::str::FromStr for Named {
+impl core::str::FromStr for NamedErrors {
     type Err = sim_backend::ErrorSpecError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -57,7 +57,7 @@ pub enum Noise {
 
 impl Noise {
     /// Returns the scale of one trial from its random number in 0 to 1.
-    pub(super) fn at(self, share: f64) -> f64 {
+    pub(super) fn scale(self, share: f64) -> f64 {
         match self {
             Self::Scale(scale) => scale,
             Self::Between([low, high]) => low + (high - low) * share,

@@ -13,8 +13,8 @@ use crate::parts::{self, Part};
 use crate::plan::{Job, Plan, Shard};
 use crate::report::Report;
 use crate::rows::TrialRow;
-use crate::trial::{self, Record, WornTrial};
-use crate::worn::Worn;
+use crate::sensor_variant::SensorVariant;
+use crate::trial::{self, Record, VariantTrial};
 
 /// Result of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ impl Plan {
         done: impl Fn() + Sync,
     ) -> anyhow::Result<Option<Evaluated>> {
         let begin = Instant::now();
-        let records = self.trials_of(
+        let records = self.run_trials(
             |_| true,
             stop,
             |_, _| {
@@ -61,8 +61,8 @@ impl Plan {
     ) -> anyhow::Result<Option<()>> {
         let ended = part.ended().clone();
         let part = Mutex::new(part);
-        let open = |index: usize| shard.has(index) && !ended.contains(&index);
-        let records = self.trials_of(open, stop, |index, record| {
+        let open = |index: usize| shard.contains(index) && !ended.contains(&index);
+        let records = self.run_trials(open, stop, |index, record| {
             done();
             part.lock().add(index, record)
         })?;
@@ -79,22 +79,22 @@ impl Plan {
         Ok(self.evaluated(&self.sort(records), wall_s))
     }
 
-    /// Runs each trial of the ATAS modules once per sensor variant from `wear`, in the
+    /// Runs each trial of the ATAS modules once per sensor variant from `make_variants`, in the
     /// plan's order; `None` if stopped.
     ///
     /// # Errors
-    /// As [`Plan::run`], or `wear` fails.
-    pub fn run_worn<T: Send>(
+    /// As [`Plan::run`], or `make_variants` fails.
+    pub fn run_variants<T: Send>(
         &self,
         stop: &AtomicBool,
         done: impl Fn() + Sync,
-        wear: impl Fn(&World, u64) -> anyhow::Result<(Vec<Worn>, T)> + Sync,
-    ) -> anyhow::Result<Option<Vec<WornTrial<T>>>> {
-        self.each(
+        make_variants: impl Fn(&World, u64) -> anyhow::Result<(Vec<SensorVariant>, T)> + Sync,
+    ) -> anyhow::Result<Option<Vec<VariantTrial<T>>>> {
+        self.run_jobs(
             |_| true,
             stop,
             |robot, _, job| {
-                let records = trial::run_worn(robot, self, job, &wear)?;
+                let records = trial::run_variants(robot, self, job, &make_variants)?;
                 done();
                 Ok(records)
             },
@@ -102,13 +102,13 @@ impl Plan {
     }
 
     /// Runs the `wanted` trials; calls `ended` after each, from any thread.
-    fn trials_of(
+    fn run_trials(
         &self,
         wanted: impl Fn(usize) -> bool,
         stop: &AtomicBool,
         ended: impl Fn(usize, &Record) -> anyhow::Result<()> + Sync,
     ) -> anyhow::Result<Option<Vec<Record>>> {
-        self.each(wanted, stop, |robot, index, job| {
+        self.run_jobs(wanted, stop, |robot, index, job| {
             let record = trial::run(robot, self, job)?;
             ended(index, &record)?;
             Ok(record)
@@ -116,7 +116,7 @@ impl Plan {
     }
 
     /// Runs the `wanted` jobs; results keep the plan's order.
-    fn each<T: Send>(
+    fn run_jobs<T: Send>(
         &self,
         wanted: impl Fn(usize) -> bool,
         stop: &AtomicBool,
@@ -124,11 +124,11 @@ impl Plan {
     ) -> anyhow::Result<Option<Vec<T>>> {
         anyhow::ensure!(
             !self.objects.is_empty(),
-            "could not evaluate because there is no object; name one with --objects"
+            "could not evaluate: the plan has no object; add one with --objects"
         );
         anyhow::ensure!(
             !self.conditions.is_empty() && self.trials > 0,
-            "could not evaluate because there is no trial, needs at least one; ask for it with --trials"
+            "could not evaluate: the plan has no trial; request at least one with --trials"
         );
         let robot = self.robot.load()?;
         let robot = match self.skin {
@@ -153,11 +153,13 @@ impl Plan {
     fn evaluated(&self, series: &[Vec<Record>], wall_s: f64) -> Evaluated {
         let named = self.series();
         let row = |(of, records): (&_, &Vec<Record>)| {
-            let rows = records.iter().map(|record| TrialRow::of(self, of, record));
+            let rows = records
+                .iter()
+                .map(|record| TrialRow::from_record(self, of, record));
             rows.collect()
         };
         Evaluated {
-            report: Report::of(self, series, wall_s),
+            report: Report::from_records(self, series, wall_s),
             rows: named.iter().zip(series).map(row).collect(),
         }
     }

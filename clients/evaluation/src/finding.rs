@@ -2,7 +2,7 @@
 
 use atas_client::GoalProgress;
 use atas_client::goal::LIFT_M;
-use robot_model::{HandModel, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, HandModel};
 use serde::{Deserialize, Serialize};
 use shm_schemas::{ObjectTruth, WorldTruth};
 
@@ -46,7 +46,7 @@ impl Finding {
     }
 }
 
-pub(super) fn judge(
+pub(super) fn evaluate(
     task: Task,
     hand: &HandModel,
     trial: &Trial,
@@ -59,26 +59,26 @@ pub(super) fn judge(
     } = trial;
     let objects = &truth.objects[..truth.object_count as usize];
     let happened = |what: fn(&ObjectTruth) -> u32| objects.iter().any(|o| what(o) != 0);
-    let outcome = Outcome::of(end, truth, hand.side().index(), LIFT_M);
+    let outcome = Outcome::evaluate(end, truth, hand.side().index(), LIFT_M);
     let (failure, done, mut measures) = match task {
         Task::Grasp => (
             (outcome != Outcome::Held).then(|| outcome.key(end.step.as_str())),
             "held",
-            grasped(outcome, hand, truth, load),
+            over_grip_measures(outcome, hand, truth, load),
         ),
         Task::PickPlace => {
-            let placing = Placing::of(end, truth, to_m, progress.let_go_ns());
-            let measures = placed(&placing);
+            let placing = Placing::evaluate(end, truth, to_m, progress.released_ns());
+            let measures = placing_measures(&placing);
             (placing.failure, "placed", measures)
         }
         Task::Screw => {
-            let screwing = Screwing::of(end, truth);
+            let screwing = Screwing::evaluate(end, truth);
             let turned = ("turned", screwing.turned);
             let measures = vec![("tightness", screwing.tightness), turned];
             (screwing.failure, "tight", measures)
         }
         Task::Assembly => {
-            let assembly = Assembly::of(end, start, truth);
+            let assembly = Assembly::evaluate(end, start, truth);
             let measures = vec![
                 ("tightness", assembly.tightness),
                 ("tilt_deg", assembly.tilt_rad.to_degrees()),
@@ -106,7 +106,7 @@ fn named((name, value): (&str, f64)) -> (String, f64) {
     (name.to_owned(), value)
 }
 
-fn placed(placing: &Placing) -> Vec<(&'static str, f64)> {
+fn placing_measures(placing: &Placing) -> Vec<(&'static str, f64)> {
     vec![
         ("off_mm", placing.off_m * 1e3),
         ("latency_ms", placing.latency_s * 1e3),
@@ -117,7 +117,7 @@ fn placed(placing: &Placing) -> Vec<(&'static str, f64)> {
 
 /// Returns over-grip ratios: mean true normal force per side over the force against sliding, for
 /// domes also against rotation.
-fn grasped(
+fn over_grip_measures(
     outcome: Outcome,
     hand: &HandModel,
     truth: &WorldTruth,
@@ -126,8 +126,8 @@ fn grasped(
     if !matches!(outcome, Outcome::Held | Outcome::Slipped | Outcome::Turned) {
         return Vec::new();
     }
-    let pressed_n = &truth.normal_n[hand.side().index()][..hand.finger_count()];
-    let mean_n = pressed_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
+    let pressed_n = &truth.normal_n[hand.side().index()][..hand.fingertip_count()];
+    let mean_n = pressed_n.iter().sum::<f64>() / GRASP_SIDES as f64;
     let mut measures = vec![("over_grip", mean_n / load.needed_n)];
     if hand.skin().layout.is_dome() {
         measures.push(("over_steady", mean_n / load.gripped_n));

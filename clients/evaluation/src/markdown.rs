@@ -24,7 +24,8 @@ pub fn table(reports: &[Report]) -> String {
     );
     for report in reports {
         for row in &report.rows {
-            let compared = |name| baseline(report, row, name).map_or(NONE.to_owned(), versus);
+            let compared =
+                |name| baseline(report, row, name).map_or(NONE.to_owned(), baseline_cell);
             let cells = [
                 format!(
                     "{}, noise {}, {} Hz",
@@ -32,11 +33,11 @@ pub fn table(reports: &[Report]) -> String {
                     noise(row.noise),
                     row.rate_hz
                 ),
-                interval(&row.tally),
-                apart(row, |p| (p.feasible.held, p.feasible.trials)),
-                apart(row, |p| (p.infeasible.refused, p.infeasible.trials)),
+                success_cell(&row.tally),
+                count_cell(row, |p| (p.feasible.held, p.feasible.trials)),
+                count_cell(row, |p| (p.infeasible.refused, p.infeasible.trials)),
                 by_physics(row),
-                otherwise(&row.tally.failures),
+                failures_cell(&row.tally.failures),
                 compared("fixed_force"),
                 compared("slip_reactive"),
             ];
@@ -61,7 +62,7 @@ pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String 
                 .map(|name| format!("{}: {}", task(report.task), name.replace('_', " "))),
         );
     }
-    let mut text = head(&heads);
+    let mut text = table_head(&heads);
     let first = reports
         .first()
         .map(|report| &report.rows[..])
@@ -84,7 +85,7 @@ pub fn errors_table(reports: &[Report], about: &BTreeMap<&str, &str>) -> String 
 
 /// Results of one robot; tasks beyond its capabilities have no report.
 #[derive(Debug)]
-pub struct RobotTried {
+pub struct RobotResults {
     /// Robot name.
     pub robot: String,
     /// True if the robot turns caps with its wrist.
@@ -95,7 +96,7 @@ pub struct RobotTried {
 
 /// Formats one line per robot, one column per task.
 #[must_use]
-pub fn robots_table(robots: &[RobotTried]) -> String {
+pub fn robots_table(robots: &[RobotResults]) -> String {
     let reports = || robots.iter().flat_map(|tried| &tried.reports);
     let trials = reports().find_map(|(_, report)| Some(report.as_ref()?.tally.trials));
     let mut heads = vec!["robot".to_owned()];
@@ -106,16 +107,16 @@ pub fn robots_table(robots: &[RobotTried]) -> String {
         });
         heads.extend((*tried == Task::Grasp).then(|| OVER_GRIP.to_owned()));
     }
-    let mut text = head(&heads);
+    let mut text = table_head(&heads);
     for tried in robots {
         let mut cells = vec![tried.robot.clone()];
         for (task, report) in &tried.reports {
-            let of = |said: fn(&Tally) -> String| {
-                let said = report.as_ref().map(|report| said(&report.tally));
-                said.unwrap_or_else(|| "cannot".to_owned())
+            let of = |message: fn(&Tally) -> String| {
+                let message = report.as_ref().map(|report| message(&report.tally));
+                message.unwrap_or_else(|| "cannot".to_owned())
             };
             match task {
-                Task::Grasp => cells.extend([of(interval), of(over_grip)]),
+                Task::Grasp => cells.extend([of(success_cell), of(over_grip)]),
                 Task::Screw if report.is_some() && tried.turns_by_wrist => {
                     cells.push(of(|tally| percent(tally.success)) + ", by its wrist");
                 }
@@ -129,7 +130,7 @@ pub fn robots_table(robots: &[RobotTried]) -> String {
 
 /// Grasp results of one kind of fingertip.
 #[derive(Debug)]
-pub struct SkinTried {
+pub struct SkinResults {
     /// Name of the fingertip.
     pub name: String,
     /// Report of the grasp task.
@@ -138,19 +139,19 @@ pub struct SkinTried {
 
 /// Formats one line per kind of fingertip.
 #[must_use]
-pub fn skins_table(skins: &[SkinTried]) -> String {
+pub fn skins_table(skins: &[SkinResults]) -> String {
     let trials = skins.first().map(|tried| tried.report.tally.trials);
     let heads = [
         "fingertips".to_owned(),
         success_of(trials),
         OVER_GRIP.to_owned(),
     ];
-    let mut text = head(&heads);
+    let mut text = table_head(&heads);
     for tried in skins {
         let tally = &tried.report.tally;
         line(
             &mut text,
-            &[tried.name.clone(), interval(tally), over_grip(tally)],
+            &[tried.name.clone(), success_cell(tally), over_grip(tally)],
         );
     }
     text
@@ -165,7 +166,7 @@ fn over_grip(tally: &Tally) -> String {
     median.map_or(NONE.to_owned(), |median| format!("{median:.2}"))
 }
 
-fn head(heads: &[String]) -> String {
+fn table_head(heads: &[String]) -> String {
     let mut text = String::new();
     line(&mut text, heads);
     line(&mut text, &vec!["---".to_owned(); heads.len()]);
@@ -206,13 +207,13 @@ fn percent(share: f64) -> String {
     format!("{tenths} %")
 }
 
-fn interval(tally: &Tally) -> String {
+fn success_cell(tally: &Tally) -> String {
     let [low, high] = tally.ci95.map(|share| format!("{:.1}", share * 100.0));
     let high = high.replace("100.0", "100");
     format!("**{}** [{low}, {high}]", percent(tally.success))
 }
 
-fn apart(row: &Row, of: fn(&Physics) -> (u64, u64)) -> String {
+fn count_cell(row: &Row, of: fn(&Physics) -> (u64, u64)) -> String {
     match row.physics.as_ref().map(of) {
         Some((count, trials)) if trials > 0 => format!("{count} of {trials}"),
         _ => NONE.to_owned(),
@@ -224,10 +225,10 @@ fn by_physics(row: &Row) -> String {
     physics.map_or(NONE.to_owned(), |p| percent(p.by_physics.success))
 }
 
-fn versus(baseline: &Baseline) -> String {
+fn baseline_cell(baseline: &Baseline) -> String {
     let success = percent(baseline.row.tally.success);
-    let held = apart(&baseline.row, |p| (p.feasible.held, p.feasible.trials));
-    let refused = apart(&baseline.row, |p| {
+    let held = count_cell(&baseline.row, |p| (p.feasible.held, p.feasible.trials));
+    let refused = count_cell(&baseline.row, |p| {
         (p.infeasible.refused, p.infeasible.trials)
     });
     match (held.as_str(), refused.as_str()) {
@@ -240,7 +241,7 @@ fn versus(baseline: &Baseline) -> String {
     }
 }
 
-fn otherwise(failures: &BTreeMap<String, u64>) -> String {
+fn failures_cell(failures: &BTreeMap<String, u64>) -> String {
     let mut failures: Vec<(&String, &u64)> = failures.iter().collect();
     failures.sort_by(|a, b| b.1.cmp(a.1).then(a.0.cmp(b.0)));
     let words = failures.iter().map(|(key, count)| format!("{count} {key}"));

@@ -5,16 +5,16 @@
 
 use atas_client::goal::{self, Target};
 use atas_core::tasks::Task;
-use atas_core::{Controller, Inputs, Order, Outputs, Settings, Tick, Wiring};
-use robot_model::{RobotModel, Side};
+use atas_core::{Controller, Inputs, OperatorRequest, Outputs, SensorSetup, Settings, Tick};
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::{
     GoalRequest, GoalState, GoalUpdate, GraspTarget, Hand, HandFrame, JointCommand, Mode, Reason,
     WorldTruth,
 };
-use sim_backend::{GraspHint, OutOfRange, Ride, Scene, SceneError, Sensed, TICK_NS, World};
+use sim_backend::{BaseMotion, GraspHint, OutOfRange, Scene, SceneError, Sensed, TICK_NS, World};
 
 /// Time limit for the controller to become ready, ticks.
-const READY_WITHIN_TICKS: u64 = 1000;
+const READY_TIMEOUT_TICKS: u64 = 1000;
 
 /// World and controller, on the heap because both are too large for a thread's stack.
 pub struct OfflineRun {
@@ -52,14 +52,14 @@ impl OfflineRun {
         seed: u64,
         settings: Settings,
     ) -> Result<Self, SceneError> {
-        let mut run = Self::at_rest(robot, scene, seed, settings)?;
+        let mut run = Self::without_tick(robot, scene, seed, settings)?;
         run.make_ready(&mut |_| {});
         Ok(run)
     }
 
-    pub(crate) fn make_ready(&mut self, skin: &mut dyn FnMut(&mut HandFrame)) {
-        for _ in 0..READY_WITHIN_TICKS {
-            self.step_through(None, &mut *skin);
+    pub(crate) fn make_ready(&mut self, frame_filter: &mut dyn FnMut(&mut HandFrame)) {
+        for _ in 0..READY_TIMEOUT_TICKS {
+            self.step_filtered(None, &mut *frame_filter);
             if self.controller.mode().0 == Mode::READY {
                 break;
             }
@@ -70,13 +70,13 @@ impl OfflineRun {
     ///
     /// # Errors
     /// [`SceneError`] if the world cannot be created.
-    pub fn at_rest(
+    pub fn without_tick(
         robot: &RobotModel,
         scene: &Scene,
         seed: u64,
         settings: Settings,
     ) -> Result<Self, SceneError> {
-        let mut wiring = Wiring::of(robot);
+        let mut wiring = SensorSetup::from_robot(robot);
         for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
             hand.rate_hz = f64::from(rate_hz);
         }
@@ -93,47 +93,51 @@ impl OfflineRun {
     }
 
     /// Sets an additional task for goals that name it.
-    pub fn teach(&mut self, task: Option<Task>) {
+    pub fn set_task(&mut self, task: Option<Task>) {
         self.task = task;
     }
 
     /// Adds an external reference for the next tick (`teleop` goal).
-    pub fn lead(&mut self, target: GraspTarget) {
+    pub fn push_target(&mut self, target: GraspTarget) {
         self.targets.push(target);
     }
 
-    /// Sets the motion of the robot's base; see [`World::ride`].
+    /// Sets the motion of the robot's base; see [`World::set_base_motion`].
     ///
     /// # Errors
     /// [`OutOfRange`] if the motion exceeds the limits of a base.
-    pub fn ride(&mut self, ride: &Ride) -> Result<(), OutOfRange> {
-        self.world.ride(ride)
+    pub fn set_base_motion(&mut self, ride: &BaseMotion) -> Result<(), OutOfRange> {
+        self.world.set_base_motion(ride)
     }
 
     /// Validates a goal and returns the request that starts it.
     ///
     /// # Errors
     /// [`Reason`] for the rejection.
-    pub fn order(&self, goal: &GoalRequest) -> Result<Order, Reason> {
+    pub fn request(&self, goal: &GoalRequest) -> Result<OperatorRequest, Reason> {
         let now = self
             .controller
-            .circumstances(&self.robot, self.task.as_slice());
-        atas_core::check::check(goal, &now).map(Order::Start)
+            .goal_context(&self.robot, self.task.as_slice());
+        atas_core::check::check(goal, &now).map(OperatorRequest::Start)
     }
 
     /// Runs one tick: sense, control, move.
-    pub fn step(&mut self, order: Option<&Order>) -> &Outputs {
-        self.step_through(order, |_| {})
+    pub fn step(&mut self, request: Option<&OperatorRequest>) -> &Outputs {
+        self.step_filtered(request, |_| {})
     }
 
-    /// Runs one tick; `skin` may modify each tactile frame and must re-seal it.
-    pub fn step_through(
+    /// Runs one tick; `frame_filter` may modify each tactile frame and must re-seal it.
+    pub fn step_filtered(
         &mut self,
-        order: Option<&Order>,
-        mut skin: impl FnMut(&mut HandFrame),
+        request: Option<&OperatorRequest>,
+        mut frame_filter: impl FnMut(&mut HandFrame),
     ) -> &Outputs {
         self.world.sense(&mut self.sensed);
-        self.sensed.frames.iter_mut().flatten().for_each(&mut skin);
+        self.sensed
+            .frames
+            .iter_mut()
+            .flatten()
+            .for_each(&mut frame_filter);
         let frames = [
             as_slice(&self.sensed.frames[0]),
             as_slice(&self.sensed.frames[1]),
@@ -147,7 +151,7 @@ impl OfflineRun {
             frames,
             joints: Some(&self.sensed.joints),
             targets: &self.targets,
-            order,
+            request: request,
         });
         self.targets.clear();
         self.command = outputs.command;
@@ -164,18 +168,18 @@ impl OfflineRun {
         limit_s: f64,
         watch: impl FnMut(&Outputs, &World),
     ) -> Trial {
-        self.run_through(goal, limit_s, &mut |_| {}, watch)
+        self.run_filtered(goal, limit_s, &mut |_| {}, watch)
     }
 
-    pub(crate) fn run_through(
+    pub(crate) fn run_filtered(
         &mut self,
         goal: &GoalRequest,
         limit_s: f64,
-        skin: &mut dyn FnMut(&mut HandFrame),
+        frame_filter: &mut dyn FnMut(&mut HandFrame),
         mut watch: impl FnMut(&Outputs, &World),
     ) -> Trial {
         let (first, start) = (self.index, self.world.truth());
-        let end = self.pursue(goal, limit_s, skin, &mut watch);
+        let end = self.pursue(goal, limit_s, frame_filter, &mut watch);
         Trial {
             end,
             start,
@@ -188,7 +192,7 @@ impl OfflineRun {
         &mut self,
         goal: &GoalRequest,
         limit_s: f64,
-        skin: &mut dyn FnMut(&mut HandFrame),
+        frame_filter: &mut dyn FnMut(&mut HandFrame),
         watch: &mut impl FnMut(&Outputs, &World),
     ) -> GoalUpdate {
         let ended = |state, reason| GoalUpdate {
@@ -196,19 +200,19 @@ impl OfflineRun {
             reason,
             ..GoalUpdate::default()
         };
-        let mut order = match self.order(goal) {
+        let mut order = match self.request(goal) {
             Ok(order) => Some(order),
             Err(reason) => return ended(GoalState::REJECTED, reason),
         };
         for _ in 0..(limit_s * 1e9) as u64 / TICK_NS {
-            let outputs = *self.step_through(order.take().as_ref(), &mut *skin);
+            let outputs = *self.step_filtered(order.take().as_ref(), &mut *frame_filter);
             watch(&outputs, &self.world);
             let is_end = |u: &GoalUpdate| u.goal_id == goal.goal_id && u.state.is_final();
             if let Some(end) = outputs.goal_update.filter(is_end) {
                 return end;
             }
         }
-        let reason = Reason::limit(shm_schemas::Cause::TIMED_OUT, limit_s, limit_s);
+        let reason = Reason::with_limit(shm_schemas::Cause::TIMED_OUT, limit_s, limit_s);
         ended(GoalState::FAILED, reason)
     }
 
@@ -242,12 +246,12 @@ fn target(hint: &GraspHint) -> Target {
         width_m: hint.width_m,
         ..Target::default()
     }
-    .knowing((hint.height_m - hint.from_m[2]).max(0.0), 0.0)
+    .with_limits((hint.height_m - hint.from_m[2]).max(0.0), 0.0)
 }
 
 /// Returns a client's goal to grasp an object at its expected place.
 #[must_use]
-pub fn grasp_goal(hint: &GraspHint, side: Side, lift_m: f64, hold_s: f64) -> GoalRequest {
+pub fn grasp_goal(hint: &GraspHint, side: HandSide, lift_m: f64, hold_s: f64) -> GoalRequest {
     goal::grasp(&target(hint), Hand::BOTH[side.index()], lift_m, hold_s)
 }
 
@@ -255,7 +259,7 @@ pub fn grasp_goal(hint: &GraspHint, side: Side, lift_m: f64, hold_s: f64) -> Goa
 #[must_use]
 pub fn pick_place_goal(
     hint: &GraspHint,
-    side: Side,
+    side: HandSide,
     place: &GraspHint,
     lift_m: f64,
 ) -> GoalRequest {
@@ -268,13 +272,13 @@ pub fn pick_place_goal(
 
 /// Returns a client's goal to set down the object grasped at `hint`.
 #[must_use]
-pub fn set_down_goal(hint: &GraspHint, side: Side, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
+pub fn set_down_goal(hint: &GraspHint, side: HandSide, to_m: [f64; 3], lift_m: f64) -> GoalRequest {
     goal::set_down(&target(hint), Hand::BOTH[side.index()], to_m, lift_m)
 }
 
 /// Returns a client's goal to close a cap in place.
 #[must_use]
-pub fn screw_goal(hint: &GraspHint, side: Side) -> GoalRequest {
+pub fn screw_goal(hint: &GraspHint, side: HandSide) -> GoalRequest {
     goal::screw(&target(hint), Hand::BOTH[side.index()])
 }
 
@@ -284,7 +288,7 @@ pub fn assemble_goal(
     cap: &GraspHint,
     on_bottle: &GraspHint,
     bottle_width_m: f64,
-    screws: Side,
+    screws: HandSide,
 ) -> GoalRequest {
     let (cap, on_bottle) = (target(cap), target(on_bottle));
     goal::assemble(&cap, &on_bottle, bottle_width_m, Hand::BOTH[screws.index()])

@@ -40,7 +40,7 @@ pub struct Header {
 /// Trial: index in the plan, record, checksum of both.
 type Entry = (usize, Record, u64);
 
-fn seal(index: usize, record: &Record) -> anyhow::Result<u64> {
+fn checksum(index: usize, record: &Record) -> anyhow::Result<u64> {
     Ok(fnv1a(FNV_OFFSET, &rmp_serde::to_vec(&(index, record))?))
 }
 
@@ -75,14 +75,16 @@ impl Part {
             let found = read(&file, path)?;
             ensure!(
                 found.header == *header,
-                "could not go on with {shown} because it is a part of another evaluation; name another file, or remove it"
+                "could not resume {shown}: it is a part of another evaluation; name another file, \
+                 or remove it"
             );
             if let Some(why) = found.damage {
                 let kept = format!("{shown}.damaged");
                 std::fs::copy(path, &kept).with_context(|| format!("could not write {kept}"))?;
                 let trials = found.entries.len();
                 warning = Some(format!(
-                    "{shown} was damaged behind its trial {trials} ({why}): it goes on from there; as it was it is kept as {kept}"
+                    "{shown} is damaged after its trial {trials} ({why}): it resumes from there; a \
+                     copy of the damaged file is {kept}"
                 ));
             }
             ended.extend(found.entries.into_keys());
@@ -112,9 +114,9 @@ impl Part {
     }
 
     pub(crate) fn add(&mut self, index: usize, record: &Record) -> anyhow::Result<()> {
-        let bytes = rmp_serde::to_vec(&(index, record, seal(index, record)?))?;
+        let bytes = rmp_serde::to_vec(&(index, record, checksum(index, record)?))?;
         self.file.write_all(&bytes).context(
-            "could not write a trial; make room, and run the same command again: it goes on",
+            "could not write a trial; free disk space and run the same command again to resume",
         )
     }
 }
@@ -146,38 +148,38 @@ pub(crate) fn gather(plan: &Plan, paths: &[impl AsRef<Path>]) -> anyhow::Result<
         } = read(&open(path)?, path)?;
         if let Some(why) = damage {
             bail!(
-                "could not merge {shown} because it was damaged behind its trial {} ({why}); run its command again, it goes on \
-                 from there",
+                "could not merge {shown}: it is damaged after its trial {} ({why}); run its \
+                 command again to resume from there",
                 entries.len()
             );
         }
         ensure!(
             header.plan_hash == plan_hash,
-            "could not merge {shown} because it is of another evaluation, or robot, objects or program have changed since; \
-             run its shard again"
+            "could not merge {shown}: it belongs to another evaluation, or robot, objects or \
+             program have changed since; run its shard again"
         );
         ensure!(
             of == 0 || of == header.shard.of,
-            "could not merge {shown} because it is one of {} parts, and others are of {of}",
+            "could not merge {shown}: it is one of {} parts, but other files are parts of {of}",
             header.shard.of
         );
         of = header.shard.of;
         let number = header.shard.number;
         ensure!(
             numbers.insert(number),
-            "could not merge {shown} because part {number}/{of} is there twice"
+            "could not merge {shown}: part {number}/{of} is given twice"
         );
-        let wanted = (0..plan.jobs() as usize).filter(|&index| header.shard.has(index));
+        let wanted = (0..plan.jobs() as usize).filter(|&index| header.shard.contains(index));
         ensure!(
             entries.keys().copied().eq(wanted.clone()),
-            "could not merge {shown} because it has {} of {} trials; run its command again, it goes on where it ended",
+            "could not merge {shown}: it has {} of {} trials; run its command again to resume",
             entries.len(),
             wanted.count()
         );
         all.extend(entries);
     }
     if let Some(missing) = (1..=of).find(|number| !numbers.contains(number)) {
-        bail!("could not merge because part {missing}/{of} is missing; name its file as well");
+        bail!("could not merge: part {missing}/{of} is missing; add its file");
     }
     Ok(all.into_values().collect())
 }
@@ -189,7 +191,7 @@ fn open(path: &Path) -> anyhow::Result<File> {
 fn read_header(reader: &mut impl Read, path: &Path) -> anyhow::Result<Header> {
     rmp_serde::from_read(reader).with_context(|| {
         let shown = path.display();
-        format!("could not read {shown} because it is no part of an evaluation")
+        format!("could not read {shown}: it is not a part file of an evaluation")
     })
 }
 
@@ -213,11 +215,11 @@ fn read(file: &File, path: &Path) -> anyhow::Result<Contents> {
     };
     while contents.damage.is_none() && contents.whole_bytes < all_bytes {
         match rmp_serde::from_read::<_, Entry>(&mut reader) {
-            Ok((index, record, sealed)) if seal(index, &record)? == sealed => {
+            Ok((index, record, sealed)) if checksum(index, &record)? == sealed => {
                 contents.entries.insert(index, record);
                 contents.whole_bytes = reader.stream_position()?;
             }
-            Ok(_) => contents.damage = Some("its seal does not fit".to_owned()),
+            Ok(_) => contents.damage = Some("its checksum is wrong".to_owned()),
             Err(error) => contents.damage = Some(error.to_string()),
         }
     }

@@ -87,17 +87,17 @@ pub struct Infeasible {
 
 impl Physics {
     /// Counts trials; `None` if no trial has a load (screwing, assembly).
-    pub(super) fn of(records: &[&Record]) -> Option<Self> {
+    pub(super) fn from_records(records: &[&Record]) -> Option<Self> {
         let loads: Vec<_> = records.iter().filter_map(|r| r.load).collect();
         if loads.is_empty() {
             return None;
         }
         let f2_ratios: Vec<f64> = records.iter().filter_map(|r| r.finding.f2_ratio).collect();
-        let (feasible, infeasible) = apart(records, Record::feasible);
+        let (feasible, infeasible) = split_by_feasibility(records, Record::feasible);
         Some(Self {
             feasible,
             infeasible,
-            by_physics: ByPhysics::of(records),
+            by_physics: ByPhysics::from_records(records),
             borderline: loads.iter().filter(|load| load.is_borderline()).count() as u64,
             f2_ratio_deviation: deviation(&f2_ratios),
             f2_ratio_median: median(f2_ratios),
@@ -106,8 +106,8 @@ impl Physics {
 }
 
 impl ByPhysics {
-    fn of(records: &[&Record]) -> Self {
-        let (feasible, infeasible) = apart(records, Record::feasible_by_physics);
+    fn from_records(records: &[&Record]) -> Self {
+        let (feasible, infeasible) = split_by_feasibility(records, Record::feasible_by_physics);
         let (successes, trials) = (feasible.held + infeasible.refused, records.len() as u64);
         Self {
             success: share(successes, trials),
@@ -118,13 +118,16 @@ impl ByPhysics {
     }
 }
 
-fn apart(records: &[&Record], is_feasible: fn(&Record) -> bool) -> (Feasible, Infeasible) {
+fn split_by_feasibility(
+    records: &[&Record],
+    is_feasible: fn(&Record) -> bool,
+) -> (Feasible, Infeasible) {
     let (can, cannot): (Vec<&Record>, Vec<&Record>) =
         records.iter().copied().partition(|r| is_feasible(r));
-    (feasible(&can), infeasible(&cannot))
+    (count_feasible(&can), count_infeasible(&cannot))
 }
 
-fn feasible(records: &[&Record]) -> Feasible {
+fn count_feasible(records: &[&Record]) -> Feasible {
     let (trials, held) = (records.len() as u64, count(records, |r| r.finding.done));
     let held_ones = records.iter().filter(|r| r.finding.done);
     let over_grips = held_ones.filter_map(|r| r.finding.measure("over_grip"));
@@ -140,7 +143,7 @@ fn feasible(records: &[&Record]) -> Feasible {
     }
 }
 
-fn infeasible(records: &[&Record]) -> Infeasible {
+fn count_infeasible(records: &[&Record]) -> Infeasible {
     let (trials, refused) = (records.len() as u64, count(records, |r| r.finding.refused));
     Infeasible {
         trials,

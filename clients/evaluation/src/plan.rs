@@ -52,7 +52,7 @@ impl Shard {
     /// The whole evaluation as one shard.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    pub(crate) fn has(self, index: usize) -> bool {
+    pub(crate) fn contains(self, index: usize) -> bool {
         index as u64 % self.of == self.number - 1
     }
 }
@@ -66,7 +66,10 @@ impl FromStr for Shard {
             (1..=of).contains(&number).then_some(Self { number, of })
         });
         numbers.ok_or_else(|| {
-            format!("a shard is {text:?}, needs to be I/N with I from 1 to N, for example 2/8")
+            format!(
+                "could not read shard {text:?}: it needs the form I/N with I from 1 to N, for \
+                example 2/8"
+            )
         })
     }
 }
@@ -101,7 +104,7 @@ impl Plan {
     #[must_use]
     pub fn jobs_of(&self, shard: Shard) -> u64 {
         (0..self.jobs() as usize)
-            .filter(|&index| shard.has(index))
+            .filter(|&index| shard.contains(index))
             .count() as u64
     }
 
@@ -116,7 +119,7 @@ impl Plan {
             let conditions = conditions.iter().cloned();
             conditions.map(move |c| (policy, c)).collect::<Vec<_>>()
         };
-        let ours = under(GripPolicy::Ours, &self.conditions);
+        let ours = under(GripPolicy::BuiltIn, &self.conditions);
         let baselines = self.baselines.iter();
         let baselines = baselines.flat_map(|policy| under(*policy, &self.conditions[..compared]));
         ours.into_iter().chain(baselines).collect()
@@ -152,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_are_read_and_share_all_trials() {
+    fn shards_partition_all_trials() {
         let check = |text: &str, expected: Option<(u64, u64)>| {
             let shard = text.parse::<Shard>().ok();
             assert_eq!(shard.map(|s| (s.number, s.of)), expected, "{text}");
@@ -163,7 +166,7 @@ mod tests {
             check(wrong, None);
         }
         for index in 0..20 {
-            let owners = (1..=3).filter(|&number| Shard { number, of: 3 }.has(index));
+            let owners = (1..=3).filter(|&number| Shard { number, of: 3 }.contains(index));
             assert_eq!(owners.count(), 1);
         }
     }

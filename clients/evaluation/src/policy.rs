@@ -11,34 +11,34 @@
 
 use atas_core::Settings;
 use atas_core::modules::Selection;
-use atas_core::tasks::{self, BehaviourTable, Motion, Name, Step, Task, Track, Transition};
+use atas_core::tasks::{self, BehaviourTable, Motion, Name, Step, StepSequence, Task, Transition};
 use shm_schemas::{GoalKind, GoalRequest, ModuleId, Text};
 
 use crate::task::Task as EvaluatedTask;
 
 /// Grip modules of the built-in tasks that a baseline omits.
-const OURS: [ModuleId; 4] = [
+const GRIP_MODULES: [ModuleId; 4] = [
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::SLIP,
     ModuleId::RELAX,
 ];
 /// Upper limit of F_1/F_2 ([`atas_core::thresholds::Thresholds`]).
-const F1_BELOW_F2: f64 = 0.8;
+const F1_OVER_F2_MAX: f64 = 0.8;
 /// Longest step under a behaviour table, s. Design choice: several times a lift.
-const READ_OFF_S: f64 = 20.0;
+const TABLE_STEP_MAX_S: f64 = 20.0;
 /// Candidates of the fixed force, N: up to the hand's limit.
-const FIXED_N: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+const FIXED_CANDIDATES_N: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 /// Candidates of the slip-reactive start force, N.
-const START_N: [f64; 3] = [0.35, 0.6, 1.0];
+const START_CANDIDATES_N: [f64; 3] = [0.35, 0.6, 1.0];
 /// Candidates of the slip-reactive maximum, N.
-const CEILING_N: [f64; 3] = [2.0, 4.0, 8.0];
+const MAXIMUM_CANDIDATES_N: [f64; 3] = [2.0, 4.0, 8.0];
 
 /// Grip policy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GripPolicy {
     /// ATAS modules of the built-in tasks: Modules 1, 2, 3, stiffness probe, grip relaxation.
-    Ours,
+    BuiltIn,
     /// Gripper that closes to this force per grasp side, N, and keeps it (F_1). Lift verification
     /// raises it by up to a quarter before it sets the object down.
     FixedForce(f64),
@@ -63,7 +63,7 @@ pub enum GripPolicy {
 
 /// Returns the baselines' best forces for a task, N: fixed force, slip-reactive start and maximum.
 /// Best success by physics over the tuning seeds, then lowest force (`atas eval tune TASK`).
-fn best(task: EvaluatedTask) -> (f64, f64, f64) {
+fn tuned_forces_n(task: EvaluatedTask) -> (f64, f64, f64) {
     match task {
         EvaluatedTask::Grasp | EvaluatedTask::PickPlace => (7.0, 1.0, 8.0),
         EvaluatedTask::Screw => (3.0, 0.35, 8.0),
@@ -75,7 +75,7 @@ impl GripPolicy {
     /// Returns the baselines of a task. The fixed force is `force_n`, or the best for the task.
     #[must_use]
     pub fn baselines(task: EvaluatedTask, force_n: Option<f64>) -> [Self; 2] {
-        let (fixed_n, start_n, ceiling_n) = best(task);
+        let (fixed_n, start_n, ceiling_n) = tuned_forces_n(task);
         let fixed_n = force_n.unwrap_or(fixed_n);
         [
             Self::FixedForce(fixed_n),
@@ -86,10 +86,10 @@ impl GripPolicy {
     /// Returns all baselines that tuning compares.
     #[must_use]
     pub fn candidates() -> Vec<Self> {
-        let slip_reactive = START_N.into_iter().flat_map(|start_n| {
-            CEILING_N.map(|ceiling_n| Self::SlipReactive { start_n, ceiling_n })
+        let slip_reactive = START_CANDIDATES_N.into_iter().flat_map(|start_n| {
+            MAXIMUM_CANDIDATES_N.map(|ceiling_n| Self::SlipReactive { start_n, ceiling_n })
         });
-        FIXED_N
+        FIXED_CANDIDATES_N
             .map(Self::FixedForce)
             .into_iter()
             .chain(slip_reactive)
@@ -100,7 +100,7 @@ impl GripPolicy {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Ours => "ours",
+            Self::BuiltIn => "ours",
             Self::FixedForce(_) => "fixed_force",
             Self::SlipReactive { .. } => "slip_reactive",
             Self::Without(_) => "without",
@@ -112,7 +112,7 @@ impl GripPolicy {
     #[must_use]
     pub fn setting(self) -> String {
         match self {
-            Self::Ours => String::new(),
+            Self::BuiltIn => String::new(),
             Self::FixedForce(force_n) => format!("{force_n} N"),
             Self::SlipReactive { start_n, ceiling_n } => format!("{start_n} to {ceiling_n} N"),
             Self::Without(module) => module.to_string(),
@@ -123,7 +123,7 @@ impl GripPolicy {
     /// Returns the module that replaces the grip modules, if any.
     fn module(self) -> Option<ModuleId> {
         match self {
-            Self::Ours | Self::Without(_) | Self::Table { .. } => None,
+            Self::BuiltIn | Self::Without(_) | Self::Table { .. } => None,
             Self::FixedForce(_) => Some(ModuleId::FIRST_TOUCH),
             Self::SlipReactive { .. } => Some(ModuleId::SLIP_REACTION),
         }
@@ -134,8 +134,8 @@ impl GripPolicy {
     pub fn settings(self, ours: &Settings) -> Settings {
         let mut settings = *ours;
         let (f1_n, f2_n) = match self {
-            Self::Ours | Self::Without(_) | Self::Table { .. } => return settings,
-            Self::FixedForce(force_n) => (force_n, force_n / F1_BELOW_F2),
+            Self::BuiltIn | Self::Without(_) | Self::Table { .. } => return settings,
+            Self::FixedForce(force_n) => (force_n, force_n / F1_OVER_F2_MAX),
             Self::SlipReactive { start_n, ceiling_n } => (start_n, ceiling_n),
         };
         let grasp = &mut settings.grasp;
@@ -147,7 +147,7 @@ impl GripPolicy {
     /// Returns the goal for this policy; a baseline adds its own task.
     #[must_use]
     pub fn goal(self, goal: &GoalRequest) -> (GoalRequest, Option<Task>) {
-        let own = tasks::of(goal.kind).and_then(|task| self.task(task));
+        let own = tasks::for_kind(goal.kind).and_then(|task| self.task(task));
         let Some(task) = own else {
             return (*goal, None);
         };
@@ -161,12 +161,12 @@ impl GripPolicy {
 
     /// Returns a built-in task with this grip policy; `None` for the ATAS modules.
     fn task(self, built_in: &Task) -> Option<Task> {
-        let govern = |track: &Track| match self {
-            Self::Ours => None,
-            Self::Without(module) => Some(without(track, module)),
-            Self::Table { force_limit, .. } => Some(read_off(track, force_limit)),
+        let govern = |track: &StepSequence| match self {
+            Self::BuiltIn => None,
+            Self::Without(module) => Some(without_module(track, module)),
+            Self::Table { force_limit, .. } => Some(with_table(track, force_limit)),
             Self::FixedForce(_) | Self::SlipReactive { .. } => {
-                self.module().map(|module| governed(track, module))
+                self.module().map(|module| with_grip_module(track, module))
             }
         };
         Some(Task {
@@ -181,27 +181,27 @@ impl GripPolicy {
     }
 }
 
-fn without(track: &Track, module: ModuleId) -> Track {
+fn without_module(track: &StepSequence, module: ModuleId) -> StepSequence {
     let kept = |step: &Step| {
         let kept: Vec<ModuleId> = step.modules.ids().filter(|id| *id != module).collect();
         Step {
-            modules: Selection::of(&kept),
+            modules: Selection::from_modules(&kept),
             ..*step
         }
     };
     let steps: Vec<Step> = track.iter().map(kept).collect();
-    Track::checked(&steps).unwrap_or(*track)
+    StepSequence::validated(&steps).unwrap_or(*track)
 }
 
 /// Lets the table control all steps after the stiffness probe, which continues to estimate.
-fn read_off(track: &Track, force_limit: bool) -> Track {
+fn with_table(track: &StepSequence, force_limit: bool) -> StepSequence {
     let beside: &[ModuleId] = if force_limit {
         &[ModuleId::FORCE_LIMIT]
     } else {
         &[]
     };
-    let table = Selection::of(&[ModuleId::BEHAVIOUR_TABLE, ModuleId::PROBE]);
-    let table = table.and(Selection::of(beside));
+    let table = Selection::from_modules(&[ModuleId::BEHAVIOUR_TABLE, ModuleId::PROBE]);
+    let table = table.union(Selection::from_modules(beside));
     let grips = |step: &&Step| step.transition != Transition::Gripped;
     let steps: Vec<Step> = track
         .iter()
@@ -209,39 +209,42 @@ fn read_off(track: &Track, force_limit: bool) -> Track {
         .map(|step| Step {
             modules: match step.motion {
                 _ if !step.modules.contains(ModuleId::FORCE_LIMIT) => step.modules,
-                Motion::Carry(_) => table.and(Selection::of(&[ModuleId::CARRY])),
+                Motion::Carry(_) => table.union(Selection::from_modules(&[ModuleId::CARRY])),
                 _ => table,
             },
-            timeout_s: step.timeout_s.min(READ_OFF_S),
+            timeout_s: step.timeout_s.min(TABLE_STEP_MAX_S),
             ..*step
         })
         .collect();
     // Fewer steps than the valid input: never rejected.
-    Track::checked(&steps).unwrap_or(*track)
+    StepSequence::validated(&steps).unwrap_or(*track)
 }
 
 /// Replaces the grip modules by one module and drops the steps that measure stiffness.
-fn governed(track: &Track, module: ModuleId) -> Track {
-    let felt = track
+fn with_grip_module(track: &StepSequence, module: ModuleId) -> StepSequence {
+    let measured = track
         .iter()
         .filter(|s| s.transition != Transition::StiffnessKnown);
-    let steps: Vec<Step> = felt
+    let steps: Vec<Step> = measured
         .map(|step| Step {
-            modules: replaced(step.modules, module),
+            modules: replace_grip_modules(step.modules, module),
             ..*step
         })
         .collect();
     // No more steps than the valid input, and at least one remains: never rejected.
-    Track::checked(&steps).unwrap_or(*track)
+    StepSequence::validated(&steps).unwrap_or(*track)
 }
 
 /// Changes only steps with a force limit; the approach is equal for all policies.
-fn replaced(modules: Selection, module: ModuleId) -> Selection {
+fn replace_grip_modules(modules: Selection, module: ModuleId) -> Selection {
     if !modules.contains(ModuleId::FORCE_LIMIT) {
         return modules;
     }
-    let others: Vec<ModuleId> = modules.ids().filter(|id| !OURS.contains(id)).collect();
-    Selection::of(&others).and(Selection::of(&[module]))
+    let others: Vec<ModuleId> = modules
+        .ids()
+        .filter(|id| !GRIP_MODULES.contains(id))
+        .collect();
+    Selection::from_modules(&others).union(Selection::from_modules(&[module]))
 }
 
 #[cfg(test)]
@@ -249,7 +252,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn baselines_move_alike_and_govern_otherwise() {
+    fn baselines_keep_motions_and_replace_grip_modules() {
         let kinds = [
             GoalKind::GRASP,
             GoalKind::PICK_PLACE,
@@ -262,7 +265,7 @@ mod tests {
         };
         let policies = [GripPolicy::FixedForce(3.0), slip_reactive];
         for (kind, policy) in kinds.into_iter().flat_map(|k| policies.map(|l| (k, l))) {
-            let ours = tasks::of(kind).expect("built in");
+            let ours = tasks::for_kind(kind).expect("built in");
             let asked = GoalRequest {
                 kind,
                 ..GoalRequest::default()
@@ -273,12 +276,13 @@ mod tests {
                 (goal.kind, task.name.as_str()),
                 (GoalKind::CUSTOM, policy.name())
             );
-            assert_eq!(task.demands(), ours.demands());
-            let motions = |track: &Track| -> Vec<_> {
-                let felt = track
+            assert_eq!(task.requirements(), ours.requirements());
+            let motions = |track: &StepSequence| -> Vec<_> {
+                let measured = track
                     .iter()
                     .filter(|s| s.transition != Transition::StiffnessKnown);
-                felt.map(|step| (step.name, step.motion, step.transition))
+                measured
+                    .map(|step| (step.name, step.motion, step.transition))
                     .collect()
             };
             assert_eq!(motions(&task.acting), motions(&ours.acting));
@@ -292,10 +296,10 @@ mod tests {
             }
         }
         let lift = slip_reactive_lift();
-        for refuses in [ModuleId::FORCE_LIMIT, ModuleId::LOAD_TEST] {
-            assert!(lift.contains(refuses), "a baseline may refuse");
+        for refuses in [ModuleId::FORCE_LIMIT, ModuleId::LIFT_VERIFICATION] {
+            assert!(lift.contains(refuses), "a baseline can refuse");
         }
-        assert_eq!(GripPolicy::Ours.goal(&GoalRequest::default()).1, None);
+        assert_eq!(GripPolicy::BuiltIn.goal(&GoalRequest::default()).1, None);
     }
 
     fn slip_reactive_lift() -> Selection {
@@ -313,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn every_candidate_can_be_set() {
+    fn candidates_give_valid_settings() {
         for policy in GripPolicy::candidates() {
             let settings = policy.settings(&Settings::default());
             assert_eq!(settings.check(), Ok(()), "{policy:?}");
@@ -331,9 +335,9 @@ mod tests {
     }
 
     #[test]
-    fn a_fixed_force_is_f1() {
+    fn fixed_force_sets_f1() {
         let settings = GripPolicy::FixedForce(3.0).settings(&Settings::default());
-        let thresholds = atas_core::thresholds::Thresholds::unknown(&settings.grasp);
+        let thresholds = atas_core::thresholds::Thresholds::for_unknown_object(&settings.grasp);
         assert!((thresholds.f1_n - 3.0).abs() < 1e-12, "{thresholds:?}");
         assert_eq!(settings.check(), Ok(()));
     }

@@ -15,11 +15,11 @@ const FRAMES: usize = 256;
 
 /// Comparison of a replay with its recording.
 #[derive(Debug, Default)]
-pub struct Agreement {
+pub struct ReplayComparison {
     /// Number of ticks replayed.
     pub ticks: u64,
     /// First tick with a different command, and the differing field.
-    pub first: Option<(u64, String)>,
+    pub first_difference: Option<(u64, String)>,
     /// Number of ticks with a different command.
     pub different: u64,
 }
@@ -32,8 +32,8 @@ pub struct Agreement {
 pub fn replay(
     files: &[PathBuf],
     mut each: impl FnMut(&TickInputs, &Replayed<'_>),
-) -> anyhow::Result<Agreement> {
-    let mut agreement = Agreement::default();
+) -> anyhow::Result<ReplayComparison> {
+    let mut agreement = ReplayComparison::default();
     let mut replay = None::<Replay<Vec<HandFrame>>>;
     // Header of the first file, and the saved state if it is a continuation file.
     let (mut header, mut begin, mut robot) = (None, None, None);
@@ -42,7 +42,7 @@ pub fn replay(
         let message = match entry? {
             Entry::Message(message) => message,
             Entry::Metadata(metadata) => {
-                robot = origin::carried_robot(&metadata).or(robot);
+                robot = origin::robot_from_metadata(&metadata).or(robot);
                 continue;
             }
         };
@@ -55,36 +55,34 @@ pub fn replay(
         };
         let replay = match &mut replay {
             Some(replay) => replay,
-            none => none.insert(begin_at(
-                header.as_deref(),
-                robot.as_ref(),
-                begin.as_deref(),
-            )?),
+            none => none.insert(start(header.as_deref(), robot.as_ref(), begin.as_deref())?),
         };
         if let Some(replayed) = replay.feed(&part)? {
             each(&part, &replayed);
-            agreement.take(&part, &replayed);
+            agreement.update(&part, &replayed);
         }
     }
     Ok(agreement)
 }
 
-fn begin_at(
+fn start(
     header: Option<&RunHeader>,
     carried: Option<&RobotFiles>,
     begin: Option<&[u8]>,
 ) -> anyhow::Result<Replay<Vec<HandFrame>>> {
-    let header =
-        header.context("could not replay because the file has no run header before its ticks")?;
+    let header = header.context("could not replay: the file has no run header before its ticks")?;
     let Some(state) = begin else {
-        return Ok(Replay::new(first(header, carried)?, frames()));
+        return Ok(Replay::new(
+            initial_controller(header, carried)?,
+            frame_buffers(),
+        ));
     };
     let (controller, next_sequence) = crate::state::decode(state)?;
-    Ok(Replay::resume(controller, next_sequence, frames()))
+    Ok(Replay::resume(controller, next_sequence, frame_buffers()))
 }
 
 /// Returns the initial controller for the recorded robot, else the one named in the header.
-pub(crate) fn first(
+pub(crate) fn initial_controller(
     header: &RunHeader,
     carried: Option<&RobotFiles>,
 ) -> anyhow::Result<Controller> {
@@ -94,17 +92,17 @@ pub(crate) fn first(
     Ok(read_origin(header, &robot)?)
 }
 
-pub(crate) fn frames() -> [Vec<HandFrame>; HANDS] {
+pub(crate) fn frame_buffers() -> [Vec<HandFrame>; HANDS] {
     [(); HANDS].map(|()| vec![HandFrame::default(); FRAMES])
 }
 
-impl Agreement {
-    fn take(&mut self, part: &TickInputs, replayed: &Replayed<'_>) {
+impl ReplayComparison {
+    fn update(&mut self, part: &TickInputs, replayed: &Replayed<'_>) {
         self.ticks += 1;
         if !replayed.is_equal {
             self.different += 1;
             let field = || command_difference(&part.command, &replayed.outputs.command, &[]);
-            self.first
+            self.first_difference
                 .get_or_insert_with(|| (part.tick, field().unwrap_or_else(|| "padding".into())));
         }
     }

@@ -100,7 +100,7 @@ pub struct Baseline {
 
 impl Report {
     /// Counts the records, per series in any order.
-    pub(super) fn of(plan: &Plan, series: &[Vec<Record>], wall_s: f64) -> Self {
+    pub(super) fn from_records(plan: &Plan, series: &[Vec<Record>], wall_s: f64) -> Self {
         let (ours, theirs) = series.split_at(plan.conditions.len());
         let first: Vec<&Record> = ours[0].iter().collect();
         let condition = &plan.conditions[0];
@@ -109,14 +109,14 @@ impl Report {
         let baseline_rows: Vec<Baseline> = named[ours.len()..]
             .iter()
             .zip(theirs)
-            .map(|(of, records)| Baseline::of(of, records))
+            .map(|(of, records)| Baseline::from_records(of, records))
             .collect();
         Self {
             task: plan.task.name(),
             robot: plan.robot.name.to_string(),
             skin: plan.skin.map(|skin| skin.to_string()),
-            tally: Tally::of(&first),
-            physics: Physics::of(&first),
+            tally: Tally::from_records(&first),
+            physics: Physics::from_records(&first),
             baselines: successes(&baseline_rows),
             realtime_factor: sum(|r| r.simulated_s) / sum(|r| r.cpu_s),
             wall_s,
@@ -127,9 +127,14 @@ impl Report {
             rate_hz: condition.rate_hz,
             errors: condition.errors.name.clone(),
             families: (0..plan.objects.len())
-                .map(|object| Family::of(plan, &first, object))
+                .map(|object| Family::from_records(plan, &first, object))
                 .collect(),
-            rows: plan.conditions.iter().zip(ours).map(Row::of).collect(),
+            rows: plan
+                .conditions
+                .iter()
+                .zip(ours)
+                .map(Row::from_records)
+                .collect(),
             baseline_rows,
         }
     }
@@ -144,36 +149,36 @@ fn successes(rows: &[Baseline]) -> BTreeMap<&'static str, f64> {
 }
 
 impl Family {
-    fn of(plan: &Plan, records: &[&Record], object: usize) -> Self {
+    fn from_records(plan: &Plan, records: &[&Record], object: usize) -> Self {
         let own = records.iter().filter(|r| r.object == object);
         let own: Vec<&Record> = own.copied().collect();
         Self {
             object: plan.objects[object].name.clone(),
-            tally: Tally::of(&own),
-            physics: Physics::of(&own),
+            tally: Tally::from_records(&own),
+            physics: Physics::from_records(&own),
         }
     }
 }
 
 impl Row {
-    fn of((condition, records): (&Condition, &Vec<Record>)) -> Self {
+    fn from_records((condition, records): (&Condition, &Vec<Record>)) -> Self {
         let records: Vec<&Record> = records.iter().collect();
         Self {
             noise: condition.noise,
             rate_hz: condition.rate_hz,
             errors: condition.errors.name.clone(),
-            tally: Tally::of(&records),
-            physics: Physics::of(&records),
+            tally: Tally::from_records(&records),
+            physics: Physics::from_records(&records),
         }
     }
 }
 
 impl Baseline {
-    fn of((policy, condition): &(GripPolicy, Condition), records: &Vec<Record>) -> Self {
+    fn from_records((policy, condition): &(GripPolicy, Condition), records: &Vec<Record>) -> Self {
         Self {
             baseline: policy.name(),
             setting: policy.setting(),
-            row: Row::of((condition, records)),
+            row: Row::from_records((condition, records)),
         }
     }
 }

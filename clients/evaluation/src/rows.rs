@@ -40,7 +40,7 @@ pub struct TrialRow {
     /// Width, mm.
     pub width_mm: Option<f64>,
     /// Width given to the controller, mm.
-    pub told_width_mm: Option<f64>,
+    pub expected_width_mm: Option<f64>,
     /// Height, mm.
     pub height_mm: Option<f64>,
     /// Offset of the centre of mass from the closing axis, mm.
@@ -100,7 +100,7 @@ pub struct TrialRow {
 }
 
 impl TrialRow {
-    pub(crate) fn of(
+    pub(crate) fn from_record(
         plan: &Plan,
         (policy, condition): &(GripPolicy, Condition),
         record: &Record,
@@ -128,7 +128,7 @@ impl TrialRow {
             friction: rounded(drawn.friction),
             stiffness_n_m: rounded(drawn.stiffness_n_m),
             width_mm: rounded(drawn.width_mm),
-            told_width_mm: rounded(drawn.told_width_mm),
+            expected_width_mm: rounded(drawn.expected_width_mm),
             height_mm: rounded(drawn.height_mm),
             off_centre_mm: rounded(drawn.off_centre_mm),
             off_x_mm: rounded(drawn.off_x_mm),

@@ -15,12 +15,12 @@ struct Saved<'a> {
 }
 
 #[derive(Deserialize)]
-struct Made<'a> {
+struct SavedVersion<'a> {
     version: &'a str,
 }
 
 #[derive(Deserialize)]
-struct Read {
+struct Decoded {
     next_sequence: u64,
     controller: Controller,
 }
@@ -43,41 +43,41 @@ const STACK_BYTES: usize = 64 << 20;
 /// # Errors
 /// The state has another version, or is damaged.
 pub(crate) fn decode(state: &[u8]) -> anyhow::Result<(Controller, u64)> {
-    let made: Made<'_> = rmp_serde::from_slice(state)
-        .context("could not read the controller's state; the recording is damaged")?;
+    let made: SavedVersion<'_> = rmp_serde::from_slice(state)
+        .context("could not read the controller's state: the recording is damaged")?;
     let ours = env!("CARGO_PKG_VERSION");
     anyhow::ensure!(
         made.version == ours,
-        "could not read the controller's state because version {} recorded it, needs {ours}; replay with that version, or \
-         from the first file of the run",
+        "could not read the controller's state: it was recorded by version {}, this is {ours}; \
+         replay with that version, or from the first file of the run",
         made.version
     );
     let read = std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
-        let read = || rmp_serde::from_slice::<Box<Read>>(state);
+        let read = || rmp_serde::from_slice::<Box<Decoded>>(state);
         let read = thread.spawn_scoped(scope, read)?.join();
         read.map_err(|_| {
             anyhow::anyhow!("could not read the controller's state: the reader panicked")
         })
     })?;
     let read = read.context(
-        "could not read the controller's state because another controller recorded it; replay with the version that \
-         recorded it, or from the first file of the run",
+        "could not read the controller's state: another controller recorded it; replay with the \
+         version that recorded it, or from the first file of the run",
     )?;
     Ok((read.controller, read.next_sequence))
 }
 
 #[cfg(test)]
 mod tests {
-    use atas_core::{Settings, Wiring};
+    use atas_core::{SensorSetup, Settings};
     use robot_model::RobotModel;
 
     use super::*;
 
     #[test]
-    fn what_is_not_ours_is_refused() {
+    fn foreign_or_damaged_state_is_rejected() {
         let robot = RobotModel::two_hand_arm().expect("built in");
-        let controller = Controller::new(&robot, Wiring::default(), Settings::default());
+        let controller = Controller::new(&robot, SensorSetup::default(), Settings::default());
         let saved = encode(&controller, 7).expect("encoded");
         let (read, next_sequence) = decode(&saved).expect("decoded");
         assert_eq!(next_sequence, 7);
@@ -93,11 +93,11 @@ mod tests {
             state[at..at + to.len()].copy_from_slice(to.as_bytes());
             state
         };
+        check(replaced(env!("CARGO_PKG_VERSION"), "9"), "by version 9");
         check(
-            replaced(env!("CARGO_PKG_VERSION"), "9"),
-            "because version 9",
+            replaced("stall_detector", "stall_inspector"),
+            "another controller",
         );
-        check(replaced("stall_watch", "stall_hatch"), "another controller");
         check(saved[..saved.len() / 2].to_vec(), "damaged");
         check(b"nonsense".to_vec(), "damaged");
     }

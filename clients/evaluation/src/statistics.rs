@@ -27,6 +27,11 @@ pub(super) fn deviation(values: &[f64]) -> Option<f64> {
 }
 
 /// Returns the 95 % Wilson score interval of a share (Wilson 1927); [0, 1] without trials.
+///
+/// ```
+/// let [low, high] = atas_evaluation::wilson(97, 100);
+/// assert!(low < 0.97 && 0.97 < high);
+/// ```
 #[must_use]
 pub fn wilson(successes: u64, trials: u64) -> [f64; 2] {
     if trials == 0 {
@@ -48,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wilson_intervals() {
+    fn wilson_interval_matches_r() {
         let check = |successes, trials, expected: [f64; 2]| {
             let interval = wilson(successes, trials);
             let near = |side: usize| (interval[side] - expected[side]).abs() < 1e-4;
@@ -63,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn medians_and_deviations() {
+    fn median_and_deviation_of_small_samples() {
         let check = |values: &[f64], expected_median, expected_deviation: Option<f64>| {
             assert_eq!(median(values.to_vec()), expected_median, "{values:?}");
             assert_eq!(deviation(values), expected_deviation, "{values:?}");

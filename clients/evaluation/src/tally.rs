@@ -25,7 +25,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    pub(super) fn of(records: &[&Record]) -> Self {
+    pub(super) fn from_records(records: &[&Record]) -> Self {
         let trials = records.len() as u64;
         let mut failures = BTreeMap::<String, u64>::new();
         let mut measures = BTreeMap::<&str, Vec<f64>>::new();
@@ -45,8 +45,8 @@ impl Tally {
             success: share(successes, trials),
             ci95: wilson(successes, trials),
             failures,
-            largest: of_each(&measures, largest),
-            medians: of_each(&measures, |values| median(values.clone())),
+            largest: map_values(&measures, largest),
+            medians: map_values(&measures, |values| median(values.clone())),
         }
     }
 }
@@ -55,7 +55,7 @@ pub(super) fn share(part: u64, whole: u64) -> f64 {
     part as f64 / whole.max(1) as f64
 }
 
-fn of_each(
+fn map_values(
     measures: &BTreeMap<&str, Vec<f64>>,
     figure: impl Fn(&Vec<f64>) -> Option<f64>,
 ) -> BTreeMap<String, f64> {

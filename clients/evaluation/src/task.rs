@@ -2,16 +2,16 @@
 
 use anyhow::Context;
 use atas_client::goal::{HOLD_S, LIFT_M};
-use robot_model::{RobotModel, Side};
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::GoalRequest;
 use sim_backend::{Errors, GraspHint, Object, ObjectError, Scene};
 
-use crate::condition::{Condition, Named, Noise};
+use crate::condition::{Condition, NamedErrors, Noise};
 use crate::judge::Load;
 use crate::offline::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
 
 /// Acting hand of the two-hand arm.
-pub const SIDE: Side = Side::Right;
+pub const SIDE: HandSide = HandSide::Right;
 /// Sensor rates, Hz: one frame per tick, and two slower ones (acceptance criterion).
 const RATES_HZ: [u32; 3] = [1000, 100, 30];
 /// Range of the sensor noise scale in all tasks but the grasp (acceptance criterion: × 1 to 2).
@@ -52,7 +52,7 @@ impl Task {
     /// A built-in object's file is invalid.
     pub fn objects(self) -> Result<Vec<Object>, ObjectError> {
         let grasp = atas_core::settings::Grasp::default();
-        let can_be_held = |object: &Object| Load::of(object, &grasp, 1).is_feasible();
+        let can_be_held = |object: &Object| Load::from_object(object, &grasp, 1).is_feasible();
         match self {
             Self::Grasp => Object::names().map(Object::built_in).collect(),
             Self::PickPlace => {
@@ -71,7 +71,7 @@ impl Task {
         let condition = |noise, rate_hz| Condition {
             noise,
             rate_hz,
-            errors: Named::none(),
+            errors: NamedErrors::none(),
         };
         let [full_hz, held_hz, slow_hz] = RATES_HZ;
         let usual = match self {
@@ -105,7 +105,7 @@ impl Task {
         named
             .chain([("all", Errors::ALL)])
             .map(|(name, errors)| Condition {
-                errors: Named {
+                errors: NamedErrors {
                     name: name.to_owned(),
                     errors,
                 },
@@ -116,15 +116,15 @@ impl Task {
 
     /// Returns true if the robot's default acting hand can do the task.
     #[must_use]
-    pub fn is_within(self, robot: &RobotModel) -> bool {
-        let able = robot.hand(robot.acting_side()).abilities();
+    pub fn is_supported_by(self, robot: &RobotModel) -> bool {
+        let able = robot.hand(robot.acting_side()).capabilities();
         match self {
-            Self::Grasp => able.lifts,
-            Self::PickPlace => able.lifts && able.carries,
-            Self::Screw => able.turns_caps,
+            Self::Grasp => able.lift,
+            Self::PickPlace => able.lift && able.carry,
+            Self::Screw => able.cap_turning,
             Self::Assembly => {
-                let other = Side::BOTH[1 - robot.acting_side().index()];
-                able.turns_caps && robot.hand(other).abilities().slants
+                let other = HandSide::BOTH[1 - robot.acting_side().index()];
+                able.cap_turning && robot.hand(other).capabilities().side_grasp
             }
         }
     }
@@ -135,9 +135,9 @@ impl Task {
     /// The acting hand lacks a capability.
     pub fn check(self, robot: &RobotModel) -> anyhow::Result<()> {
         anyhow::ensure!(
-            self.is_within(robot),
-            "could not try {} because the robot's hand cannot do it, needs one that can; `atas robot list` shows \
-             which",
+            self.is_supported_by(robot),
+            "could not run {}: the robot's hand cannot do this task; choose another robot (`atas \
+             robot list` shows the tasks of each)",
             self.name()
         );
         Ok(())
@@ -155,22 +155,21 @@ impl Task {
             Self::Screw => Scene::screw(object, bottle()?, side),
             Self::Assembly => Scene::assembly(object, bottle()?, side),
         };
-        Ok(scene.before(robot.hand(side)))
+        Ok(scene.moved_to_hand(robot.hand(side)))
     }
 
     /// Returns the goal that a client with nominal knowledge of the scene requests.
     ///
     /// # Errors
     /// The scene lacks an object or place of the task.
-    pub fn goal(self, scene: &Scene, side: Side) -> anyhow::Result<GoalRequest> {
+    pub fn goal(self, scene: &Scene, side: HandSide) -> anyhow::Result<GoalRequest> {
         let hint = |index: usize| {
             scene
                 .grasp_hint(index)
                 .context("a task's scene has its objects")
         };
-        let place = || -> anyhow::Result<GraspHint> {
-            scene.place.context("a scene with a place to go to has it")
-        };
+        let place =
+            || -> anyhow::Result<GraspHint> { scene.place.context("the scene has no destination") };
         let (object, lift_m) = (hint(0)?, LIFT_M);
         Ok(match self {
             Self::Grasp => grasp_goal(&object, side, lift_m, HOLD_S),

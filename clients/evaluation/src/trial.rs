@@ -10,12 +10,12 @@ use sim_backend::random::{split_mix, trial_seed};
 use sim_backend::{Scene, World};
 
 use crate::drawn::Drawn;
-use crate::finding::{Finding, judge};
+use crate::finding::{Finding, evaluate};
 use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
+use crate::sensor_variant::SensorVariant;
 use crate::task::Task;
-use crate::worn::Worn;
 
 /// Derives the noise-scale seed from the trial's seed. The value is arbitrary.
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;
@@ -42,7 +42,7 @@ pub struct Record {
 }
 
 /// Records of one trial per sensor variant, with the caller's data.
-pub type WornTrial<T> = (Vec<Record>, T);
+pub type VariantTrial<T> = (Vec<Record>, T);
 
 impl Record {
     /// Returns true if the task is feasible under the paper's rule.
@@ -72,24 +72,27 @@ impl Record {
 
 pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<Record> {
     let settings = job.policy.settings(&plan.settings);
-    Stage::set(robot, plan, job)?.run(Worn::bare(settings))
+    TrialSetup::new(robot, plan, job)?.run(SensorVariant::unmodified(settings))
 }
 
-pub(super) fn run_worn<T>(
+pub(super) fn run_variants<T>(
     robot: &RobotModel,
     plan: &Plan,
     job: &Job,
-    wear: impl Fn(&World, u64) -> anyhow::Result<(Vec<Worn>, T)>,
-) -> anyhow::Result<WornTrial<T>> {
-    let stage = Stage::set(robot, plan, job)?;
+    make_variants: impl Fn(&World, u64) -> anyhow::Result<(Vec<SensorVariant>, T)>,
+) -> anyhow::Result<VariantTrial<T>> {
+    let stage = TrialSetup::new(robot, plan, job)?;
     let world = World::new(robot, &stage.scene, stage.seed)?;
-    let (worn, made) = wear(&world, stage.seed)?;
-    let records: anyhow::Result<_> = worn.into_iter().map(|worn| stage.run(worn)).collect();
+    let (corrupted, made) = make_variants(&world, stage.seed)?;
+    let records: anyhow::Result<_> = corrupted
+        .into_iter()
+        .map(|corrupted| stage.run(corrupted))
+        .collect();
     Ok((records?, made))
 }
 
 /// Initial state of a trial: a family member in its scene, and the goal.
-struct Stage<'a> {
+struct TrialSetup<'a> {
     robot: &'a RobotModel,
     plan: &'a Plan,
     job: &'a Job,
@@ -98,8 +101,8 @@ struct Stage<'a> {
     goal: GoalRequest,
 }
 
-impl<'a> Stage<'a> {
-    fn set(robot: &'a RobotModel, plan: &'a Plan, job: &'a Job) -> anyhow::Result<Self> {
+impl<'a> TrialSetup<'a> {
+    fn new(robot: &'a RobotModel, plan: &'a Plan, job: &'a Job) -> anyhow::Result<Self> {
         let nominal = &plan.objects[job.object];
         let seed = trial_seed(&nominal.name, job.number);
         let errors = &job.condition.errors.errors;
@@ -108,7 +111,7 @@ impl<'a> Stage<'a> {
             .scene(robot, nominal.clone())?
             .varied(seed)
             .with_errors(errors, seed);
-        scene.noise_factor = job.condition.noise.at(share(seed ^ NOISE_STREAM));
+        scene.noise_factor = job.condition.noise.scale(share(seed ^ NOISE_STREAM));
         scene.sensor_rate_hz = [job.condition.rate_hz; 2];
         let goal = plan.task.goal(&scene, robot.acting_side())?;
         Ok(Self {
@@ -121,23 +124,22 @@ impl<'a> Stage<'a> {
         })
     }
 
-    fn run(&self, mut worn: Worn) -> anyhow::Result<Record> {
+    fn run(&self, mut corrupted: SensorVariant) -> anyhow::Result<Record> {
         let begin_s = cpu_s();
         let (plan, job) = (self.plan, self.job);
-        let told = self
-            .scene
-            .grasp_hint(0)
-            .context("a task is about an object")?;
+        let reported = self.scene.grasp_hint(0).context("a task has an object")?;
         let placed = &self.scene.objects[0];
         let tips = self.robot.hand(self.robot.acting_side()).opposed_tips();
-        let load = Load::of(&placed.object, &plan.settings.grasp, tips).gripped(placed, told);
+        let load = Load::from_object(&placed.object, &plan.settings.grasp, tips)
+            .with_position_error(placed, reported);
         let mut progress = GoalProgress::default();
-        let mut run = OfflineRun::at_rest(self.robot, &self.scene, self.seed, worn.settings)?;
-        run.make_ready(&mut worn.skin);
+        let mut run =
+            OfflineRun::without_tick(self.robot, &self.scene, self.seed, corrupted.settings)?;
+        run.make_ready(&mut corrupted.frame_filter);
         let (goal, task) = job.policy.goal(&self.goal);
-        run.teach(task);
+        run.set_task(task);
         let limit_s = plan.task.limit_s();
-        let trial = run.run_through(&goal, limit_s, &mut worn.skin, |outputs, _| {
+        let trial = run.run_filtered(&goal, limit_s, &mut corrupted.frame_filter, |outputs, _| {
             outputs.goal_update.iter().for_each(|u| progress.add(u));
         });
         if let Some(fault) = run.world().fault() {
@@ -149,9 +151,9 @@ impl<'a> Stage<'a> {
         Ok(Record {
             object: job.object,
             number: job.number,
-            drawn: Drawn::of(&self.scene).context("a task's scene has its objects")?,
+            drawn: Drawn::from_scene(&self.scene).context("a task's scene has its objects")?,
             load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
-            finding: judge(
+            finding: evaluate(
                 plan.task,
                 self.robot.hand(self.robot.acting_side()),
                 &trial,

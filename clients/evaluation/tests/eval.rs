@@ -30,7 +30,7 @@ fn grasps(threads: usize) -> Plan {
 
 fn run(plan: &Plan) -> Report {
     let report = plan.run(&AtomicBool::new(false), || ());
-    report.expect("it runs").expect("nobody stopped it").report
+    report.expect("it runs").expect("not stopped").report
 }
 
 fn timeless(report: Report) -> Report {
@@ -42,7 +42,7 @@ fn timeless(report: Report) -> Report {
 }
 
 #[test]
-fn the_numbers_do_not_depend_on_the_threads() {
+fn results_do_not_depend_on_thread_count() {
     let with = |threads| Plan {
         baselines: GripPolicy::baselines(Task::Grasp, None).to_vec(),
         ..grasps(threads)
@@ -56,15 +56,15 @@ fn the_numbers_do_not_depend_on_the_threads() {
             .physics
             .as_ref()
             .map(|p| p.feasible.held + p.feasible.crushed);
-        assert!(lifts > Some(0), "a baseline is tried: {row:?}");
+        assert!(lifts > Some(0), "baseline without a lift: {row:?}");
     }
-    let physics = one.physics.expect("of a grasp");
+    let physics = one.physics.expect("a grasp has loads");
     assert_eq!(physics.feasible.trials, 2, "a paper box is light");
     assert_eq!(physics.infeasible.trials, 2, "1.5 kg is too much for 8 N");
 }
 
 #[test]
-fn a_trial_does_not_depend_on_the_others() {
+fn trials_are_independent() {
     let both = run(&grasps(0));
     let alone = run(&plan(Task::Grasp, &["heavy-block"], 0));
     assert_eq!(alone.families[0], both.families[1]);
@@ -100,7 +100,7 @@ fn every_trial_has_its_own_seed() {
 }
 
 #[test]
-fn json_fields_are_a_contract() {
+fn json_fields_are_stable() {
     let mut small = plan(Task::Grasp, &["paper-box"], 0);
     small.trials = 1;
     small.baselines = GripPolicy::baselines(Task::Grasp, None).to_vec();
@@ -149,7 +149,7 @@ fn json_fields_are_a_contract() {
 }
 
 #[test]
-fn it_can_be_stopped_and_counts_what_is_done() {
+fn evaluation_stops_on_request() {
     let done = AtomicU64::new(0);
     let stop = AtomicBool::new(true);
     let report = grasps(1).run(&stop, || {
@@ -160,7 +160,7 @@ fn it_can_be_stopped_and_counts_what_is_done() {
 }
 
 #[test]
-fn nothing_to_evaluate_is_an_error() {
+fn empty_plan_is_an_error() {
     let mut none = grasps(1);
     none.objects.clear();
     let error = none

@@ -1,8 +1,9 @@
-//! Golden test: the README's tables are the measured ones, and some of their trials reproduce.
+//! Golden test: the tables of the results page are the measured ones, and some of their trials
+//! reproduce.
 //!
 //! `atas eval all --golden clients/evaluation/golden` measures and writes the files that this test
 //! reads, as do `atas eval errors`, `robots` and `skins`: a table, and the first and the middle
-//! trial of each series. After a change of behaviour, measure again and update the README.
+//! trial of each series. After a change of behaviour, measure again and update the page.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -49,21 +50,21 @@ fn written(rows: &[TrialRow]) -> Vec<Columns> {
 }
 
 #[test]
-fn the_tables_of_the_readme_are_those_that_were_measured() {
-    let readme = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
-    let readme = std::fs::read_to_string(readme).expect("readable");
+fn results_page_matches_golden_files() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../guide/src/results.md");
+    let page = std::fs::read_to_string(page).expect("readable");
     for name in ["all.md", "errors.md", "robots.md", "skins.md"] {
         let table = golden(name);
         let missing = table
             .lines()
-            .find(|line| !readme.lines().any(|other| other == *line));
+            .find(|line| !page.lines().any(|other| other == *line));
         assert_eq!(
             missing, None,
-            "a line of golden/{name} is not in the README"
+            "a line of golden/{name} is missing on the results page"
         );
         assert!(
-            readme.contains(&table),
-            "golden/{name} stands otherwise in the README"
+            page.contains(&table),
+            "golden/{name} differs from the table on the results page"
         );
     }
 }
@@ -107,7 +108,7 @@ impl Series {
     fn check(self, kept: &[Columns], baselines: bool) {
         let first = kept.iter().find(|row| self.has(row));
         let (robot, task) = (&self.robot.name, self.task.name());
-        let first = first.unwrap_or_else(|| panic!("golden has {task} by {robot}"));
+        let first = first.unwrap_or_else(|| panic!("golden has no {task} by {robot}"));
         let seed: u64 = first["seed"].parse().expect("a seed");
         assert_eq!(seeds::purpose(seed, 1), "judging");
         let baselines = match baselines {
@@ -128,21 +129,21 @@ impl Series {
             settings: atas_core::Settings::default(),
         };
         let evaluated = plan.run(&AtomicBool::new(false), || ());
-        let rows = evaluated.expect("it runs").expect("nobody stopped it").rows;
+        let rows = evaluated.expect("it runs").expect("not stopped").rows;
         for today in written(&rows.concat()) {
             let same = |row: &&Columns| KEY.iter().all(|name| row[*name] == today[*name]);
             let then = kept.iter().find(same);
             assert_eq!(
                 Some(&today),
                 then,
-                "the golden file was measured with something else"
+                "the result differs from the golden file; measure again if the change is intended"
             );
         }
     }
 }
 
 #[test]
-fn trials_behind_the_table_come_out_as_they_were_measured() {
+fn table_trials_reproduce() {
     let kept = columns(golden("all.csv").as_bytes());
     for task in Task::ALL {
         // Assembly baselines are too slow for this test.
@@ -152,7 +153,7 @@ fn trials_behind_the_table_come_out_as_they_were_measured() {
 }
 
 #[test]
-fn trials_with_slow_sensors_come_out_as_they_were_measured() {
+fn slow_sensor_trials_reproduce() {
     let kept = columns(golden("all.csv").as_bytes());
     for task in [Task::Grasp, Task::PickPlace] {
         let slow = task.conditions().into_iter().filter(|c| c.rate_hz < 1000);
@@ -163,7 +164,7 @@ fn trials_with_slow_sensors_come_out_as_they_were_measured() {
 }
 
 #[test]
-fn trials_with_errors_come_out_as_they_were_measured() {
+fn error_trials_reproduce() {
     let kept = columns(golden("errors.csv").as_bytes());
     for task in [Task::Grasp, Task::PickPlace, Task::Screw] {
         for condition in task.error_conditions() {
@@ -173,7 +174,7 @@ fn trials_with_errors_come_out_as_they_were_measured() {
 }
 
 #[test]
-fn trials_of_every_robot_and_skin_come_out_as_they_were_measured() {
+fn robot_and_skin_trials_reproduce() {
     let kept = columns(golden("robots.csv").as_bytes());
     let others = SHIPPED.into_iter().filter(|r| r.name != TWO_HAND_ARM.name);
     for robot in others {

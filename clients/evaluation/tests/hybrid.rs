@@ -32,11 +32,11 @@ fn run(robots: usize, table: Responses) -> (HybridReport, Vec<HybridTrial>) {
         settings: atas_core::Settings::default(),
     };
     let run = plan.run(&AtomicBool::new(false), || ());
-    run.expect("it runs").expect("nobody stopped it")
+    run.expect("it runs").expect("not stopped")
 }
 
 #[test]
-fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
+fn course_enters_all_phases_and_is_deterministic() {
     let (report, trials) = run(1, by_hand());
     assert_eq!((report.clone(), trials.clone()), run(1, by_hand()));
     assert_eq!(report.success, 1.0, "{:?}", trials[0].robots);
@@ -53,19 +53,19 @@ fn a_course_goes_through_its_phases_and_repeats_to_the_bit() {
         drive.took_s > 1.0 && drive.shake.horizontal_m_s2 > 0.1,
         "{drive:?}"
     );
-    let told = serde_json::to_value(&report).expect("JSON");
+    let output = serde_json::to_value(&report).expect("JSON");
     for field in ["trials", "success"] {
-        assert!(told[field].is_number(), "{field}: {told}");
+        assert!(output[field].is_number(), "{field}: {output}");
     }
     assert!(
-        told["failures"].is_object() && told["drive"]["slip_mm"].is_array(),
-        "{told}"
+        output["failures"].is_object() && output["drive"]["slip_mm"].is_array(),
+        "{output}"
     );
 }
 
 /// Regression: a robot waited for ever for another one whose course was over.
 #[test]
-fn what_goes_wrong_is_named_robot_by_robot_and_the_course_ends() {
+fn failures_are_counted_per_robot_and_course_ends() {
     let straight = Responses::from_fn(|_| Wheels { left: 2, right: 2 });
     let (report, trials) = run(2, straight);
     assert_eq!(report.success, 0.0);

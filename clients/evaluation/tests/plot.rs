@@ -78,7 +78,7 @@ fn every_task_has_a_figure() {
 
 /// Recovery steps, which the task's definition does not list, are labelled too.
 #[test]
-fn the_steps_after_a_refusal_are_labelled() {
+fn recovery_steps_are_labelled() {
     let svg = drawn(Task::Grasp, "heavy-block", 1);
     for step in ["lift", "open", "leave"] {
         assert!(svg.contains(&format!(">\n{step}\n<")), "{step} is missing");
@@ -87,7 +87,7 @@ fn the_steps_after_a_refusal_are_labelled() {
 
 /// The needed force is drawn on the scale of the force axis, even above the hand's limit.
 #[test]
-fn what_an_object_needs_is_drawn_to_scale() {
+fn needed_force_is_drawn_to_scale() {
     /// Returns the smallest y (upwards) of the lines with one colour and width, px.
     fn top(svg: &str, colour: &str, width: u32) -> f64 {
         let drawn = format!("stroke=\"{colour}\" stroke-width=\"{width}\" points=\"");
@@ -124,7 +124,7 @@ fn what_an_object_needs_is_drawn_to_scale() {
 }
 
 #[test]
-fn fingers_and_thresholds_have_colours_of_their_own() {
+fn forces_and_thresholds_have_distinct_colours() {
     let svg = drawn(Task::Grasp, "wood", 1);
     // The legend alone has one line, or three dashes.
     let least = [
@@ -141,14 +141,14 @@ fn fingers_and_thresholds_have_colours_of_their_own() {
 }
 
 #[test]
-fn the_same_seed_draws_the_same_bytes() {
+fn same_seed_draws_same_bytes() {
     let [first, again, other] = [1, 1, 2].map(|seed| drawn(Task::Grasp, "sponge", seed));
     assert_eq!(first, again);
     assert_ne!(first, other);
 }
 
 #[test]
-fn what_never_happened_cannot_be_drawn() {
+fn release_of_refused_object_is_not_drawn() {
     let heavy = Object::built_in("heavy-block").expect("built in");
     let error = draw(Task::PickPlace, &heavy, 1).expect_err("it is refused");
     assert!(error.to_string().contains("never stood"), "{error}");
@@ -156,7 +156,7 @@ fn what_never_happened_cannot_be_drawn() {
 
 /// The documentation shows these files; they must equal the output of `atas plot`.
 #[test]
-fn the_figures_of_the_readme_are_up_to_date() {
+fn stored_figures_are_up_to_date() {
     let check = |file: &str, task: Task, object: &str, seed: u64| {
         let path = Path::new(env!("CARGO_MANIFEST_DIR"))
             .join("figures")
@@ -164,7 +164,7 @@ fn the_figures_of_the_readme_are_up_to_date() {
         let kept = std::fs::read_to_string(path).expect("readable");
         assert!(
             kept == drawn(task, object, seed),
-            "{file} is not what `atas plot {}` draws; draw it again",
+            "{file} differs from the output of `atas plot {}`; draw it again",
             task.name()
         );
     };

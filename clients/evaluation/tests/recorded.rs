@@ -1,11 +1,11 @@
 //! Evaluation of recordings: synthetic ones with exact truth, and real ones if they are installed
 //! beside the source tree.
-#![expect(clippy::print_stdout, reason = "a test that cannot run here says so")]
+#![expect(clippy::print_stdout, reason = "reports skipped tests")]
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use atas_evaluation::recorded::{Fit, Labels, Model, Sheet, Verdict, judge, train};
+use atas_evaluation::recorded::{Fit, Labels, Model, Sheet, Verdict, evaluate, train};
 
 fn noise(index: usize) -> f64 {
     let mut z = (index as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -59,11 +59,11 @@ fn slips(rate_hz: usize, mut cell: impl FnMut(usize, usize, String) -> String) -
 }
 
 #[test]
-fn slip_is_told_from_touch_at_any_rate_and_with_holes() {
-    let shipped = Model::shipped().expect("a model");
+fn slip_is_detected_at_any_rate_and_with_gaps() {
+    let shipped = Model::built_in().expect("a model");
     let check = |name: &str, text: &str| {
         for fit in [Fit::Given, Fit::Across] {
-            let verdict = judge(&sheet(text), &labelled("label"), &shipped, fit).expect(name);
+            let verdict = evaluate(&sheet(text), &labelled("label"), &shipped, fit).expect(name);
             let rates = verdict.rates.expect("two classes");
             assert_eq!(
                 (verdict.n, verdict.objects, rates.auc),
@@ -110,7 +110,7 @@ fn slip_is_told_from_touch_at_any_rate_and_with_holes() {
 
 /// A recording faster than the sensor repeats readings; only new readings count for the noise.
 #[test]
-fn readings_that_are_held_are_no_frames() {
+fn repeated_readings_are_ignored() {
     let text = slips(100, |_, _, counts| counts);
     let mut lines = text.lines();
     let mut held = format!("{}\n", lines.next().expect("a header"));
@@ -123,55 +123,58 @@ fn readings_that_are_held_are_no_frames() {
             writeln!(held, "{row}").expect("a string");
         }
     }
-    let shipped = Model::shipped().expect("a model");
+    let shipped = Model::built_in().expect("a model");
     let of = |text: &str| {
-        let verdict = judge(&sheet(text), &labelled("label"), &shipped, Fit::Given);
+        let verdict = evaluate(&sheet(text), &labelled("label"), &shipped, Fit::Given);
         verdict.expect("judged").rates.expect("two classes")
     };
     assert_eq!(of(&held), of(&text));
 }
 
 #[test]
-fn what_is_left_out_or_taken_for_granted_is_told() {
-    let shipped = Model::shipped().expect("a model");
-    let told = |text: &str, parts: &[&str]| {
-        let verdict = judge(&sheet(text), &labelled("label"), &shipped, Fit::Given);
+fn ignored_data_and_assumptions_give_warnings() {
+    let shipped = Model::built_in().expect("a model");
+    let output = |text: &str, parts: &[&str]| {
+        let verdict = evaluate(&sheet(text), &labelled("label"), &shipped, Fit::Given);
         let verdict = verdict.expect("judged");
-        let told = verdict.warnings.join("; ");
+        let output = verdict.warnings.join("; ");
         for part in parts {
-            assert!(told.contains(part), "{part}: {told}");
+            assert!(output.contains(part), "{part}: {output}");
         }
-        assert_eq!(verdict.warnings.len(), parts.len(), "{told}");
+        assert_eq!(verdict.warnings.len(), parts.len(), "{output}");
         assert_eq!(verdict.rates.expect("two classes").auc, 1.0);
     };
     let text = slips(100, |_, _, counts| counts);
-    told(&text, &[]);
-    told(&text.replacen(",t_s", ",when", 1), &["100 frames a second"]);
+    output(&text, &[]);
+    output(
+        &text.replacen(",t_s", ",when", 1),
+        &["100 frames per second"],
+    );
     let damaged = slips(100, |frame, electrode, counts| match electrode {
         2 => "off".to_owned(),
         3 => "7".to_owned(),
         4 if frame % 10 == 0 => "NaN".to_owned(),
         _ => counts,
     });
-    told(
+    output(
         &damaged,
         &[
-            "no number in ff_e3",
-            "nothing ever changes in ff_e4",
+            "no numbers in ff_e3",
+            "constant values in ff_e4",
             "600 readings (0.4 %)",
         ],
     );
     // Labels per frame instead of a case-number column; some are missing.
     let frames = text.replacen(",sequence,", ",row,", 1);
-    told(&frames, &[]);
+    output(&frames, &[]);
 }
 
 #[test]
-fn a_verdict_does_not_depend_on_what_it_is_asked_before() {
+fn verdict_is_deterministic() {
     let text = slips(100, |_, _, counts| counts);
-    let model = Model::shipped().expect("a model");
+    let model = Model::built_in().expect("a model");
     let once = || {
-        let verdict = judge(&sheet(&text), &labelled("label"), &model, Fit::Across);
+        let verdict = evaluate(&sheet(&text), &labelled("label"), &model, Fit::Across);
         serde_json::to_string(&verdict.expect("a verdict")).expect("JSON")
     };
     assert_eq!(once(), once());
@@ -196,7 +199,7 @@ fn presses() -> (String, String) {
 }
 
 #[test]
-fn rupture_is_found_with_labels_beside_the_recording() {
+fn rupture_uses_labels_of_a_neighbouring_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let (text, truths) = presses();
     let write = |name: &str, text: &str| {
@@ -206,12 +209,12 @@ fn rupture_is_found_with_labels_beside_the_recording() {
     };
     let (recording, _) = (write("traces.csv", &text), write("trials.csv", &truths));
     let sheet = Sheet::open(&recording).expect("a table");
-    let shipped = Model::shipped().expect("a model");
+    let shipped = Model::built_in().expect("a model");
     let labels = labelled("rupture_N");
     // Unknown fruit: the force at yielding is the prediction.
-    let unknown = judge(&sheet, &labels, &shipped, Fit::Given).expect("judged");
+    let unknown = evaluate(&sheet, &labels, &shipped, Fit::Given).expect("judged");
     assert!(unknown.mae_n.expect("an error") < 0.5, "{unknown:?}");
-    let across = judge(&sheet, &labels, &shipped, Fit::Across).expect("judged");
+    let across = evaluate(&sheet, &labels, &shipped, Fit::Across).expect("judged");
     let plums = across.sorts["plum"];
     assert!(plums.n == 12 && plums.mae_n < 0.03, "{plums:?}");
     assert!((0.0..0.6).contains(&plums.beyond_n), "{plums:?}");
@@ -222,7 +225,7 @@ fn rupture_is_found_with_labels_beside_the_recording() {
     trained.save(&saved).expect("saved");
     assert_eq!(Model::open(&saved).expect("read"), trained);
     assert!(trained.save(&saved).is_err(), "a model overwrote a file");
-    let known = judge(&sheet, &labels, &trained, Fit::Given).expect("judged");
+    let known = evaluate(&sheet, &labels, &trained, Fit::Given).expect("judged");
     assert!(known.mae_n.expect("an error") < 0.03, "{known:?}");
 }
 
@@ -259,24 +262,24 @@ fn squeezes() -> String {
 }
 
 #[test]
-fn hard_is_told_from_soft() {
+fn hard_and_soft_are_classified() {
     let text = squeezes();
     let labels = Labels {
         objects: Some("label".to_owned()),
         ..labelled("label")
     };
-    let shipped = Model::shipped().expect("a model");
-    let verdict = judge(&sheet(&text), &labels, &shipped, Fit::Given).expect("judged");
+    let shipped = Model::built_in().expect("a model");
+    let verdict = evaluate(&sheet(&text), &labels, &shipped, Fit::Given).expect("judged");
     assert_eq!((verdict.n, verdict.objects), (12, 2));
     assert_eq!(verdict.rates.expect("two classes").auc, 1.0);
     assert_eq!(verdict.first_step.expect("two classes").auc, 1.0);
     let trained = train(&sheet(&text), &labels, &shipped).expect("fitted");
-    let verdict = judge(&sheet(&text), &labels, &trained, Fit::Given).expect("judged");
+    let verdict = evaluate(&sheet(&text), &labels, &trained, Fit::Given).expect("judged");
     assert_eq!(verdict.rates.expect("two classes").balanced_accuracy, 1.0);
 }
 
 #[test]
-fn touches_are_counted_and_judged_frame_by_frame() {
+fn contacts_are_counted_and_evaluated_per_frame() {
     let mut text = "fx_counts,fy_counts,fz_counts,touch\n".to_owned();
     for frame in 0..5000 {
         let touched = frame / 500 % 2 == 1;
@@ -295,20 +298,21 @@ fn touches_are_counted_and_judged_frame_by_frame() {
         )
         .expect("a string");
     }
-    let shipped = Model::shipped().expect("a model");
-    let verdict = judge(&sheet(&text), &labelled("touch"), &shipped, Fit::Given).expect("judged");
+    let shipped = Model::built_in().expect("a model");
+    let verdict =
+        evaluate(&sheet(&text), &labelled("touch"), &shipped, Fit::Given).expect("judged");
     assert_eq!(verdict.touches.expect("touches").len(), 5);
     // The low-pass delays every beginning and end by a few frames.
     assert!(verdict.rates.expect("two classes").balanced_accuracy > 0.98);
-    let bare = judge(&sheet(&text), &Labels::default(), &shipped, Fit::Given).expect("judged");
+    let bare = evaluate(&sheet(&text), &Labels::default(), &shipped, Fit::Given).expect("judged");
     assert_eq!((bare.n, bare.touches.expect("touches").len()), (5000, 5));
 }
 
 #[test]
-fn what_cannot_be_judged_is_refused_with_a_cure() {
-    let shipped = Model::shipped().expect("a model");
+fn unusable_recordings_are_rejected_with_advice() {
+    let shipped = Model::built_in().expect("a model");
     let check = |text: &str, labels: &Labels, fit: Fit, part: &str| {
-        let error = judge(&sheet(text), labels, &shipped, fit).expect_err(part);
+        let error = evaluate(&sheet(text), labels, &shipped, fit).expect_err(part);
         assert!(format!("{error:#}").contains(part), "{error:#}");
     };
     let label = labelled("label");
@@ -329,7 +333,7 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
         "force_N,pos_mm,label\n1,2,soft\n",
         &label,
         Fit::Given,
-        "label of use",
+        "no case has a usable label",
     );
     let one_object = "ff_e1,sequence,object,label\n1,1,cup,t\n2,2,cup,t\n3,3,cup,n\n";
     check(one_object, &label, Fit::Across, "leaving out \"cup\"");
@@ -339,15 +343,15 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
     let given = |text: &str, labels: &Labels, part: &str| check(text, labels, Fit::Given, part);
     let lines = |keep: fn(&&str) -> bool| text.lines().filter(keep).collect::<Vec<_>>().join("\n");
     let one_class = lines(|line| line.starts_with("label") || line.starts_with("t,"));
-    given(&one_class, &label, "all 12 labels of use mean stable");
+    given(&one_class, &label, "all 12 usable labels mean stable");
     let still = slips(100, |_, _, _| "7".to_owned());
     given(
         &still,
         &label,
-        "never changes (ff_e1, ff_e2, ff_e3 and 21 more)",
+        "is constant (ff_e1, ff_e2, ff_e3 and 21 more)",
     );
     let commas = slips(100, |_, _, _| "\"3,5\"".to_owned());
-    given(&commas, &label, "is the decimal sign a point?");
+    given(&commas, &label, "check that the decimal sign is a point");
     let short =
         text.replace("_", "_x")
             .lines()
@@ -366,7 +370,7 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
         "two windows of 0.15 s",
     );
     let both = text.replacen("\nt,t_0,", "\nn,t_0,", 1);
-    given(&both, &label, "say both \"n\" and \"t\"");
+    given(&both, &label, "have the labels \"n\" and \"t\"");
     let mut soft =
         "sample,label,step,f1_x,f1_y,f1_z,f2_x,f2_y,f2_z,pos1_deg,pos2_deg,t_s\n".to_owned();
     for line in squeezes().lines().skip(1) {
@@ -386,7 +390,7 @@ fn what_cannot_be_judged_is_refused_with_a_cure() {
         )
         .expect("a string");
     }
-    given(&soft, &label, "are the forces in newtons?");
+    given(&soft, &label, "check that the forces are in newtons");
     let model = tempfile::NamedTempFile::new().expect("a file");
     std::fs::write(model.path(), "format = 2\n").expect("written");
     assert!(Model::open(model.path()).is_err());
@@ -398,18 +402,18 @@ fn real(name: &str) -> Option<PathBuf> {
         .join("../../../shared/data")
         .join(name);
     if !path.exists() {
-        println!("not judged: {} is not there", path.display());
+        println!("skipped: {} does not exist", path.display());
     }
     path.exists().then_some(path)
 }
 
 fn judged(name: &str, labels: Labels, fit: Fit) -> Option<Verdict> {
     let sheet = Sheet::open(&real(name)?).expect("a table");
-    Some(judge(&sheet, &labels, &Model::shipped().expect("a model"), fit).expect(name))
+    Some(evaluate(&sheet, &labels, &Model::built_in().expect("a model"), fit).expect(name))
 }
 
 #[test]
-fn slip_on_real_recordings_keeps_its_rates_on_objects_that_were_not_seen() {
+fn real_slip_rates_hold_on_unseen_objects() {
     for fit in [Fit::Given, Fit::Across] {
         let Some(verdict) = judged("biotacsp_dos_basic/basic.csv", labelled("label"), fit) else {
             return;
@@ -422,7 +426,7 @@ fn slip_on_real_recordings_keeps_its_rates_on_objects_that_were_not_seen() {
 }
 
 #[test]
-fn hard_and_soft_on_real_squeezes_are_told_apart_at_the_first_step() {
+fn real_squeezes_are_classified_at_first_step() {
     let Some(verdict) = judged("grasp20_even/grasps.csv", labelled("label"), Fit::Across) else {
         return;
     };
@@ -433,7 +437,7 @@ fn hard_and_soft_on_real_squeezes_are_told_apart_at_the_first_step() {
 }
 
 #[test]
-fn rupture_of_real_fruit_is_known_within_its_bounds() {
+fn real_fruit_rupture_error_is_bounded() {
     let labels = || labelled("rupture_N");
     let Some(verdict) = judged("fruit_training/traces.csv", labels(), Fit::Across) else {
         return;
@@ -443,7 +447,7 @@ fn rupture_of_real_fruit_is_known_within_its_bounds() {
 }
 
 #[test]
-fn five_touches_of_a_real_dome_are_five_wherever_its_stamps_come_from() {
+fn five_real_contacts_are_counted_with_any_stamps() {
     let Some(path) = real("optoforce_wire/capture.bin") else {
         return;
     };
@@ -457,9 +461,9 @@ fn five_touches_of_a_real_dome_are_five_wherever_its_stamps_come_from() {
             let at_ns = 5_000_000_000 + index * stamp_ns;
             writeln!(text, "{},{},{},{at_ns}", count(8), count(10), count(12)).expect("a string");
         }
-        let shipped = Model::shipped().expect("a model");
+        let shipped = Model::built_in().expect("a model");
         let verdict =
-            judge(&sheet(&text), &Labels::default(), &shipped, Fit::Given).expect("judged");
+            evaluate(&sheet(&text), &Labels::default(), &shipped, Fit::Given).expect("judged");
         let begins = verdict.touches.expect("touches");
         assert_eq!(begins.len(), 5, "{begins:?}");
         for (begin, expected) in begins.iter().zip([12_803, 24_320, 25_442, 26_757, 28_327]) {

@@ -13,20 +13,20 @@ fn run(trials: u64, threads: usize) -> ReflexReport {
         settings: atas_core::Settings::default(),
     };
     let report = plan.run(&AtomicBool::new(false), || ());
-    report.expect("it runs").expect("nobody stopped it")
+    report.expect("it runs").expect("not stopped")
 }
 
 #[test]
-fn a_clumsy_policy_holds_with_the_reflex_and_not_without() {
+fn reflex_improves_a_coarse_policy() {
     let report = run(6, 0);
-    assert_eq!(report, run(6, 1), "whatever the number of threads");
+    assert_eq!(report, run(6, 1), "independent of the number of threads");
     assert_eq!(report.with.crushed, 0, "{report:?}");
     assert!(report.with.success > report.without.success, "{report:?}");
-    let told = serde_json::to_value(&report).expect("JSON");
-    assert_eq!(told["purpose"], "tuning");
+    let output = serde_json::to_value(&report).expect("JSON");
+    assert_eq!(output["purpose"], "tuning");
     for side in ["with", "without"] {
         for field in ["trials", "success", "crushed"] {
-            assert!(told[side][field].is_number(), "{side}.{field}: {told}");
+            assert!(output[side][field].is_number(), "{side}.{field}: {output}");
         }
     }
     let slip = &report.slip_to_command_ms;
@@ -34,8 +34,8 @@ fn a_clumsy_policy_holds_with_the_reflex_and_not_without() {
     assert!(slip.p99_with_f2 >= slip.p99, "{slip:?}");
     for field in ["count", "p50", "p99", "p99_with_f2"] {
         assert!(
-            told["slip_to_command_ms"][field].is_number(),
-            "{field}: {told}"
+            output["slip_to_command_ms"][field].is_number(),
+            "{field}: {output}"
         );
     }
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use atas_evaluation::recorded::{Fit, Labels, Model, Sheet, Verdict, judge, open};
+use atas_evaluation::recorded::{Fit, Labels, Model, Sheet, Verdict, evaluate, open};
 use atas_recording::{Bounds, record};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::service::{RUN_HEADER, TICK_INPUTS};
@@ -141,12 +141,12 @@ fn spans(header: &str, of: impl Fn(u64) -> String) -> String {
 }
 
 fn verdict(sheet: &Sheet, labels: &Labels, fit: Fit) -> Verdict {
-    let model = Model::shipped().expect("a model");
-    judge(sheet, labels, &model, fit).expect("judged")
+    let model = Model::built_in().expect("a model");
+    evaluate(sheet, labels, &model, fit).expect("judged")
 }
 
 #[test]
-fn a_run_is_judged_as_the_table_of_the_same_frames() {
+fn run_and_table_give_the_same_verdict() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = folder.path().join("run.mcap");
     recorded(&run, sliding);
@@ -199,7 +199,7 @@ fn a_run_is_judged_as_the_table_of_the_same_frames() {
 }
 
 #[test]
-fn touches_of_one_fingertip_of_a_run_are_counted() {
+fn contacts_of_one_fingertip_are_counted() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = folder.path().join("run.mcap");
     recorded(&run, pressing);
@@ -214,21 +214,21 @@ fn touches_of_one_fingertip_of_a_run_are_counted() {
         fs::write(&beside, text).expect("written");
         refused(part);
     };
-    check("label\n1\n", "needs from_s, to_s and a label");
+    check("label\n1\n", "but from_s, to_s and a label are needed");
     check("from_s,to_s,label\n2,1,x\n", "row 1");
     check("from_s,to_s,label,hand\n1,2,x,both\n", "row 1");
     check("from_s,to_s,label,finger\n1,2,x,4\n", "row 1");
     check(
         "from_s,to_s,label\n100,200,x\n",
-        "no frame of it lies within",
+        "none of its frames lies within",
     );
     check(
         "from_s,to_s,label,hand\n1,2,x,right\n",
-        "no frame of it lies within",
+        "none of its frames lies within",
     );
     check(
         "from_s,to_s,label\n1,2,x\n",
-        "touches of several fingertips",
+        "contacts of several fingertips",
     );
     fs::write(&beside, spans(",finger", |_| ",0".to_owned())).expect("written");
     let (sheet, labels) = opened().expect("a run");

@@ -3,11 +3,11 @@
 use atas_core::Settings;
 use atas_evaluation::judge::Outcome;
 use atas_evaluation::offline::{OfflineRun, Trial, grasp_goal, pick_place_goal};
-use robot_model::{RobotModel, Side};
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::{Cause, GoalState};
 use sim_backend::{Object, Scene};
 
-const SIDE: Side = Side::Right;
+const SIDE: HandSide = HandSide::Right;
 const LIFT_M: f64 = 0.04;
 const LIMIT_S: f64 = 120.0;
 
@@ -28,14 +28,14 @@ fn run_offline(scene: &Scene, seed: u64) -> Trial {
 
 fn grasped(properties: &str, seed: u64) -> Outcome {
     let trial = run_offline(&Scene::grasp(object(properties), SIDE).varied(seed), seed);
-    Outcome::of(&trial.end, &trial.truth, SIDE.index(), LIFT_M)
+    Outcome::evaluate(&trial.end, &trial.truth, SIDE.index(), LIFT_M)
 }
 
 /// Regression: the hand approached below the object's top and pushed it over. Known limit (1 of
 /// 16): uniform slip at the verified force right after lift-off cannot be distinguished from a held
 /// object by the fingertips.
 #[test]
-fn a_tall_object_is_not_pushed_over_on_the_way_in() {
+fn approach_does_not_tip_a_tall_object() {
     let tall = "mass_kg = 0.03\nfriction = 0.29\nstiffness_n_m = 6000.0\n\
                 shape = { kind = \"box\", size_m = [0.0364, 0.0232, 0.135] }";
     let scene = |seed| Scene::grasp(object(tall), SIDE).varied(seed);
@@ -44,7 +44,7 @@ fn a_tall_object_is_not_pushed_over_on_the_way_in() {
     for (seed, trial) in ended {
         let tilt_rad = trial.truth.objects[0].tilt_rad;
         assert!(tilt_rad < 0.1, "seed {seed}: tilted by {tilt_rad} rad");
-        let outcome = Outcome::of(&trial.end, &trial.truth, SIDE.index(), LIFT_M);
+        let outcome = Outcome::evaluate(&trial.end, &trial.truth, SIDE.index(), LIFT_M);
         held += u32::from(outcome == Outcome::Held);
     }
     assert!(held >= 15, "{held} of 16 held");
@@ -52,7 +52,7 @@ fn a_tall_object_is_not_pushed_over_on_the_way_in() {
 
 /// Regression: an object that slipped uniformly loaded the fingertips steadily and counted as held.
 #[test]
-fn an_object_that_slides_evenly_is_refused_and_not_held() {
+fn uniformly_sliding_object_is_refused() {
     let heavy = "mass_kg = 0.119\nfriction = 0.27\nstiffness_n_m = 300.0\n\
                  shape = { kind = \"cylinder\", radius_m = 0.0213, height_m = 0.144 }";
     for seed in [1002, 1003] {
@@ -64,7 +64,7 @@ fn an_object_that_slides_evenly_is_refused_and_not_held() {
 /// Regression: the compliance correction of the grip amplified the object's sway between the
 /// fingertips until it was dropped.
 #[test]
-fn a_soft_heavy_object_does_not_sway_itself_loose() {
+fn soft_heavy_object_does_not_sway_loose() {
     let swaying = "mass_kg = 0.225\nfriction = 0.46\nstiffness_n_m = 5000.0\n\
                    shape = { kind = \"box\", size_m = [0.0278, 0.0589, 0.079] }";
     let scene = Scene::pick_place(object(swaying), SIDE).varied(1001);

@@ -1,32 +1,34 @@
-//! `atas-gate`: the service's side of the gate (`lib.rs` says what it is).
+//! `atas-gate`: server side of the gate (see `lib.rs`).
 //!
 //! ```text
-//!  standard input (a listening socket) ─▶ door ─ a process per visitor ─▶ visit ─▶ rights ─▶ atas
+//!  standard input (listening socket) ─▶ door ─ a process per client ─▶ visit ─▶ rights ─▶ atas
 //! ```
 //!
 //! systemd starts it as the bus's user with the socket as its standard input (`atas-gate.socket`).
 
-mod door;
-mod rights;
-mod visit;
+mod connection;
+mod permissions;
+mod server;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use atas_process::command_line;
+use atas_process::exit::Exit;
 use clap::Parser;
 
-/// Runs `atas` for members of group atas, as far as access.group of the configuration lets them.
+/// Runs `atas` for members of group atas, as far as access.group of the configuration permits
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// Configuration file, may be repeated: later ones win [default: /etc/atas/atas.toml and /etc/atas/conf.d/*.toml].
+    /// Configuration file; repeatable, later files win [default: /etc/atas/atas.toml and
+    /// /etc/atas/conf.d/*.toml]
     #[arg(long, value_name = "FILE")]
     config: Vec<PathBuf>,
-    /// Standard input is one visitor instead of the socket that all knock at.
+    /// Standard input is the connection of one client instead of the listening socket
     #[arg(long, hide = true)]
     visit: bool,
-    /// This visitor may only stop the robot: all places are taken.
+    /// This client may only stop the robot: all connections are in use
     #[arg(long, hide = true, requires = "visit")]
     full: bool,
 }
@@ -36,18 +38,18 @@ const PROGRAM: &str = "atas-gate";
 fn main() -> ExitCode {
     let args = match Args::try_parse() {
         Ok(args) => args,
-        Err(error) => return command_line::end(PROGRAM, &error, 1),
+        Err(error) => return command_line::exit_without_work(PROGRAM, &error),
     };
     atas_process::run(
         PROGRAM,
         || {
             let done = if args.visit {
-                visit::receive(&args.config, args.full)
+                connection::serve(&args.config, args.full)
             } else {
-                door::keep(&args.config)
+                server::serve(&args.config)
             };
             done.map_err(|error| format!("{error:#}"))
         },
-        |_| 1,
+        |_| Exit::Failed,
     )
 }

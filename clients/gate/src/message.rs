@@ -1,7 +1,7 @@
-//! What passes the socket: packets, whole or not at all (`SOCK_SEQPACKET`), bounded.
+//! Messages of the socket: bounded packets, complete or not at all (`SOCK_SEQPACKET`).
 //!
-//! One [`Request`] with three descriptors; then a byte for each signal, its number. Back come [`Reply`]s as JSON. The end of
-//! either side is the end of the visit.
+//! The client sends one [`Request`] with three descriptors, then one byte per signal. The gate
+//! answers with [`Reply`]s as JSON. Either side ends the connection by closing it.
 
 use std::io::{self, IoSlice, IoSliceMut};
 use std::mem::MaybeUninit;
@@ -14,17 +14,18 @@ use rustix::net::{
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
 
-/// Where the gate is, as its systemd unit has it.
+/// Path of the socket, as in its systemd unit.
 pub const SOCKET: &str = "/run/atas-gate.sock";
-/// The environment variable that names another place.
+/// Environment variable with another path.
 pub const SOCKET_ENV: &str = "ATAS_GATE";
-/// Longest packet, bytes: many times the longest command line that means something. Ours.
+/// Longest packet, bytes. Design choice: many times the longest useful command line.
 pub const PACKET_MAX: usize = 32 << 10;
 /// Standard input, output and error.
 pub const STREAMS: usize = 3;
 
-/// Words of the caller's environment that the command sees: how the terminal is, which bus, and nothing else.
-pub const WORDS: [&str; 7] = [
+/// Environment variables of the client that the command receives: terminal properties and bus,
+/// nothing else.
+pub const VARIABLES: [&str; 7] = [
     "TERM",
     "COLORTERM",
     "NO_COLOR",
@@ -33,53 +34,54 @@ pub const WORDS: [&str; 7] = [
     "LANG",
     shm_bus::BusName::ENV,
 ];
-/// Longest value of a word, bytes. Ours.
-const WORD_MAX: usize = 64;
+/// Longest value of a variable, bytes. Design choice.
+const VARIABLE_MAX: usize = 64;
 
-/// Signals that are passed on: those that ask a command to end, and the one that tells it of its terminal's size.
+/// Forwarded signals: those that end a command, and the one for changes of the terminal size.
 pub const SIGNALS: [Signal; 4] = [Signal::INT, Signal::TERM, Signal::HUP, Signal::WINCH];
 
-/// What a visitor wants.
+/// Request of a client.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
-    /// The words after `atas`.
+    /// Arguments after `atas`.
     pub arguments: Vec<String>,
-    /// Names out of [`WORDS`] with their values.
+    /// Names of [`VARIABLES`] with their values.
     pub environment: Vec<(String, String)>,
 }
 
-/// What the gate says.
+/// Reply of the gate.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reply {
-    /// The command runs on the visitor's streams.
+    /// The command runs on the client's streams.
     Started,
-    /// It ended with this exit code.
+    /// The command ended with this exit code.
     Ended(u8),
-    /// A signal ended it.
+    /// A signal ended the command.
     Killed(i32),
-    /// It does not run, and why.
+    /// The command was rejected; the text is the reason.
     Refused(String),
-    /// It does not run now: this user's places are taken. And how many there are.
+    /// The user's connections are all in use; the number is their limit.
     Busy(usize),
 }
 
 impl Request {
-    /// Whether a variable of the environment may be handed over: one of [`WORDS`], short, and never a path, which a library
-    /// might follow.
+    /// Returns true if an environment variable may be forwarded: listed in [`VARIABLES`], short, and
+    /// not a path, which a library could follow.
     #[must_use]
-    pub fn takes(name: &str, value: &str) -> bool {
+    pub fn is_permitted(name: &str, value: &str) -> bool {
         let plain = |b: u8| b.is_ascii_alphanumeric() || b"._:@+-".contains(&b);
-        WORDS.contains(&name) && value.len() <= WORD_MAX && value.bytes().all(plain)
+        VARIABLES.contains(&name) && value.len() <= VARIABLE_MAX && value.bytes().all(plain)
     }
 }
 
 /// Sends the request with the streams.
 ///
 /// # Errors
-/// [`io::Error`] as the kernel says; [`io::ErrorKind::ArgumentListTooLong`] for more than [`PACKET_MAX`].
-pub fn ask(
+/// [`io::Error`] of the kernel; [`io::ErrorKind::ArgumentListTooLong`] for more than [`PACKET_MAX`]
+/// bytes.
+pub fn send_request(
     socket: impl AsFd,
     request: &Request,
     streams: [BorrowedFd<'_>; STREAMS],
@@ -100,13 +102,13 @@ pub fn ask(
     Ok(())
 }
 
-/// Receives a request with its streams; why not, in the words of a visitor's error.
+/// Receives a request with its streams.
 ///
 /// # Errors
-/// A sentence's reason: a packet that is none, without its streams, or too long.
-pub fn hear(socket: impl AsFd) -> Result<(Request, [OwnedFd; STREAMS]), String> {
+/// The reason as text: an invalid packet, missing streams, or too long.
+pub fn receive_request(socket: impl AsFd) -> Result<(Request, [OwnedFd; STREAMS]), String> {
     let mut packet = vec![0; PACKET_MAX];
-    // Room for no more descriptors than belong to it: the kernel closes what is beyond.
+    // Space for exactly the expected descriptors: the kernel closes all others.
     let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(STREAMS))];
     let mut control = RecvAncillaryBuffer::new(&mut space);
     let flags = RecvFlags::CMSG_CLOEXEC;
@@ -116,7 +118,7 @@ pub fn hear(socket: impl AsFd) -> Result<(Request, [OwnedFd; STREAMS]), String> 
         &mut control,
         flags,
     )
-    .map_err(|error| format!("the request did not come: {error}"))?;
+    .map_err(|error| format!("no request arrived: {error}"))?;
     let streams: Vec<OwnedFd> = control
         .drain()
         .filter_map(|message| match message {
@@ -129,26 +131,24 @@ pub fn hear(socket: impl AsFd) -> Result<(Request, [OwnedFd; STREAMS]), String> 
         return Err(format!("the request is longer than {PACKET_MAX} bytes"));
     }
     if received.flags.intersects(ReturnFlags::CTRUNC) {
-        return Err(format!(
-            "the request carries more than {STREAMS} descriptors"
-        ));
+        return Err(format!("the request has more than {STREAMS} descriptors"));
     }
     let request = serde_json::from_slice(&packet[..received.bytes]).map_err(|error| {
-        format!("the request cannot be read ({error}); is `atas` of another version?")
+        format!("the request is invalid ({error}); `atas` may have another version")
     })?;
     let streams = streams.try_into().map_err(|streams: Vec<_>| {
         format!(
-            "the request carries {} descriptors, needs {STREAMS}",
+            "the request has {} descriptors, needs {STREAMS}",
             streams.len()
         )
     })?;
     Ok((request, streams))
 }
 
-/// Sends a reply, without waiting: a visitor that does not read loses it.
+/// Sends a reply without waiting. A client that does not read loses it.
 ///
 /// # Errors
-/// [`io::Error`] if the visitor is gone or does not read.
+/// [`io::Error`] if the client is gone or does not read.
 pub fn reply(socket: impl AsFd, reply: &Reply) -> io::Result<()> {
     let packet = serde_json::to_vec(reply)?;
     send(socket, &packet, SendFlags::NOSIGNAL | SendFlags::DONTWAIT)?;
@@ -160,9 +160,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_plain_words_of_the_list_pass() {
+    fn only_listed_plain_variables_pass() {
         let check = |name: &str, value: &str, passes: bool| {
-            assert_eq!(Request::takes(name, value), passes, "{name}={value}");
+            assert_eq!(Request::is_permitted(name, value), passes, "{name}={value}");
         };
         check("TERM", "xterm-256color", true);
         check("LANG", "de_DE.UTF-8@euro", true);

@@ -1,4 +1,4 @@
-//! What a user lacks who cannot reach the gate, each with the command that cures it.
+//! Diagnosis of a user who cannot reach the gate: missing permissions, each with a remedy.
 
 use std::ffi::CString;
 use std::fs;
@@ -11,39 +11,47 @@ use rustix::fs::{Access, access};
 
 use crate::message;
 
-/// Where the gate is for this process.
+/// Returns the path of the gate's socket.
 pub(crate) fn socket() -> PathBuf {
     std::env::var_os(message::SOCKET_ENV).map_or_else(|| message::SOCKET.into(), PathBuf::from)
 }
 
-/// What this user lacks to knock at the gate, and the cure; `None` if nothing. Does not knock.
+/// Returns the missing permission and its remedy; `None` if nothing is missing. Does not connect.
 #[must_use]
 pub fn missing() -> Option<String> {
     let socket = socket();
     let refused = access(&socket, Access::WRITE_OK).err()?;
-    Some(sentence(&socket, &refused.into()))
+    Some(connection_error(&socket, &refused.into()))
 }
 
-/// Why a connection to the gate at `socket` failed, as the end of a sentence.
-pub(crate) fn sentence(socket: &Path, error: &io::Error) -> String {
+/// Returns the cause of a failed connection to the gate at `socket`, as the end of a sentence.
+pub(crate) fn connection_error(socket: &Path, error: &io::Error) -> String {
     let place = socket.display();
     match error.kind() {
         io::ErrorKind::NotFound => format!(
-            "its gate for members of group atas is closed (there is no {place}): `sudo systemctl enable --now atas-gate.socket` opens it"
+            "its gate for members of group atas is not running (there is no {place}); start it \
+             with `sudo systemctl enable --now atas-gate.socket`"
         ),
         io::ErrorKind::ConnectionRefused => {
-            format!("nobody answers at its gate {place}: `sudo systemctl restart atas-gate.socket`")
+            format!(
+                "its gate {place} does not answer; run `sudo systemctl restart \
+                atas-gate.socket`"
+            )
         }
         io::ErrorKind::PermissionDenied => not_a_member(socket),
         _ => format!(
-            "its gate {place} cannot be reached because of: {error}; see `systemctl status atas-gate`"
+            "its gate {place} is not reachable because of: {error}; see `systemctl status \
+             atas-gate`"
         ),
     }
 }
 
 fn not_a_member(socket: &Path) -> String {
     let Ok(meta) = fs::metadata(socket) else {
-        return format!("this user may not see its gate {}", socket.display());
+        return format!(
+            "this user has no permission for its gate {}",
+            socket.display()
+        );
     };
     let gid = Gid::from_raw(meta.gid());
     let group = Group::from_gid(gid).ok().flatten();
@@ -52,27 +60,29 @@ fn not_a_member(socket: &Path) -> String {
     let name = user.map_or_else(|| geteuid().to_string(), |user| user.name);
     if in_effect(gid) {
         return format!(
-            "its gate {} is closed to group {group} by its mode or its folder's",
+            "its gate {} rejects group {group} by its mode or that of its folder",
             socket.display()
         );
     }
     if is_listed(&name, gid) {
         format!(
-            "user {name} is in group {group} since after this login: log in again, or `newgrp {group}`"
+            "user {name} joined group {group} after this login; log in again, or run `newgrp \
+             {group}`"
         )
     } else {
         format!(
-            "user {name} is not in group {group}: `sudo usermod -aG {group} {name}`, then log in again"
+            "user {name} is not in group {group}; run `sudo usermod -aG {group} {name}`, then log \
+             in again"
         )
     }
 }
 
-/// Whether this process has the group.
+/// Returns true if this process has the group.
 fn in_effect(gid: Gid) -> bool {
     getegid() == gid || getgroups().is_ok_and(|groups| groups.contains(&gid))
 }
 
-/// Whether the system's tables have the user in the group.
+/// Returns true if the system lists the user in the group.
 fn is_listed(user: &str, gid: Gid) -> bool {
     CString::new(user)
         .is_ok_and(|user| getgrouplist(&user, getegid()).is_ok_and(|groups| groups.contains(&gid)))
@@ -83,10 +93,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_lack_is_told_with_its_cure() {
+    fn missing_permission_has_a_remedy() {
         let check = |kind: io::ErrorKind, part: &str| {
-            let told = sentence(Path::new("/nonexistent/gate"), &kind.into());
-            assert!(told.contains(part), "{told}");
+            let reported = connection_error(Path::new("/nonexistent/gate"), &kind.into());
+            assert!(reported.contains(part), "{reported}");
         };
         check(
             io::ErrorKind::NotFound,

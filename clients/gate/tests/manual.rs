@@ -1,4 +1,4 @@
-//! What the manual says of the program is so, and where it cannot serve it says why.
+//! The manual page lists every option; a missing socket is reported.
 
 use std::process::{Command, Stdio};
 
@@ -9,7 +9,7 @@ fn gate() -> Command {
 }
 
 #[test]
-fn the_manual_has_every_flag() {
+fn manual_has_every_option() {
     let help = gate().arg("--help").output().expect("it starts");
     let help = String::from_utf8(help.stdout).expect("UTF-8");
     let flags = help
@@ -31,9 +31,12 @@ fn the_manual_has_every_flag() {
 }
 
 #[test]
-fn without_a_socket_it_says_what_starts_it() {
+fn missing_socket_is_reported_with_its_remedy() {
     let output = gate().stdin(Stdio::null()).output().expect("it starts");
     assert_eq!(output.status.code(), Some(1));
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(told.contains("start this by `atas-gate.socket`"), "{told}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        printed.contains("start this program by `atas-gate.socket`"),
+        "{printed}"
+    );
 }

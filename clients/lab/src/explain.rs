@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use atas_client::{POLL, Session, json};
 use atas_console::arguments::Explain;
 use atas_console::{Output, number, table};
-use atas_evaluation::figures::{self, Choice, Course, Goal, Goals};
+use atas_evaluation::figures::{self, Goal, GoalSelection, GoalTrace, Goals};
 use serde_json::{Value, json};
 use shm_bus::BusName;
 use shm_schemas::service;
@@ -16,24 +16,28 @@ use crate::{picture, plot};
 
 /// Time to wait for past events, which the daemon sends to a new reader with its next message
 /// (design choice).
-const PAST: Duration = Duration::from_millis(300);
+const HISTORY_WAIT: Duration = Duration::from_millis(300);
 
 pub(crate) fn explain(arguments: &Explain, output: &mut Output) -> anyhow::Result<()> {
     let files = &arguments.files;
-    let choice = Choice::said(arguments.goal.as_deref());
+    let choice = GoalSelection::parse(arguments.goal.as_deref());
     let is_live = *files == [Path::new(Explain::LAST)];
     if arguments.list {
         let goals = if is_live {
-            remembered(&arguments.bus.bus)?
+            goals_from_daemon(&arguments.bus.bus)?
         } else {
-            Goals::recorded(&plot::name(&files[0]), files)?
+            Goals::from_recording(&plot::run_name(&files[0]), files)?
         };
         return list(&goals, output);
     }
     let course = if is_live {
-        Course::remembered("running daemon", &remembered(&arguments.bus.bus)?, &choice)?
+        GoalTrace::from_events(
+            "running daemon",
+            &goals_from_daemon(&arguments.bus.bus)?,
+            &choice,
+        )?
     } else {
-        Course::recorded(&plot::name(&files[0]), files, &choice)?
+        GoalTrace::from_recording(&plot::run_name(&files[0]), files, &choice)?
     };
     if let Some(out) = &arguments.out {
         picture::write(out, &figures::explained(&course)?)?;
@@ -44,32 +48,32 @@ pub(crate) fn explain(arguments: &Explain, output: &mut Output) -> anyhow::Resul
         value["picture"] = drawn.into();
         return output.json(&value);
     }
-    output.line(told(&course))?;
+    output.line(as_text(&course))?;
     drawn.map_or(Ok(()), |drawn| output.line(format_args!("wrote {drawn}")))
 }
 
-fn remembered(bus: &BusName) -> anyhow::Result<Goals> {
+fn goals_from_daemon(bus: &BusName) -> anyhow::Result<Goals> {
     let session = Session::existing(bus)?;
     let mut stream = session.bus().subscriber(service::MODULE_EVENT)?;
     let (mut statuses, mut status) = session.watch_status()?;
     let (mut events, begin) = (Vec::new(), Instant::now());
-    while begin.elapsed() < PAST {
+    while begin.elapsed() < HISTORY_WAIT {
         stream.drain(usize::MAX, |event| events.push(*event))?;
         statuses.newest(&mut status)?;
         std::thread::sleep(POLL);
     }
-    Ok(Goals::remembered("the running daemon", events, &status))
+    Ok(Goals::from_events("the running daemon", events, &status))
 }
 
 fn list(goals: &Goals, output: &mut Output) -> anyhow::Result<()> {
     let goals = goals.list();
     if output.is_json() {
-        let goals: Vec<Value> = goals.iter().map(listed).collect();
+        let goals: Vec<Value> = goals.iter().map(goal_json).collect();
         return output.json(&json!({ "goals": goals }));
     }
     let mut rows = table(&["goal", "task", "hand", "from s", "took s", "state", "why"]);
     for goal in &goals {
-        let account = &goal.account;
+        let account = &goal.summary;
         let why = account.reason.is_some().then(|| account.reason.to_string());
         rows.add_row([
             goal.number.to_string(),
@@ -84,20 +88,20 @@ fn list(goals: &Goals, output: &mut Output) -> anyhow::Result<()> {
     output.table(rows)
 }
 
-fn listed(goal: &Goal<'_>) -> Value {
+fn goal_json(goal: &Goal<'_>) -> Value {
     json!({
         "goal": goal.number,
         "task": goal.task,
         "hand": goal.hand.name(),
         "from_s": goal.from_s,
-        "took_s": goal.account.took_s(),
-        "state": goal.account.state,
-        "reason": json::reason(&goal.account.reason),
+        "took_s": goal.summary.took_s(),
+        "state": goal.summary.state,
+        "reason": json::reason(&goal.summary.reason),
     })
 }
 
-fn told(course: &Course) -> String {
-    let account = &course.account;
+fn as_text(course: &GoalTrace) -> String {
+    let account = &course.summary;
     let because = if account.reason.is_some() {
         format!(": {}", account.reason)
     } else {
@@ -107,7 +111,7 @@ fn told(course: &Course) -> String {
         "{}: {} after {:.2} s{because}",
         course.title(),
         account.state,
-        course.took_s()
+        course.duration_s()
     )];
     let steps = account.steps.iter();
     let steps = steps.map(|step| format!("{} {:.2} s", step.name, seconds(step.took_ns)));
@@ -118,14 +122,14 @@ fn told(course: &Course) -> String {
             "{:9.3} s  tick {:<8} {}",
             course.since_s(event.stamp.captured_ns),
             event.tick,
-            course.sentence(moment)
+            course.event_text(moment)
         ));
     }
     lines.join("\n")
 }
 
-fn as_json(course: &Course) -> Value {
-    let account = &course.account;
+fn as_json(course: &GoalTrace) -> Value {
+    let account = &course.summary;
     let steps = account.steps.iter().map(|step| {
         json!({
             "name": step.name,
@@ -137,9 +141,9 @@ fn as_json(course: &Course) -> Value {
     let moments = account.moments.iter().map(|moment| {
         let mut value = json::event(&moment.event);
         value["t_s"] = course.since_s(moment.event.stamp.captured_ns).into();
-        value["sentence"] = moment.sentence.trim().into();
+        value["sentence"] = moment.text.trim().into();
         value["times"] = moment.times.into();
-        value["evidence"] = course.felt(&moment.event).into();
+        value["evidence"] = course.measured(&moment.event).into();
         value
     });
     json!({
@@ -147,7 +151,7 @@ fn as_json(course: &Course) -> Value {
         "task": course.task,
         "state": account.state,
         "reason": json::reason(&account.reason),
-        "took_s": course.took_s(),
+        "took_s": course.duration_s(),
         "steps": steps.collect::<Vec<_>>(),
         "moments": moments.collect::<Vec<_>>(),
     })

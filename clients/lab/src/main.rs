@@ -34,7 +34,7 @@ mod robot;
 use std::process::ExitCode;
 
 use atas_console::arguments::Command;
-use atas_console::{Ended, Exit, Interrupt, Output};
+use atas_console::{Exit, ExitError, Interrupt, Output};
 
 fn main() -> ExitCode {
     atas_console::run(execute)
@@ -56,9 +56,9 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
             options,
         } => record::record(options, interrupt, output),
         Command::Replay { files } => replay::replay(files, output),
-        _ => Err(Ended::with(
+        _ => Err(ExitError::with_code(
             Exit::Usage,
-            "this is the laboratory's part of the command; ask `atas` for it",
+            "this program runs the laboratory commands only; run `atas` instead",
         )),
     }
 }

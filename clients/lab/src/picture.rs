@@ -28,7 +28,7 @@ pub(crate) fn write(path: &Path, svg: &str) -> anyhow::Result<()> {
     })?;
     std::fs::write(path, bytes).with_context(|| {
         let path = path.display();
-        format!("could not write {path}; name a file in a folder that exists and may be written")
+        format!("could not write {path}; name a file in a writable folder")
     })
 }
 
@@ -36,7 +36,7 @@ fn png(svg: &str) -> anyhow::Result<Vec<u8>> {
     let tree = tree(svg)?;
     let size = tree.size().to_int_size();
     let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height())
-        .context("could not make a picture because the figure has no size; report this")?;
+        .context("could not make a picture: the figure has no size; report this")?;
     resvg::render(
         &tree,
         tiny_skia::Transform::identity(),
@@ -66,8 +66,8 @@ fn tree(svg: &str) -> anyhow::Result<usvg::Tree> {
     let family = first.with_context(|| {
         let known = SANS_SERIF.join(", ");
         format!(
-            "could not draw the figure's words because this machine has none of the typefaces {known}; install one \
-             (Debian: fonts-dejavu-core), or write SVG"
+            "could not draw the figure's text: this machine has none of the typefaces {known}; \
+             install one (Debian: fonts-dejavu-core), or write SVG"
         )
     })?;
     fonts.set_sans_serif_family(family);
@@ -75,5 +75,5 @@ fn tree(svg: &str) -> anyhow::Result<usvg::Tree> {
         fontdb: Arc::new(fonts),
         ..usvg::Options::default()
     };
-    usvg::Tree::from_str(svg, &options).context("could not read the figure again; report this")
+    usvg::Tree::from_str(svg, &options).context("could not parse the drawn figure; report this")
 }

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use atas_console::arguments::{Drawn, Plot, PlotRecorded};
-use atas_console::{Ended, Exit, Output};
+use atas_console::arguments::{Plot, PlotOffline, PlotRecorded};
+use atas_console::{Exit, ExitError, Output};
 use atas_evaluation::Task;
-use atas_evaluation::figures::{self, Choice, Course};
+use atas_evaluation::figures::{self, GoalSelection, GoalTrace};
 use serde_json::json;
 use sim_backend::{Object, ObjectError};
 
@@ -18,10 +18,11 @@ pub(crate) fn plot(
 ) -> anyhow::Result<()> {
     let (svg, out) = match (offline, recorded) {
         (Some(plot), _) => run_offline(plot)?,
-        (None, Some(recorded)) => (overlaid(recorded)?, &recorded.out),
+        (None, Some(recorded)) => (draw_recorded(recorded)?, &recorded.out),
         (None, None) => {
-            let sentence = "needs a recording, or a task to run offline; see `atas plot --help`";
-            return Err(Ended::with(Exit::Usage, sentence));
+            let sentence = "nothing to draw: needs a recording, or a task to run offline; see \
+                `atas plot --help`";
+            return Err(ExitError::with_code(Exit::Usage, sentence));
         }
     };
     picture::write(out, &svg)?;
@@ -32,31 +33,32 @@ pub(crate) fn plot(
 }
 
 fn run_offline(plot: &Plot) -> anyhow::Result<(String, &PathBuf)> {
-    let (task, arguments): (Task, &Drawn) = match plot {
+    let (task, arguments): (Task, &PlotOffline) = match plot {
         Plot::Grasp(arguments) => (Task::Grasp, arguments),
         Plot::PickPlace(arguments) => (Task::PickPlace, arguments),
         Plot::Screw(arguments) => (Task::Screw, arguments),
         Plot::Assembly(arguments) => (Task::Assembly, arguments),
     };
-    let usage = |error: ObjectError| Ended::with(Exit::Usage, error.to_string());
+    let usage = |error: ObjectError| ExitError::with_code(Exit::Usage, error.to_string());
     let object = match &arguments.object {
-        Some(name) => Object::named_or_file(name).map_err(usage)?,
-        None => figures::usual(task).map_err(usage)?,
+        Some(name) => Object::from_name_or_file(name).map_err(usage)?,
+        None => figures::default_object(task).map_err(usage)?,
     };
     let svg = figures::draw(task, &object, arguments.seed)?;
     Ok((svg, &arguments.out))
 }
 
-fn overlaid(arguments: &PlotRecorded) -> anyhow::Result<String> {
+fn draw_recorded(arguments: &PlotRecorded) -> anyhow::Result<String> {
     let runs = atas_recording::runs(&arguments.files)?.into_iter();
-    let choice = Choice::said(arguments.goal.as_deref());
-    let courses = runs.map(|files| Course::recorded(&name(&files[0]), &files, &choice));
-    let courses = courses.collect::<anyhow::Result<Vec<Course>>>()?;
+    let choice = GoalSelection::parse(arguments.goal.as_deref());
+    let courses =
+        runs.map(|files| GoalTrace::from_recording(&run_name(&files[0]), &files, &choice));
+    let courses = courses.collect::<anyhow::Result<Vec<GoalTrace>>>()?;
     figures::overlay(&courses, arguments.from.as_deref())
 }
 
 /// Returns the name of a run: its first file without folder and suffix.
-pub(crate) fn name(file: &Path) -> String {
+pub(crate) fn run_name(file: &Path) -> String {
     let stem = file.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::time::SystemTime;
 
 use atas_client::Session;
-use atas_console::{Ended, Exit, Interrupt, Output, arguments};
-use atas_evaluation::shadow::Shadow;
+use atas_console::{Exit, ExitError, Interrupt, Output, arguments};
+use atas_evaluation::shadow_controller::ShadowController;
 use atas_recording::{Bounds, Follower, Tally};
 use serde_json::json;
 
@@ -26,7 +26,7 @@ pub(crate) fn record(
     // The shadow controller costs about as much CPU time as the daemon's ticks.
     let follower = arguments
         .max_size
-        .map(|_| Box::<Shadow>::default() as Box<dyn Follower>);
+        .map(|_| Box::<ShadowController>::default() as Box<dyn Follower>);
     let stop = interrupt.flag();
     let tally = atas_recording::record(
         session.bus(),
@@ -34,7 +34,7 @@ pub(crate) fn record(
         bounds,
         notes,
         follower,
-        tell_service_manager,
+        notify_service_manager,
         stop,
     )?;
     print(&tally, output)
@@ -42,9 +42,9 @@ pub(crate) fn record(
 
 /// Notifies the service manager, if there is one, that recording has begun: the daemon starts after
 /// the recorder and no tick is lost.
-fn tell_service_manager() {
+fn notify_service_manager() {
     if let Err(error) = sd_notify::notify(&[sd_notify::NotifyState::Ready]) {
-        tracing::warn!(%error, "the service manager could not be told");
+        tracing::warn!(%error, "could not notify the service manager");
     }
 }
 
@@ -78,21 +78,22 @@ fn print(tally: &Tally, output: &mut Output) -> anyhow::Result<()> {
         ))?;
     }
     if tally.is_full {
-        return Err(Ended::with(
+        return Err(ExitError::with_code(
             Exit::Failed,
-            "the disk budget is used up; the recording ended early",
+            "the recording ended early: the disk budget is exhausted; raise --disk-budget",
         ));
     }
     if tally.lost > 0 {
         let sentence = format!(
-            "lost {} parts of ticks: the recording cannot be replayed beyond them",
+            "the recording cannot be replayed completely: {} parts of ticks are lost",
             tally.lost
         );
-        return Err(Ended::with(Exit::Failed, sentence));
+        return Err(ExitError::with_code(Exit::Failed, sentence));
     }
     if !tally.has_beginning {
         tracing::warn!(
-            "a run was not recorded from its first tick and cannot be replayed; start the recorder first"
+            "a run was not recorded from its first tick and cannot be replayed; start the recorder \
+             first"
         );
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use atas_console::{Ended, Exit, Output};
+use atas_console::{Exit, ExitError, Output};
 use atas_evaluation::replay::replay as run;
 use serde_json::json;
 
@@ -12,8 +12,8 @@ pub(crate) fn replay(files: &[PathBuf], output: &mut Output) -> anyhow::Result<(
         output.json(&json!({
             "ticks": agreement.ticks,
             "different": agreement.different,
-            "first_tick": agreement.first.as_ref().map(|(tick, _)| tick),
-            "first_field": agreement.first.as_ref().map(|(_, field)| field),
+            "first_tick": agreement.first_difference.as_ref().map(|(tick, _)| tick),
+            "first_field": agreement.first_difference.as_ref().map(|(_, field)| field),
         }))?;
     } else {
         output.line(format_args!(
@@ -21,19 +21,20 @@ pub(crate) fn replay(files: &[PathBuf], output: &mut Output) -> anyhow::Result<(
             agreement.ticks, agreement.different
         ))?;
     }
-    match agreement.first {
-        None if agreement.ticks == 0 => Err(nothing()),
+    match agreement.first_difference {
+        None if agreement.ticks == 0 => Err(no_ticks_error()),
         None => Ok(()),
-        Some((tick, field)) => Err(Ended::with(
+        Some((tick, field)) => Err(ExitError::with_code(
             Exit::Failed,
             format!("the replay first differs from the recording in tick {tick}: {field}"),
         )),
     }
 }
 
-fn nothing() -> anyhow::Error {
-    Ended::with(
+fn no_ticks_error() -> anyhow::Error {
+    ExitError::with_code(
         Exit::Failed,
-        "could not replay because the recording holds no ticks; record a daemon that runs with --record-stream",
+        "could not replay: the recording contains no ticks; record a daemon that runs with \
+         --record-stream",
     )
 }

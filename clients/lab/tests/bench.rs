@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use rustix::process::{Pid, Signal, kill_process};
 
 /// Timeout that suffices for every machine; not measured.
-const PATIENCE: Duration = Duration::from_secs(60);
+const TIMEOUT: Duration = Duration::from_secs(60);
 
 fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
@@ -16,7 +16,10 @@ fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
         if let Some(answer) = ask() {
             return answer;
         }
-        assert!(begin.elapsed() < PATIENCE, "waited in vain for {what}");
+        assert!(
+            begin.elapsed() < TIMEOUT,
+            "timeout while waiting for {what}"
+        );
         std::thread::sleep(Duration::from_millis(5));
     }
 }
@@ -104,7 +107,7 @@ fn an_interrupted_bench_leaves_nothing_behind() {
 }
 
 #[test]
-fn what_a_killed_bench_leaves_behind_the_next_one_removes() {
+fn next_bench_removes_remains_of_killed_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let Some(bench) = measuring(folder.path()) else {
         return;

@@ -25,7 +25,7 @@ fn neighbours_are_built() -> bool {
 }
 
 #[test]
-fn the_table_that_ships_does_on_the_bus_what_it_did_in_evolution() {
+fn built_in_table_gives_evolved_points_on_bus() {
     if !neighbours_are_built() {
         return;
     }

@@ -12,7 +12,7 @@ use crate::reward::End;
 pub struct Batch {
     environments: Vec<Environment>,
     /// Final outcome per environment; `None` while its episode runs.
-    over: Vec<Option<Outcome>>,
+    ended: Vec<Option<Outcome>>,
     autoreset: bool,
     pool: rayon::ThreadPool,
 }
@@ -25,14 +25,14 @@ impl Batch {
     /// # Errors
     /// The threads cannot be started.
     pub fn new(
-        like: &Environment,
+        prototype: &Environment,
         count: usize,
         threads: usize,
         autoreset: bool,
     ) -> Result<Self, rayon::ThreadPoolBuildError> {
         Ok(Self {
-            environments: (0..count).map(|_| like.another()).collect(),
-            over: vec![None; count],
+            environments: (0..count).map(|_| prototype.fork()).collect(),
+            ended: vec![None; count],
             autoreset,
             pool: rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
@@ -64,7 +64,7 @@ impl Batch {
     ) -> Result<Vec<Outcome>, LearningError> {
         let Self {
             environments,
-            over,
+            ended: over,
             pool,
             ..
         } = self;
@@ -104,13 +104,13 @@ impl Batch {
         }
         let Self {
             environments,
-            over,
+            ended,
             autoreset,
             pool,
         } = self;
         let each = environments
             .par_iter_mut()
-            .zip(over.par_iter_mut())
+            .zip(ended.par_iter_mut())
             .zip(actions)
             .zip(rows.par_chunks_exact_mut(observation::SIZE));
         type Seat<'a> = (

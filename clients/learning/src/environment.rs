@@ -45,7 +45,7 @@ pub struct Environment {
     noise_factor: f64,
     seed: u64,
     episodes: u64,
-    now: Option<(Episode, Judge, Outcome)>,
+    current: Option<(Episode, Judge, Outcome)>,
     steps: usize,
 }
 
@@ -57,7 +57,7 @@ impl Environment {
     pub fn new(task: Task, objects: &[String], noise_factor: f64) -> Result<Self, LearningError> {
         let objects: Result<Arc<[Object]>, ObjectError> = objects
             .iter()
-            .map(|name| Object::named_or_file(name))
+            .map(|name| Object::from_name_or_file(name))
             .collect();
         let objects = objects?;
         if objects.is_empty() {
@@ -70,18 +70,18 @@ impl Environment {
             noise_factor,
             seed: 0,
             episodes: 0,
-            now: None,
+            current: None,
             steps: 0,
         })
     }
 
     /// Makes another environment of the same kind.
     #[must_use]
-    pub fn another(&self) -> Self {
+    pub fn fork(&self) -> Self {
         Self {
             robot: Arc::clone(&self.robot),
             objects: Arc::clone(&self.objects),
-            now: None,
+            current: None,
             ..*self
         }
     }
@@ -111,7 +111,7 @@ impl Environment {
             seed,
             ..Outcome::default()
         };
-        self.now = Some((episode, judge, outcome));
+        self.current = Some((episode, judge, outcome));
         self.steps = 0;
         Ok(outcome)
     }
@@ -126,7 +126,7 @@ impl Environment {
             let value = action[index];
             return Err(LearningError::Action { index, value });
         }
-        let (episode, judge, outcome) = self.now.as_mut().ok_or(LearningError::NotBegun)?;
+        let (episode, judge, outcome) = self.current.as_mut().ok_or(LearningError::NotBegun)?;
         if outcome.end != End::None || outcome.truncated {
             return Err(LearningError::NotBegun);
         }
@@ -136,7 +136,7 @@ impl Environment {
         }
         self.steps += 1;
         let step_s = STEP_TICKS as f64 * TICK_S;
-        let worth = judge.judge(&episode.truth(), step_s);
+        let worth = judge.evaluate(&episode.truth(), step_s);
         outcome.reward = worth.reward;
         outcome.end = worth.end;
         outcome.lifted_m = worth.lifted_m;
@@ -149,7 +149,7 @@ impl Environment {
     /// Writes the observation, [`observation::SIZE`] values; all zero before the first episode.
     pub fn observe(&self, row: &mut [f32]) {
         debug_assert_eq!(row.len(), observation::SIZE);
-        match &self.now {
+        match &self.current {
             Some((episode, ..)) => episode.observe(row),
             None => row.fill(0.0),
         }

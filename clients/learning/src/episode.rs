@@ -6,12 +6,12 @@ use atas_core::kinematics::HandCommand;
 use atas_core::safety::{Gate, GateContext};
 use atas_core::{Settings, Tick};
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, RobotModel, RobotVector, Side, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, GraspPose, HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::{Hand, JointCommand, Mode, WorldTruth};
 use sim_backend::{Object, Sensed, World, home_rad};
 
 use crate::error::LearningError;
-use crate::hand::{ACTIONS, PolicyHand, Room, TICK_S};
+use crate::hand::{ACTIONS, PermittedRegion, PolicyHand, TICK_S};
 use crate::observation::{self, PERCEPT, TAXELS};
 use crate::task::{SIDE, Task};
 
@@ -19,7 +19,7 @@ use crate::task::{SIDE, Task};
 /// `motion.clearance_m`).
 const CLEARANCE_M: f64 = 0.008;
 /// Permitted motion of the hand beside, below and above its grasp pose, m (design choice).
-const BESIDE_M: f64 = 0.03;
+const SIDEWAYS_M: f64 = 0.03;
 const BELOW_M: f64 = 0.012;
 const ABOVE_M: f64 = 0.08;
 /// Lowest centre of the hand, m: fingertip radius plus 3 mm clearance.
@@ -31,7 +31,7 @@ pub(crate) struct Episode {
     gate: Gate,
     hand: PolicyHand,
     /// Joint positions of the resting hand, rad.
-    rests_rad: HandVector,
+    resting_rad: HandVector,
     /// Joint range of the acting hand within the robot.
     joints: Range<usize>,
     settings: Settings,
@@ -57,9 +57,9 @@ impl Episode {
         let place_m = task.place(&scene).map(|place| Vector3::from(place.from_m));
         let source_m = Vector3::from(hint.from_m);
         let model = robot.hand(SIDE);
-        let frame = GraspFrame {
+        let frame = GraspPose {
             hand_azimuth_rad: model.bearing_rad(&source_m),
-            ..GraspFrame::from_above(
+            ..GraspPose::from_above(
                 source_m,
                 model.closing_yaw_rad(&source_m, hint.yaw_rad),
                 hint.width_m + 2.0 * CLEARANCE_M,
@@ -73,20 +73,20 @@ impl Episode {
         start_rad[robot.joint_range(SIDE)].copy_from_slice(&q_rad);
         scene.start_rad = Some(start_rad);
         let mut gate = Gate::new(robot, 1);
-        gate.anchor(&start_rad);
-        let other = Side::BOTH[1 - SIDE.index()];
+        gate.synchronise(&start_rad);
+        let other = HandSide::BOTH[1 - SIDE.index()];
         let mut episode = Self {
             world: World::new(robot, &scene, seed)?,
             sensed: Sensed::default(),
             gate,
-            hand: PolicyHand::at(
+            hand: PolicyHand::new(
                 Hand::BOTH[SIDE.index()],
                 *model,
                 q_rad,
-                room(&source_m, place_m.as_ref()),
+                permitted_region(&source_m, place_m.as_ref()),
             ),
             joints: robot.joint_range(SIDE),
-            rests_rad: HandVector::from_slice(&start_rad[robot.joint_range(other)]),
+            resting_rad: HandVector::from_slice(&start_rad[robot.joint_range(other)]),
             settings: Settings::default(),
             source_m,
             place_m,
@@ -110,11 +110,11 @@ impl Episode {
 
     /// Passes the command through the safety gate; the resting hand does not move.
     fn pass(&mut self, acting: HandCommand) -> JointCommand {
-        let resting = HandCommand::new(self.rests_rad, [0.0; VIRTUAL_FINGERS]);
+        let resting = HandCommand::new(self.resting_rad, [0.0; GRASP_SIDES]);
         let mut raw = [resting; 2];
         raw[SIDE.index()] = acting;
         let mut grips = [self.hand.grip(); 2];
-        grips[1 - SIDE.index()].normal_n = [0.0; VIRTUAL_FINGERS];
+        grips[1 - SIDE.index()].normal_n = [0.0; GRASP_SIDES];
         let joints = &self.sensed.joints;
         let measured_rad =
             RobotVector::from_slice(&joints.position_rad[..joints.joint_count as usize]);
@@ -131,7 +131,7 @@ impl Episode {
                 settings: &self.settings.safety,
             },
         );
-        let own = &self.gate.wanted_rad()[self.joints.clone()];
+        let own = &self.gate.requested_rad()[self.joints.clone()];
         self.hand.adopt(HandVector::from_slice(own));
         *safe.command()
     }
@@ -140,9 +140,9 @@ impl Episode {
         self.world.sense(&mut self.sensed);
         let tick = self.now();
         let frame = self.sensed.frames[SIDE.index()].as_ref();
-        self.hand.feel(frame, tick, &self.settings);
+        self.hand.process_frame(frame, tick, &self.settings);
         let orientations = self.hand.orientations(&self.measured_rad());
-        self.hand.ask_modules(&self.settings, &orientations);
+        self.hand.evaluate_modules(&self.settings, &orientations);
         self.index += 1;
     }
 
@@ -183,7 +183,7 @@ impl Episode {
             values[1] = state.velocity_rad_s[joint] as f32;
             values[2] = state.effort_n_m[joint] as f32;
         }
-        let fingers = &self.hand.percept().fingers;
+        let fingers = &self.hand.percept().fingertips;
         for (values, finger) in percept.chunks_exact_mut(PERCEPT).zip(fingers) {
             values.copy_from_slice(&[
                 finger.normal_n as f32,
@@ -197,30 +197,30 @@ impl Episode {
         for (value, active) in modules.iter_mut().zip(self.hand.active) {
             *value = f32::from(u8::from(active));
         }
-        let frame = self.hand.frame();
+        let frame = self.hand.grasp_pose();
         let from_source_m = frame.centre_m - self.source_m;
         let to_place_m = self
             .place_m
             .map_or(Vector3::zeros(), |place_m| place_m - frame.centre_m);
         let [first_m, second_m] = frame.half_opening_m;
-        let told = from_source_m
+        let reported = from_source_m
             .iter()
             .chain([&first_m, &second_m])
             .chain(to_place_m.iter());
         hand.iter_mut()
-            .zip(told)
-            .for_each(|(value, told)| *value = *told as f32);
+            .zip(reported)
+            .for_each(|(value, reported)| *value = *reported as f32);
         observation::bound(row);
     }
 }
 
 /// Returns the permitted region of the hand around object and target.
-fn room(source_m: &Vector3<f64>, place_m: Option<&Vector3<f64>>) -> Room {
+fn permitted_region(source_m: &Vector3<f64>, place_m: Option<&Vector3<f64>>) -> PermittedRegion {
     let place_m = place_m.unwrap_or(source_m);
-    let beside = Vector3::new(BESIDE_M, BESIDE_M, 0.0);
+    let beside = Vector3::new(SIDEWAYS_M, SIDEWAYS_M, 0.0);
     let mut low_m = source_m.inf(place_m) - beside;
     let mut high_m = source_m.sup(place_m) + beside;
     low_m.z = (low_m.z - BELOW_M).max(LOWEST_M);
     high_m.z += ABOVE_M;
-    Room { low_m, high_m }
+    PermittedRegion { low_m, high_m }
 }

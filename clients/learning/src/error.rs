@@ -7,7 +7,7 @@ use sim_backend::{ObjectError, SceneError, WorldFault};
 #[derive(Debug, thiserror::Error)]
 pub enum LearningError {
     /// Empty list of objects.
-    #[error("could not make an environment because it has no object; name at least one")]
+    #[error("could not make an environment: the list of objects is empty; name at least one")]
     NoObject,
     /// Object that cannot be loaded.
     #[error(transparent)]
@@ -19,15 +19,13 @@ pub enum LearningError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Start pose that the hand cannot reach.
-    #[error("could not bring the hand to the object: {0}")]
+    #[error("could not reach the object: {0}")]
     Reach(Unreachable),
     /// Fault of the simulation.
     #[error(transparent)]
     World(#[from] WorldFault),
     /// Action with a value that is not finite.
-    #[error(
-        "could not act because action {index} was {value}, needs a finite number; nothing moved"
-    )]
+    #[error("action rejected: value {index} is {value}, needs a finite number; nothing moved")]
     Action {
         /// Index of the value.
         index: usize,
@@ -35,6 +33,6 @@ pub enum LearningError {
         value: f32,
     },
     /// No running episode.
-    #[error("could not step because no episode is under way; call reset first")]
+    #[error("could not step: no episode is running; call reset first")]
     NotBegun,
 }

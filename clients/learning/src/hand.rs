@@ -8,15 +8,15 @@ use atas_core::path::Path;
 use atas_core::perception::{self, Percept, Perception};
 use atas_core::safety::Grip;
 use atas_core::thresholds::Thresholds;
-use atas_core::{HandWiring, Settings, Tick};
+use atas_core::{HandSensorSetup, Settings, Tick};
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{GraspFrame, HandModel, HandVector, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, GraspPose, HandModel, HandVector};
 use shm_schemas::{Hand, HandFrame};
 
 use crate::observation::MODULES;
 
 /// Action size: velocity of the hand along x, y and z, closing speeds of both grasp sides.
-pub const ACTIONS: usize = 3 + VIRTUAL_FINGERS;
+pub const ACTIONS: usize = 3 + GRASP_SIDES;
 /// Hand speed along an axis for action 1, m/s (design choice: twice the daemon's carrying speed).
 pub const MOVE_M_S: f64 = 0.1;
 /// Closing speed of a grasp side for action 1, m/s (design choice: ten times the daemon's).
@@ -30,7 +30,7 @@ const HALF_OPENING_M: [f64; 2] = [0.0, 0.045];
 
 /// Permitted positions of the hand's centre, base frame, m.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Room {
+pub(crate) struct PermittedRegion {
     pub(crate) low_m: Vector3<f64>,
     pub(crate) high_m: Vector3<f64>,
 }
@@ -42,7 +42,7 @@ pub(crate) struct PolicyHand {
     modules: Modules,
     arbiter: Arbiter,
     servo: HandServo,
-    room: Room,
+    room: PermittedRegion,
     speed_m_s: Vector3<f64>,
     /// Activity of the modules at the last tick, in the order of [`MODULES`].
     pub(crate) active: [bool; MODULES.len()],
@@ -50,14 +50,19 @@ pub(crate) struct PolicyHand {
 
 impl PolicyHand {
     /// Makes a stationary hand at these joint positions, rad.
-    pub(crate) fn at(hand: Hand, model: HandModel, q_rad: HandVector, room: Room) -> Self {
-        let wiring = HandWiring::default();
+    pub(crate) fn new(
+        hand: Hand,
+        model: HandModel,
+        q_rad: HandVector,
+        room: PermittedRegion,
+    ) -> Self {
+        let wiring = HandSensorSetup::default();
         Self {
             intake: FrameIntake::new(hand, &wiring),
             perception: Perception::new(&wiring, &model),
             modules: Modules::default(),
             arbiter: Arbiter::default(),
-            servo: HandServo::at(&model, q_rad),
+            servo: HandServo::new(&model, q_rad),
             model,
             room,
             speed_m_s: Vector3::zeros(),
@@ -65,8 +70,8 @@ impl PolicyHand {
         }
     }
 
-    pub(crate) fn frame(&self) -> &GraspFrame {
-        self.servo.frame()
+    pub(crate) fn grasp_pose(&self) -> &GraspPose {
+        self.servo.pose()
     }
 
     pub(crate) fn percept(&self) -> &Percept {
@@ -75,7 +80,7 @@ impl PolicyHand {
 
     /// Returns the grip data that the safety gate needs.
     pub(crate) fn grip(&self) -> Grip {
-        let fingers = &self.percept().virtual_fingers;
+        let fingers = &self.percept().sides;
         Grip {
             normal_n: fingers.map(|finger| finger.normal_n),
             f2_n: None,
@@ -83,13 +88,19 @@ impl PolicyHand {
     }
 
     pub(crate) fn adopt(&mut self, q_rad: HandVector) {
-        self.servo.adopt(q_rad);
+        self.servo.accept(q_rad);
     }
 
-    pub(crate) fn feel(&mut self, frame: Option<&HandFrame>, tick: Tick, settings: &Settings) {
+    pub(crate) fn process_frame(
+        &mut self,
+        frame: Option<&HandFrame>,
+        tick: Tick,
+        settings: &Settings,
+    ) {
         self.intake.begin();
         self.perception.begin();
-        if let Some(checked) = frame.and_then(|it| self.intake.check(it, tick, &settings.intake)) {
+        if let Some(checked) = frame.and_then(|it| self.intake.validate(it, tick, &settings.intake))
+        {
             self.perception
                 .update(&checked, false, &settings.perception);
         }
@@ -98,12 +109,12 @@ impl PolicyHand {
     /// Executes one tick of an action. `action` is finite and within −1 to 1.
     pub(crate) fn act(&mut self, action: &[f64; ACTIONS]) -> HandCommand {
         let [x, y, z, first, second] = *action;
-        let pose = self.carried(&(Vector3::new(x, y, z) * MOVE_M_S));
+        let pose = self.next_pose(&(Vector3::new(x, y, z) * MOVE_M_S));
         let proposal = Proposal {
             active: true,
             closing_m_s: self.within_opening([first, second].map(|share| share * CLOSING_M_S)),
             pose: Some(PoseCommand {
-                frame: pose,
+                pose: pose,
                 with_fingers: false,
                 arrived: false,
             }),
@@ -111,15 +122,15 @@ impl PolicyHand {
         };
         let intent = self.arbiter.merge(&[proposal], TICK_S);
         self.servo
-            .follow(&self.model, &intent, self.perception.percept(), TICK_S)
+            .update(&self.model, &intent, self.perception.percept(), TICK_S)
     }
 
     /// Returns the next pose within the permitted region; the hand stops at its boundary.
-    fn carried(&mut self, wanted_m_s: &Vector3<f64>) -> GraspFrame {
+    fn next_pose(&mut self, wanted_m_s: &Vector3<f64>) -> GraspPose {
         let most_m_s = MOVE_M_S2 * TICK_S;
         let change = (wanted_m_s - self.speed_m_s).map(|it| it.clamp(-most_m_s, most_m_s));
         self.speed_m_s += change;
-        let mut frame = *self.servo.frame();
+        let mut frame = *self.servo.pose();
         let (low_m, high_m) = (self.room.low_m, self.room.high_m);
         for axis in 0..3 {
             let wanted_m = frame.centre_m[axis] + self.speed_m_s[axis] * TICK_S;
@@ -133,9 +144,9 @@ impl PolicyHand {
     }
 
     /// Limits closing speeds so that the opening stays within its range.
-    fn within_opening(&self, closing_m_s: [f64; VIRTUAL_FINGERS]) -> [f64; VIRTUAL_FINGERS] {
+    fn within_opening(&self, closing_m_s: [f64; GRASP_SIDES]) -> [f64; GRASP_SIDES] {
         let [least_m, most_m] = HALF_OPENING_M;
-        let half_m = &self.servo.frame().half_opening_m;
+        let half_m = &self.servo.pose().half_opening_m;
         core::array::from_fn(|finger| {
             let closes = closing_m_s[finger] > 0.0;
             let at_end = if closes {
@@ -148,47 +159,47 @@ impl PolicyHand {
     }
 
     /// Evaluates the modules for an unknown object; their proposals are observed, not executed.
-    pub(crate) fn ask_modules(&mut self, settings: &Settings, base_from_tip: &[Matrix3<f64>]) {
+    pub(crate) fn evaluate_modules(&mut self, settings: &Settings, base_from_tip: &[Matrix3<f64>]) {
         let percept = self.perception.percept();
-        let frame = *self.servo.frame();
-        let thresholds = Thresholds::unknown(&settings.grasp);
+        let frame = *self.servo.pose();
+        let thresholds = Thresholds::for_unknown_object(&settings.grasp);
         let (weakest_n, _) = force_range_n(percept);
         let context = Context {
             settings,
             step_s: TICK_S,
             thresholds,
-            least_n: thresholds.f1_n,
-            all_touched: weakest_n > 0.0 && percept.virtual_fingers.iter().all(|it| it.in_contact),
+            min_force_n: thresholds.f1_n,
+            all_touched: weakest_n > 0.0 && percept.sides.iter().all(|it| it.in_contact),
             closing_m: 0.0,
-            tips: perception::compression(&settings.perception, self.model.skin()),
+            compression: perception::compression(&settings.perception, self.model.skin()),
             carried_m: 0.0,
-            path: &Path::stay(frame),
+            path: &Path::stationary(frame),
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
-            frame: &frame,
+            pose: &frame,
             closing_axis: frame.closing_axis(),
             turns_by_wrist: self.model.turns_by_wrist(),
             turning: 1.0,
             lowering_m: None,
             base_from_tip,
-            overread: 1.0,
-            underread: 1.0,
+            tactile_over_torque: 1.0,
+            torque_over_tactile: 1.0,
             // No lift verification here.
-            hangs: false,
-            tries: false,
-            proved: false,
+            suspended: false,
+            minimises_grip: false,
+            verified: false,
             table: None,
-            lead: None,
+            teleop_target: None,
         };
         let proposals = self
             .modules
-            .evaluate(Selection::of(&MODULES), percept, &context);
-        let says = |id| {
+            .evaluate(Selection::from_modules(&MODULES), percept, &context);
+        let states = |id| {
             atas_core::modules::IDS
                 .iter()
                 .position(|known| *known == id)
         };
-        self.active = MODULES.map(|id| says(id).is_some_and(|place| proposals[place].active));
+        self.active = MODULES.map(|id| states(id).is_some_and(|place| proposals[place].active));
     }
 
     pub(crate) fn orientations(&self, q_rad: &HandVector) -> Vec<Matrix3<f64>> {

@@ -15,9 +15,9 @@ const SAG_M: f64 = 0.01;
 const PLACED_M: f64 = 0.005;
 /// Rewards of the whole path and of success or failure (negative), penalty per step and unit of
 /// over-grip (design choice).
-const WAY: f64 = 10.0;
-const END: f64 = 10.0;
-const OVER_GRIP: f64 = 0.02;
+const PATH_REWARD: f64 = 10.0;
+const END_REWARD: f64 = 10.0;
+const OVER_GRIP_PENALTY: f64 = 0.02;
 /// Largest penalised over-grip.
 const OVER_GRIP_MAX: f64 = 10.0;
 
@@ -42,12 +42,12 @@ pub(crate) struct Judge {
     task: Task,
     place_m: Option<Vector3<f64>>,
     begin_m: Vector3<f64>,
-    way: f64,
+    progress: f64,
     held_s: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Worth {
+pub(crate) struct StepEvaluation {
     pub(crate) reward: f64,
     pub(crate) end: End,
     pub(crate) lifted_m: f64,
@@ -60,24 +60,24 @@ impl Judge {
             task,
             place_m,
             begin_m: truth.objects[0].position_m.into(),
-            way: 0.0,
+            progress: 0.0,
             held_s: 0.0,
         }
     }
 
-    pub(crate) fn judge(&mut self, truth: &WorldTruth, step_s: f64) -> Worth {
+    pub(crate) fn evaluate(&mut self, truth: &WorldTruth, step_s: f64) -> StepEvaluation {
         let object = &truth.objects[0];
-        let way = self.way(object);
+        let way = self.progress(object);
         let over_grip = over_grip(truth, object);
-        let mut reward = WAY * (way - self.way) - OVER_GRIP * over_grip;
-        self.way = way;
+        let mut reward = PATH_REWARD * (way - self.progress) - OVER_GRIP_PENALTY * over_grip;
+        self.progress = way;
         let end = self.end(object, step_s);
         reward += match end {
             End::None => 0.0,
-            End::Success => END,
-            End::Crushed | End::Dropped | End::Tipped => -END,
+            End::Success => END_REWARD,
+            End::Crushed | End::Dropped | End::Tipped => -END_REWARD,
         };
-        Worth {
+        StepEvaluation {
             reward,
             end,
             lifted_m: object.lifted_m,
@@ -86,7 +86,7 @@ impl Judge {
     }
 
     /// Returns the completed share of the path: lift height, or distance to the target.
-    fn way(&self, object: &ObjectTruth) -> f64 {
+    fn progress(&self, object: &ObjectTruth) -> f64 {
         match self.place_m {
             None => (object.lifted_m / LIFT_M).clamp(0.0, 1.0),
             Some(place_m) => {
@@ -108,7 +108,7 @@ impl Judge {
         }
         let reached = match self.task {
             Task::Grasp => object.lifted_m > LIFT_M - SAG_M,
-            Task::PickPlace => self.stands_there(object),
+            Task::PickPlace => self.is_placed(object),
         };
         self.held_s = if reached { self.held_s + step_s } else { 0.0 };
         // Half a tick of tolerance for rounding errors.
@@ -120,7 +120,7 @@ impl Judge {
     }
 
     /// Returns true if the object stands at its target without contact to the hand.
-    fn stands_there(&self, object: &ObjectTruth) -> bool {
+    fn is_placed(&self, object: &ObjectTruth) -> bool {
         let carried = object.carried_ns > 0 && object.table_n > 0.0 && object.pressed == 0;
         self.place_m.is_some_and(|place_m| {
             carried && (Vector3::from(object.position_m) - place_m).xy().norm() < PLACED_M

@@ -1,9 +1,9 @@
 //! Learning tasks and their scenes.
 
-use robot_model::Side;
+use robot_model::HandSide;
 use sim_backend::{GraspHint, Object, Scene};
 
-pub(crate) const SIDE: Side = Side::Right;
+pub(crate) const SIDE: HandSide = HandSide::Right;
 
 /// Learning task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -55,7 +55,7 @@ fn play(
 }
 
 #[test]
-fn every_object_can_be_grasped_by_who_knows_the_force() {
+fn suitable_force_grasps_every_object() {
     // Between required and crush force of each object, with the family's ±20 %.
     let forces_n = [6.0, 6.0, 2.5, 0.6, 0.4, 7.5];
     for (object, force_n) in Task::OBJECTS.into_iter().zip(forces_n) {
@@ -67,7 +67,7 @@ fn every_object_can_be_grasped_by_who_knows_the_force() {
 }
 
 #[test]
-fn episodes_end_as_the_truth_has_it() {
+fn episode_end_follows_ground_truth() {
     let mut paper = environment(Task::Grasp, &["paper-box"]);
     let (outcome, worth, _) = play(&mut paper, 1, |row, _| grip(row, 6.0, 0.5));
     assert_eq!(outcome.end, End::Crushed, "{outcome:?}");
@@ -84,11 +84,11 @@ fn episodes_end_as_the_truth_has_it() {
     assert_eq!(outcome.end, End::Dropped, "{outcome:?}");
     let (outcome, worth, _) = play(&mut wood, 1, |_, _| [0.0; ACTIONS]);
     assert!(outcome.truncated && outcome.end == End::None, "{outcome:?}");
-    assert!(worth.abs() < 1e-3, "nothing happened: {worth}");
+    assert!(worth.abs() < 1e-3, "no reward without motion: {worth}");
 }
 
 #[test]
-fn what_is_carried_to_its_place_and_let_go_is_placed() {
+fn carried_and_released_object_counts_as_placed() {
     let mut environment = environment(Task::PickPlace, &["wood"]);
     let place = observation::SIZE - 3;
     let (outcome, worth, _) = play(&mut environment, 2, |row, step| {
@@ -114,7 +114,7 @@ fn what_is_carried_to_its_place_and_let_go_is_placed() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bits_alone_and_together() {
+fn batch_equals_single_environments_bit_for_bit() {
     let policy = |row: &[f32], step: usize| {
         let mut action = grip(row, 1.0, 0.4);
         action[0] = ((step * 7 % 11) as f32 - 5.0) / 20.0;
@@ -124,7 +124,7 @@ fn the_same_seed_gives_the_same_bits_alone_and_together() {
     let seeds = [3, 4, 5_u64];
     let alone: Vec<Vec<u32>> = seeds
         .iter()
-        .map(|seed| play(&mut like.another(), *seed, policy).2)
+        .map(|seed| play(&mut like.fork(), *seed, policy).2)
         .collect();
     assert_ne!(alone[0], alone[1], "seeds differ");
     for threads in [1, 3] {
@@ -149,7 +149,7 @@ fn the_same_seed_gives_the_same_bits_alone_and_together() {
 }
 
 #[test]
-fn what_is_not_finite_moves_nothing() {
+fn non_finite_action_is_rejected_without_motion() {
     let mut environment = environment(Task::Grasp, &["wood"]);
     assert!(matches!(
         environment.step(&[0.0; ACTIONS]),
@@ -170,7 +170,7 @@ fn what_is_not_finite_moves_nothing() {
 }
 
 #[test]
-fn observations_keep_their_bounds_whatever_is_asked() {
+fn observations_stay_within_bounds() {
     let mut environment = environment(Task::Grasp, &["bottle"]);
     environment.reset(Some(9)).expect("a scene");
     for step in 0..200 {

@@ -1,22 +1,22 @@
-// The swarm's arena: who is where, senses what and does what, and how every goal ended.
+// The swarm's arena: positions, sensors and wheels of the robots, and the result of each trial.
 
 import { arrow, begin, number, palette } from "/canvas.js";
 
-/** Turn of a heading's step, rad, and °. */
+/** Angle of one heading step, rad and °. */
 const STEP = Math.PI / 32;
 const DEGREES = 5.625;
-/** Colours of robots, in turn. */
+/** Colours of the robots. */
 const TINTS = ["a", "e", "c", "f"];
-/** Rows of the table of robots; more nobody reads. */
+/** Maximum number of rows of the robot table. */
 const ROBOTS = 8;
-/** Least side of a field that is drawn with all its detail, px of the screen. */
+/** Minimum side of a field drawn in detail, screen px. */
 const DETAILED = 220;
-/** Places of a path that are kept: one trial. */
+/** Maximum number of points of a path: one trial. */
 const PLACES = 300;
 
 const by = (id) => document.getElementById(id);
 const bits = (row) => [0, 1, 2, 3, 4].map((bit) => (row >> bit) & 1);
-/** What a wheel's two bits say: 0 stands, 1 medium, 2 high. */
+/** Decodes the wheel speeds from two bits each: 0 stop, 1 medium, 2 high. */
 const wheels = (output) => [(output & 1) + ((output >> 1) & 1), ((output >> 2) & 1) + ((output >> 3) & 1)];
 
 export class Arena {
@@ -26,7 +26,7 @@ export class Arena {
     this.paths = [];
   }
 
-  /** A frame as the server tells it. */
+  /** Processes a frame of the server. */
   take(arena) {
     const before = this.arena;
     if (before && (before.writer_epoch !== arena.writer_epoch || before.trial !== arena.trial || before.frame > arena.frame)) this.paths = [];
@@ -43,7 +43,7 @@ export class Arena {
     if (path.length > PLACES) path.shift();
   }
 
-  /** In one sentence. */
+  /** Returns the state as one sentence. */
   sentence() {
     const { host, trial, trial_count: trials, goal, frame } = this.arena;
     if (host === "ended") return `the swarm's field was closed after goal ${goal}, trial ${trial + 1} of ${trials}`;
@@ -57,7 +57,7 @@ export class Arena {
     return frame < execution ? "execution" : "evaluation";
   }
 
-  /** Writes the numbers: all of one frame at once. */
+  /** Writes all numbers of one frame. */
   tell() {
     const { arena } = this;
     const [field] = arena.fields;
@@ -70,20 +70,20 @@ export class Arena {
     write("arena-e1", number(field.e1_points, 1));
     write("arena-e2", field.reached_frame === null ? "not reached" : `${number(field.e2_points, 1)} (frame ${field.reached_frame})`);
     write("arena-points", arena.frame < arena.trial_frames ? "–" : `${number(field.points, 1)}, ${field.solved ? "carried" : "not carried"}`);
-    const still = arena.driven || arena.frame >= arena.trial_frames ? "" : " · not told what to do, they stand still";
+    const still = arena.driven || arena.frame >= arena.trial_frames ? "" : " · the robots stand still: no wheel commands";
     write("arena-preset", this.described() + still);
     by("arena-robots").replaceChildren(...arena.agents.slice(0, Math.min(ROBOTS, arena.team * arena.fields.length)).map((agent, index) => robot(agent, index)));
     by("arena-trials").replaceChildren(...arena.trials.map((trial) => ended(trial, arena)));
     this.section.dataset.told = arena.sequence;
   }
 
-  /** What of the field's numbers can be seen. */
+  /** Returns the description of the field's parameters. */
   described() {
     const { preset, half_side_px: half, yielding, friction_stall_forces: friction, field_count: fields } = this.arena;
     const percent = (part) => `${number(part * 100, 0)} %`;
     const parts = [`field ${preset}`, `${number(2 * half, 0)} px between walls`];
-    if (friction === null) parts.push(`the object yields to one ${percent(yielding[0])}, to two ${percent(yielding[1])}`);
-    else parts.push(`friction ${number(friction, 2)} of what stalls a robot: the object yields to ${yielding.map((part, k) => `${k + 1} ${percent(part)}`).join(", ")}`);
+    if (friction === null) parts.push(`object speed: ${percent(yielding[0])} with one robot, ${percent(yielding[1])} with two`);
+    else parts.push(`friction ${number(friction, 2)} of a robot's stall force; object speed by robots: ${yielding.map((part, k) => `${k + 1} ${percent(part)}`).join(", ")}`);
     const obstacles = this.arena.walls.length + this.arena.posts.length;
     if (obstacles > 0) parts.push(`${this.arena.walls.length} walls and ${this.arena.posts.length} posts inside`);
     if (fields > 1) parts.push(`${fields} fields, ${fields > this.arena.fields.length ? `the first ${this.arena.fields.length} drawn, ` : ""}numbers of the first`);
@@ -109,7 +109,7 @@ export class Arena {
   }
 }
 
-/** One field on the screen, its middle in the origin. */
+/** Draws one field, centred in the origin. */
 class View {
   constructor(context, colours, arena, side) {
     Object.assign(this, { context, colours, arena, side });
@@ -142,7 +142,7 @@ class View {
     if (this.isDetailed) this.labels(field);
   }
 
-  /** Walls and posts inside the field, as dark as its border. */
+  /** Draws walls and posts inside the field in the border colour. */
   obstacles() {
     const { context, colours, arena } = this;
     for (const { at_px: at, radius_px: radius } of arena.posts) this.circle(at, radius, { fill: colours.ink });
@@ -156,7 +156,7 @@ class View {
     }
   }
 
-  /** A line every 100 px. */
+  /** Draws a grid line every 100 px. */
   ground() {
     const { context, colours, arena, side } = this;
     context.fillStyle = colours.ground;
@@ -221,7 +221,7 @@ class View {
           context.lineTo(...towards(steps, arena.ir_range_px));
           context.stroke();
         };
-        // On whatever it sees, for everybody's eyes.
+        // Light outline, for contrast on any background.
         if (sees[sensor]) ray(colours.panel, 9);
         ray(sees[sensor] ? colours.bad : colours.soft, sees[sensor] ? 5 : 1);
       });
@@ -256,7 +256,7 @@ class View {
     context.textBaseline = "alphabetic";
   }
 
-  /** Both wheels, each with an arrow as long as it is fast. */
+  /** Draws both wheels; the arrow length is proportional to the speed. */
   wheels(towards, levels, radius, tint) {
     const { context, colours } = this;
     levels.forEach((level, wheel) => {
@@ -281,7 +281,7 @@ class View {
     const [x, y] = this.at(field.goal_px);
     const room = side / 2 - 8;
     context.textAlign = "center";
-    // Above the goal, or below it where the wall is near.
+    // Above the goal, or below it near the upper wall.
     const above = y - arena.goal_radius_px * this.scale - 6;
     const place = [Math.max(-room + 20, Math.min(room - 20, x)), above > -room ? above : y + arena.goal_radius_px * this.scale + 14];
     context.strokeStyle = colours.ground;
@@ -302,7 +302,7 @@ class View {
   }
 }
 
-/** A line of the table of robots. */
+/** Returns a row of the robot table. */
 function robot(agent, index) {
   const [x, y] = agent.position_px;
   const sensors = bits(agent.row).map((bit, sensor) => (bit ? `S${sensor + 1}` : "")).filter(Boolean).join(" ") || "nothing";
@@ -311,12 +311,12 @@ function robot(agent, index) {
   return line(cells);
 }
 
-/** A line of the table of goals. */
+/** Returns a row of the trial table. */
 function ended(trial, arena) {
   const { field_count: fields } = arena;
   const still = trial.missed_frames + trial.refused_frames;
   const outcome = fields > 1 ? `${trial.solved_fields} of ${fields} carried` : trial.solved_fields ? "carried" : "not carried";
-  const row = line([trial.goal, number(trial.distance_px, 1), trial.reached_frame ?? "never", number(trial.points, 1), still ? `${outcome}; ${still} frame${still > 1 ? "s" : ""} without an answer` : outcome]);
+  const row = line([trial.goal, number(trial.distance_px, 1), trial.reached_frame ?? "never", number(trial.points, 1), still ? `${outcome}; ${still} frame${still > 1 ? "s" : ""} without a reply` : outcome]);
   row.className = trial.solved_fields ? "good" : "";
   return row;
 }

@@ -1,8 +1,8 @@
-// A canvas in device pixels, drawn in CSS pixels, with the page's colours.
+// Canvas helpers: device resolution with CSS pixel coordinates, and the page's colours.
 
 let colours = null;
 
-/** The page's colours by name; read again when the theme changes. */
+/** Returns the page's colours by name; reloaded when the theme changes. */
 export function palette() {
   if (!colours) {
     const style = getComputedStyle(document.documentElement);
@@ -15,7 +15,7 @@ export function palette() {
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { colours = null; });
 
-/** Clears a canvas and returns its context with its size. */
+/** Clears a canvas; returns its context and size. */
 export function begin(canvas) {
   const ratio = window.devicePixelRatio || 1;
   const { clientWidth: width, clientHeight: height } = canvas;
@@ -31,7 +31,7 @@ export function begin(canvas) {
   return { context, width, height };
 }
 
-/** An arrow from one point to another; shorter than its head it is left out. */
+/** Draws an arrow between two points; omitted if shorter than its head. */
 export function arrow(context, [x0, y0], [x1, y1], head) {
   const length = Math.hypot(x1 - x0, y1 - y0);
   if (length < head) return;
@@ -48,7 +48,7 @@ export function arrow(context, [x0, y0], [x1, y1], head) {
   context.fill();
 }
 
-/** A number with so many digits; a dash for what is not known. */
+/** Formats a number with fixed digits; a dash if it is not finite. */
 export function number(value, digits) {
   return Number.isFinite(value) ? value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1") : "–";
 }

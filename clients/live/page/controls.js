@@ -1,11 +1,11 @@
-// Stop and recover, for whoever opened the page by the address that the server printed.
+// Stop and recover buttons; enabled by the token in the address that the server printed.
 
 export class Controls {
   constructor() {
     this.answer = document.getElementById("answer");
     this.buttons = ["stop", "recover"].map((name) => document.getElementById(name));
     for (const button of this.buttons) button.addEventListener("click", () => this.ask(button.id));
-    // The whole address, typed into a tab that shows the page already, loads nothing anew.
+    // Entering the full address in an open tab changes only the hash and does not reload the page.
     addEventListener("hashchange", () => this.admit());
     this.admit();
   }
@@ -14,7 +14,7 @@ export class Controls {
     this.token = takeToken();
     for (const button of this.buttons) {
       button.disabled = !this.token;
-      button.title = this.token ? "" : "open the page by the whole address that the server printed";
+      button.title = this.token ? "" : "disabled without a token; open the full address that the server printed";
     }
   }
 
@@ -24,12 +24,12 @@ export class Controls {
       const answer = await fetch(`/${name}`, { method: "POST", headers: { Authorization: `Bearer ${this.token}` } });
       if (!answer.ok) this.answer.textContent = `could not ${name}: ${await answer.text()}`;
     } catch {
-      this.answer.textContent = `could not ${name}: the server is gone; use atas ${name === "stop" ? "estop" : name}`;
+      this.answer.textContent = `could not ${name}: no connection to the server; run atas ${name === "stop" ? "estop" : name}`;
     }
   }
 }
 
-/** The token stands behind the # once; afterwards only this tab knows it. */
+/** Moves the token from the hash of the address to the session storage of this tab. */
 function takeToken() {
   const given = location.hash.slice(1);
   if (/^[0-9a-f]{32}$/.test(given)) {

@@ -1,8 +1,8 @@
-// What happened, newest first, and the faults with the ticks before them.
+// List of events, newest first, and of faults with the ticks before them.
 
 import { begin, palette, number } from "/canvas.js";
 
-/** Lines that are kept on the page. */
+/** Maximum number of events on the page. */
 const LINES = 200;
 
 export class Events {
@@ -16,7 +16,7 @@ export class Events {
     this.seen.clear();
   }
 
-  /** Adds events, oldest first; one that is known already is left out. Times count from `origin`, s. */
+  /** Adds events, oldest first, and skips duplicates. Times are relative to `origin`, s. */
   add(events, origin) {
     for (const event of events) {
       const key = `${event.sequence}:${event.captured_ns}`;
@@ -42,7 +42,7 @@ function severity({ kind, mode, text }) {
 }
 
 export class Faults {
-  /** `fingers` says how many each hand has. */
+  /** `fingers` returns the number of fingertips of each hand. */
   constructor(list, canvas, fingers) {
     this.list = list;
     this.canvas = canvas;
@@ -81,7 +81,7 @@ export class Faults {
     const x = (ms) => 34 + (1 - ms / t[0]) * (width - 44);
     const rows = [
       { top: 14, bottom: height * 0.55, label: "N", lines: hands.flatMap((hand, side) => hand.normal_n.slice(0, this.fingers()[side])), tints: ["a", "b", "c", "f"] },
-      { top: height * 0.62, bottom: height - 16, label: "late µs", lines: [late], tints: ["e"] },
+      { top: height * 0.62, bottom: height - 16, label: "latency µs", lines: [late], tints: ["e"] },
     ];
     for (const { top, bottom, label, lines, tints } of rows) {
       const most = Math.max(...lines.flat(), 1e-3);

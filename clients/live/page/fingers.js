@@ -1,4 +1,4 @@
-// The fingertips: every element as a dot whose colour is how hard it is pressed, with an arrow for the shear on it.
+// The fingertips: each element as a dot coloured by normal force, with an arrow for its shear force.
 
 import { arrow, begin, number, palette } from "/canvas.js";
 import { add, scale } from "/geometry.js";
@@ -6,7 +6,7 @@ import { add, scale } from "/geometry.js";
 const HANDS = ["left", "right"];
 /** Cividis: readable with any colour vision (Nunez, Anderton and Renslow 2018). */
 const RAMP = [[0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [200, 184, 102], [254, 232, 56]];
-/** Least force of full colour, N, and how fast the scale forgets the largest one, per picture. */
+/** Minimum force of full colour, N, and decay factor of the colour scale per picture. */
 const LEAST = 0.05;
 const FORGET = 0.995;
 
@@ -21,14 +21,14 @@ export class Fingers {
     this.tips = HANDS.map((hand, side) => [...Array(scene.fingers[side]).keys()].map((finger) => tip(parent, hand, finger + 1)));
   }
 
-  /** Writes the numbers: all of one picture at once. */
+  /** Writes all numbers of one picture. */
   tell(picture) {
     this.each(picture, (tip, finger) => {
       tip.normal.textContent = number(finger.normal_n, 2);
       tip.tangential.textContent = number(finger.tangential_n, 2);
       tip.utilisation.textContent = number(finger.utilisation, 2);
     });
-    this.scale.textContent = `brightest: ${number(this.full, 2)} N on one element; arrows: shear; S: how much of its friction a finger uses, 1 slides`;
+    this.scale.textContent = `brightest: ${number(this.full, 2)} N per element; arrows: shear; S: friction utilisation, 1 is slip`;
   }
 
   draw(picture) {
@@ -52,10 +52,10 @@ export class Fingers {
     const colours = palette();
     if (!elements.length || elements.length !== layout.normal.length) {
       context.fillStyle = colours.soft;
-      context.fillText(elements.length ? "another layout" : "no frame yet", 8, 18);
+      context.fillText(elements.length ? "layout mismatch" : "no frame yet", 8, 18);
       return;
     }
-    // From outside, up is up when the hand hangs: up is −x of the tip, y goes to the right.
+    // View from outside with the hand hanging: up is −x of the tip frame, right is y.
     const spread = Math.max(0.0045, ...layout.position_m.map(([x, y]) => Math.hypot(x, y)));
     const size = Math.min(width, height) / 2 - 10;
     const middle = [width / 2, height / 2];
@@ -85,7 +85,7 @@ export class Fingers {
   }
 }
 
-/** A fingertip's place on the page. */
+/** Creates the display of a fingertip. */
 function tip(parent, hand, finger) {
   const figure = document.createElement("figure");
   const name = `${hand} finger ${finger}`;
@@ -93,14 +93,14 @@ function tip(parent, hand, finger) {
   figure.innerHTML = `<figcaption>${name} <span>F_n ${number("normal")} N, F_t ${number("tangential")} N, S ${number("utilisation")}</span></figcaption>`;
   const canvas = document.createElement("canvas");
   canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", `Pressure and shear on the elements of ${name}`);
+  canvas.setAttribute("aria-label", `Normal and shear force on the elements of ${name}`);
   figure.prepend(canvas);
   parent.append(figure);
   const text = (what) => document.getElementById(`${hand}-${finger}-${what}`);
   return { canvas, normal: text("normal"), tangential: text("tangential"), utilisation: text("utilisation") };
 }
 
-/** The force on each fingertip as a whole, in its own frame, N. */
+/** Returns the total force on each fingertip in its tip frame, N. */
 export function forces(picture, layouts) {
   return picture.hands.map((hand, side) => hand.fingers.map(({ elements }) => {
     const { normal, tangent1, tangent2 } = layouts[side];

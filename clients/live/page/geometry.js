@@ -1,4 +1,4 @@
-// Vectors, quaternions (x, y, z, w), places, and where the links of the robot are.
+// Vectors, quaternions (x, y, z, w), poses, and the link poses of the robot.
 
 export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -15,18 +15,18 @@ const times = ([ax, ay, az, aw], [bx, by, bz, bw]) => [
   aw * bw - ax * bx - ay * by - az * bz,
 ];
 
-/** Turns a vector by a quaternion. */
+/** Rotates a vector by a quaternion. */
 export function turn([x, y, z, w], v) {
   const t = scale(cross([x, y, z], v), 2);
   return add(add(v, scale(t, w)), cross([x, y, z], t));
 }
 
-/** Place b seen from where a is. */
+/** Composes pose a with pose b, which is given in the frame of a. */
 export const then = (a, b) => ({ xyz: add(a.xyz, turn(a.q, b.xyz)), q: times(a.q, b.q) });
 
 const aboutAxis = (axis, angle) => [...scale(axis, Math.sin(angle / 2)), Math.cos(angle / 2)];
 
-/** Where each link is in the base frame. */
+/** Returns the pose of each link in the base frame. */
 export function placed(limbs, joints) {
   const places = [];
   for (const limb of limbs) {
@@ -40,7 +40,7 @@ export function placed(limbs, joints) {
   return places;
 }
 
-/** A camera that looks at a point from all around. */
+/** A camera that orbits a point. */
 export class Camera {
   constructor() {
     this.at = [0.2, -0.02, 0.2];
@@ -49,7 +49,7 @@ export class Camera {
     this.distance = 1.12;
   }
 
-  /** Prepares for a picture of this size. */
+  /** Sets up the projection for a picture size. */
   aim(width, height) {
     const [ca, sa, ch, sh] = [Math.cos(this.azimuth), Math.sin(this.azimuth), Math.cos(this.height), Math.sin(this.height)];
     this.back = [ca * ch, sa * ch, sh];
@@ -60,7 +60,7 @@ export class Camera {
     this.middle = [width / 2, height / 2];
   }
 
-  /** Where a point is on the screen, and how deep. */
+  /** Projects a point: screen x and y, depth, scale. */
   seen(point) {
     const from = sub(point, this.eye);
     const depth = Math.max(-dot(from, this.back), 0.05);

@@ -1,4 +1,4 @@
-// The page: takes in what a source tells, and draws the newest picture once per frame of the screen.
+// The page: receives the messages of a source and draws the newest picture once per screen frame.
 
 import { Arena } from "/arena.js";
 import { Controls } from "/controls.js";
@@ -9,9 +9,9 @@ import { Recorded, live } from "/source.js";
 import { Timing } from "/timing.js";
 import { Traces } from "/traces.js";
 
-/** Frames of the screen between two drawings of what changes slowly. */
+/** Screen frames between updates of slow plots. */
 const SLOWLY = 3;
-/** Time between two changes of the numbers, ms: a person can read them. */
+/** Interval of number updates, ms: long enough to read them. */
 const READABLE = 100;
 
 const by = (id) => document.getElementById(id);
@@ -33,7 +33,7 @@ class Page {
     requestAnimationFrame(() => this.draw());
   }
 
-  /** Another robot runs, or it is only now known which. */
+  /** Sets the displayed robot. */
   show(scene) {
     this.scene = scene;
     this.robot.take(scene);
@@ -45,7 +45,7 @@ class Page {
     this.newest = this.drawn = this.told = this.traced = null;
   }
 
-  /** What the server says of the robot: shown if it is news. */
+  /** Processes a scene of the server; shows it if it has changed. */
   named(scene) {
     const { recording, bus } = this.scene;
     const said = JSON.stringify(scene);
@@ -53,10 +53,10 @@ class Page {
     this.said = said;
   }
 
-  /** What was before the page opened. */
+  /** Processes the history before the page was opened. */
   past({ scene, moments, events, status, faults }) {
     if (scene) this.named(scene);
-    // Times count from the daemon's start, or from the beginning of the recording.
+    // Times are relative to the start of the daemon or of the recording.
     if (this.scene.recording) this.origin = moments[0][0];
     else if (status?.alive) this.origin = status.started_ns * 1e-9;
     this.traces.begin(moments, this.origin);
@@ -86,7 +86,7 @@ class Page {
     this.arenaView.take(arena);
   }
 
-  /** Hands, a swarm, or both: what is not there takes no place. */
+  /** Shows the sections of hands or swarm when their first data arrive. */
   arrange(what) {
     const shown = by("main").classList;
     if (shown.contains(what)) return;
@@ -98,7 +98,7 @@ class Page {
     this.redraw();
   }
 
-  /** No daemon reports: of a swarm that is there it is told instead. */
+  /** Shows the state without a daemon: that of a swarm, if there is one. */
   absent() {
     const arena = this.newest ? null : this.newestArena;
     this.mode(arena ? "swarm" : "no daemon");
@@ -128,7 +128,7 @@ class Page {
     shown.dataset.mode = mode;
   }
 
-  /** Once per frame of the screen, if there is something new. */
+  /** Draws new data, once per screen frame. */
   draw() {
     requestAnimationFrame(() => this.draw());
     this.drawArena();
@@ -139,7 +139,7 @@ class Page {
       this.robot.show(picture, forces(picture, this.scene.layouts));
       this.fingers.draw(picture);
     }
-    // What changes slowly follows even if no other picture comes: the last one before time stands still counts too.
+    // Slow updates also run without a new picture, so that the last picture is shown completely.
     if (picture !== this.told && (performance.now() - this.toldAt > READABLE || this.scene.recording)) this.tell(picture);
     if (picture !== this.traced && (this.frames++ % SLOWLY === 0 || this.scene.recording)) {
       this.traced = picture;
@@ -186,7 +186,7 @@ async function begin() {
     live(page);
     return;
   }
-  // A recording cannot be stopped, and says nothing of the services' rates.
+  // A recording has no controls and no service rates.
   by("controls").hidden = by("timing").hidden = true;
   by("main").classList.add("recorded");
   const recording = await (await fetch("/recording.json")).json();

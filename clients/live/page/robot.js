@@ -1,13 +1,13 @@
-// The robot in three dimensions: the shapes of its URDF, sorted by depth, and the force on each fingertip.
+// 3D view of the robot: the shapes of its URDF, sorted by depth, and the force on each fingertip.
 
 import { begin, arrow, palette, number } from "/canvas.js";
 import { Camera, add, cross, dot, length, placed, scale, sub, then, turn, unit } from "/geometry.js";
 
 const SIDES = 12;
 const LIGHT = unit([0.4, -0.5, 0.9]);
-/** Length of the arrow of a newton, m. */
+/** Arrow length per newton, m. */
 const PER_NEWTON = 0.03;
-/** Distance of the camera, m: at least, and over the size of the robot. */
+/** Minimum camera distance, m, and its ratio to the size of the robot. */
 const NEAREST = 0.5;
 const AROUND = 1.4;
 const TABLE = { from: [0.05, -0.45], to: [0.65, 0.45], step: 0.1 };
@@ -19,7 +19,7 @@ export class Robot {
     this.listen();
   }
 
-  /** The robot that is drawn; without links, nothing is. */
+  /** Sets the robot; a scene without links draws nothing. */
   take(scene) {
     this.scene = scene;
     this.joints = this.forces = null;
@@ -29,7 +29,7 @@ export class Robot {
     this.draw();
   }
 
-  /** Looks at the whole robot, as it stands when it is first seen. */
+  /** Fits the camera to the robot in its first pose. */
   frame(places) {
     this.isFramed = true;
     const points = places.map(({ xyz }) => xyz);
@@ -177,11 +177,11 @@ function paint(context, face) {
   for (const [x, y] of face.corners) context.lineTo(x, y);
   context.closePath();
   context.fill();
-  // Closes the hairlines between neighbours.
+  // Closes gaps between adjacent faces.
   context.stroke();
 }
 
-/** Points and faces of a shape, counter-clockwise from outside. */
+/** Returns points and faces of a shape, counter-clockwise from outside. */
 function mesh(form) {
   if (form.sphere) return { radius: form.sphere };
   if (form.box) {

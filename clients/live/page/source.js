@@ -1,9 +1,9 @@
-// Where pictures come from: the server's feed, or a recording with a time line.
+// Sources of pictures: the server's feed, or a recording with a time line.
 
-/** Pause before a feed that ended is tried again, ms. */
+/** Delay before a reconnection to the feed, ms. */
 const AGAIN = 400;
 
-/** Tells `page` what comes, for as long as the page is open. */
+/** Passes the messages of the feed to `page`; reconnects when the feed ends. */
 export function live(page) {
   const socket = new WebSocket(`ws://${location.host}/feed`);
   socket.addEventListener("message", ({ data }) => {
@@ -12,15 +12,15 @@ export function live(page) {
     else page[kind]?.(value);
   });
   socket.addEventListener("close", () => {
-    page.status({ alive: false, why: "the server is gone; start `atas dashboard` again" });
+    page.status({ alive: false, why: "no connection to the server; restart `atas dashboard`" });
     setTimeout(() => live(page), AGAIN);
   });
 }
 
-/** Pictures that are fetched together. */
+/** Pictures per request. */
 const BLOCK = 120;
 
-/** A recording: any moment by its number, played at its own pace. */
+/** A recording: random access to pictures, and playback in real time. */
 export class Recorded {
   constructor(page, recording) {
     this.page = page;

@@ -1,4 +1,4 @@
-// How punctual the ticks are, and how often every service speaks.
+// Histogram of tick timing, and the rate of each service.
 
 import { begin, palette, number } from "/canvas.js";
 
@@ -56,7 +56,7 @@ function services(now, before) {
     ...hands,
     ["joint states", rate(now.joints.states, before?.joints.states), age(now.joints.age_ns), String(now.joints.lost)],
     ["ticks", rate(now.ticks, before?.ticks), "–", `${now.missed_ticks} missed`],
-    ["wake-up late, p99 µs", "", number(now.wake.p99_ns * 1e-3, 1), ""],
+    ["wake-up latency, p99 µs", "", number(now.wake.p99_ns * 1e-3, 1), ""],
     ["tick body, p99 µs", "", number(now.tick.p99_ns * 1e-3, 1), ""],
   ];
 }

@@ -1,27 +1,27 @@
-// Forces between their thresholds, and below them a lane per module, for each hand over the last seconds.
+// Plots per hand over the last seconds: forces with their limits, and a lane per module.
 
 import { begin, palette } from "/canvas.js";
 
 const HANDS = ["left", "right"];
-/** What is seen at once, s. */
+/** Displayed time span, s. */
 const WINDOW = 20;
 const LEFT = 118;
 const RIGHT = 8;
 const LANE = 15;
-/** Fingers that a moment has room for, and its numbers per hand: f1, f2, modules, then F_n and F_t of each finger. */
+/** Fingertip slots of a sample, and its values per hand: f1, f2, modules, then F_n and F_t of each fingertip. */
 const FINGERS = 4;
 const PER_HAND = 3 + 2 * FINGERS;
 const LIMITS = [
   { of: (m) => m[0], name: "F_1", colour: "d", dash: [5, 4], width: 1.5 },
   { of: (m) => m[1], name: "F_2", colour: "e", dash: [5, 4], width: 1.5 },
 ];
-/** Colours and widths of the fingers: later ones lie on earlier ones, thinner. */
+/** Colours and line widths of the fingertips; later lines are drawn on top and thinner. */
 const TINTS = ["a", "b", "f", "ink"];
 const WIDTHS = [2.8, 1.6, 1.4, 1.2];
 
 const normals = (m, fingers) => [...Array(fingers).keys()].map((finger) => m[3 + 2 * finger]);
 
-/** The lines of a hand with so many fingers. */
+/** Returns the plot lines of a hand by its number of fingertips. */
 function linesOf(fingers) {
   const each = [...Array(fingers).keys()];
   const mean = (m) => each.reduce((sum, finger) => sum + m[4 + 2 * finger], 0) / fingers;
@@ -41,7 +41,7 @@ export class Traces {
     this.origin = 0;
   }
 
-  /** A panel for each hand that is there. */
+  /** Creates a panel for each hand of the robot. */
   take(scene) {
     this.modules = scene.modules;
     this.parent.replaceChildren();
@@ -63,13 +63,13 @@ export class Traces {
     }));
   }
 
-  /** All that is known so far. */
+  /** Sets the history. */
   begin(moments, origin) {
     this.moments = moments;
     this.origin = origin;
   }
 
-  /** A moment as the picture tells it. */
+  /** Adds the sample of a picture. */
   add(picture) {
     const last = this.moments.at(-1);
     if (last && picture.t_s <= last[0]) this.moments = [];
@@ -81,13 +81,13 @@ export class Traces {
     if (this.moments.length > 4000) this.moments.splice(0, 1000);
   }
 
-  /** Steps of tasks are marked. */
+  /** Adds task steps as markers. */
   happened(events) {
     for (const event of events) if (event.kind === "step") this.steps.push(event);
     if (this.steps.length > 400) this.steps.splice(0, 100);
   }
 
-  /** Draws the seconds before `until`. */
+  /** Draws the time span before `until`, s. */
   draw(until, isLive) {
     const shown = { from: until - WINDOW, until, isLive };
     const first = lowerBound(this.moments, shown.from);
@@ -147,7 +147,7 @@ export class Traces {
     }
     for (let ago = 0; ago <= WINDOW; ago += 5) {
       const at = shown.until - this.origin - ago;
-      // Before a recording began there was nothing.
+      // No labels before the start of a recording.
       if (!shown.isLive && at < 0) break;
       const label = shown.isLive ? (ago ? `−${ago} s` : "now") : `${at.toFixed(1)} s`;
       context.fillText(label, Math.min(x(shown.until - ago), width - RIGHT - 34), height - 4);
@@ -172,7 +172,7 @@ export class Traces {
     });
   }
 
-  /** Modules that were active in what is shown. */
+  /** Returns the modules active in the displayed samples. */
   lanes(samples) {
     const ever = samples.reduce((bits, [, m]) => bits | m[2], 0);
     return this.modules.filter(({ id }) => (ever >>> id) & 1);

@@ -10,22 +10,22 @@ use shm_schemas::{ArenaTruth, service};
 use crate::feed::Feed;
 
 /// Number of fields drawn, from the first; more would be too small to see and costly.
-const FIELDS: u32 = 64;
+const FIELDS_MAX: u32 = 64;
 /// Silence after which the presence of a field process is checked (design choice: 60 missing
 /// pictures).
 const SILENCE: Duration = Duration::from_secs(1);
 /// Polls between two such checks, each of which reopens the service.
-const HOST_EVERY: u64 = 30;
+const HOST_CHECK_POLLS: u64 = 30;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Host {
+enum FieldState {
     Runs,
     /// It waits for a controller of its agents.
     Waits,
     Ended,
 }
 
-impl Host {
+impl FieldState {
     fn name(self) -> &'static str {
         match self {
             Self::Runs => "runs",
@@ -38,9 +38,9 @@ impl Host {
 pub(crate) struct Arena {
     truths: Subscriber<ArenaTruth>,
     truth: Box<ArenaTruth>,
-    heard: Instant,
-    host: Host,
-    looks: u64,
+    last_received: Instant,
+    host: FieldState,
+    polls: u64,
 }
 
 impl Arena {
@@ -52,9 +52,9 @@ impl Arena {
         Ok(Self {
             truths: session.bus().subscriber(service::ARENA_TRUTH)?,
             truth: Box::default(),
-            heard: Instant::now(),
-            host: Host::Ended,
-            looks: 0,
+            last_received: Instant::now(),
+            host: FieldState::Ended,
+            polls: 0,
         })
     }
 
@@ -62,43 +62,45 @@ impl Arena {
     ///
     /// # Errors
     /// The shared memory of the field process cannot be read.
-    pub(crate) fn look(
+    pub(crate) fn poll(
         &mut self,
         session: &Session,
         feed: &Feed,
-        anew: bool,
+        has_new_page: bool,
     ) -> Result<(), ClientError> {
         let before = self.host;
         let is_new = self.truths.newest(&mut self.truth)?;
         if is_new {
-            self.heard = Instant::now();
-            self.host = Host::Runs;
-        } else if self.looks.is_multiple_of(HOST_EVERY) && self.heard.elapsed() > SILENCE {
-            self.host = silent(session)?;
+            self.last_received = Instant::now();
+            self.host = FieldState::Runs;
+        } else if self.polls.is_multiple_of(HOST_CHECK_POLLS)
+            && self.last_received.elapsed() > SILENCE
+        {
+            self.host = silent_state(session)?;
         }
-        self.looks += 1;
-        let is_wanted = is_new || anew || self.host != before;
+        self.polls += 1;
+        let is_wanted = is_new || has_new_page || self.host != before;
         if is_wanted && self.truth.field_count > 0 && feed.pages() > 0 {
-            feed.tell("arena", &told(&self.truth, self.host));
+            feed.send("arena", &arena_json(&self.truth, self.host));
         }
         Ok(())
     }
 }
 
 /// Returns the state of a silent field process.
-fn silent(session: &Session) -> Result<Host, ClientError> {
+fn silent_state(session: &Session) -> Result<FieldState, ClientError> {
     let stream = STREAMS.iter().find(|s| s.service == service::ARENA_TRUTH);
-    let traffic = stream.map_or(Ok(Default::default()), |s| session.bus().traffic(s))?;
+    let traffic = stream.map_or(Ok(Default::default()), |s| session.bus().port_count(s))?;
     Ok(match traffic.writers {
-        0 => Host::Ended,
-        _ => Host::Waits,
+        0 => FieldState::Ended,
+        _ => FieldState::Waits,
     })
 }
 
 /// Formats the arena as `atas topic echo` does, limited to the drawn fields, with the state of the
 /// field process.
-fn told(truth: &ArenaTruth, host: Host) -> Value {
-    let field_count = truth.field_count.min(FIELDS);
+fn arena_json(truth: &ArenaTruth, host: FieldState) -> Value {
+    let field_count = truth.field_count.min(FIELDS_MAX);
     let mut value = json::arena(&ArenaTruth {
         field_count,
         agent_count: truth.agent_count.min(field_count * truth.team),
@@ -114,12 +116,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_is_told_of_as_many_fields_as_it_draws() {
+    fn message_contains_drawn_fields_only() {
         let check = |field_count, team, fields, agents| {
             let mut truth = Box::<ArenaTruth>::default();
             (truth.field_count, truth.team) = (field_count, team);
             truth.agent_count = field_count * team;
-            let value = told(&truth, Host::Runs);
+            let value = arena_json(&truth, FieldState::Runs);
             let count = |key: &str| value[key].as_array().map_or(0, Vec::len);
             assert_eq!((count("fields"), count("agents")), (fields, agents));
             assert_eq!(value["field_count"], field_count);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use atas_client::{body_ns, words};
+use atas_client::{body_ns, text};
 use serde_json::{Value, json};
 use shm_schemas::capacity::FINGERS;
 use shm_schemas::{EventKind, Mode, ModuleEvent, TickReport};
@@ -26,7 +26,7 @@ struct Fault {
 }
 
 impl Faults {
-    pub(crate) fn note(&mut self, report: &TickReport) {
+    pub(crate) fn store_report(&mut self, report: &TickReport) {
         if self.reports.len() == TICKS {
             self.reports.pop_front();
         }
@@ -38,7 +38,7 @@ impl Faults {
     }
 
     /// Stores the preceding ticks if this event is a fault; returns true in that case.
-    pub(crate) fn watch(&mut self, event: &ModuleEvent) -> bool {
+    pub(crate) fn process_event(&mut self, event: &ModuleEvent) -> bool {
         if !is_fault(event) {
             return false;
         }
@@ -62,7 +62,7 @@ impl Faults {
                 "tick": fault.event.tick,
                 "t_s": fault.event.stamp.captured_ns as f64 * 1e-9,
                 "mode": fault.event.mode.name(),
-                "sentence": words::event(&fault.event).trim(),
+                "sentence": text::event(&fault.event).trim(),
                 "ticks": fault.reports.len(),
             })
         });
@@ -87,7 +87,7 @@ impl Faults {
             })
         });
         Some(json!({
-            "sentence": words::event(&fault.event).trim(),
+            "sentence": text::event(&fault.event).trim(),
             "before_ms": column(&|r| (r.stamp.captured_ns as f64 - end_ns) * 1e-6),
             "late_us": column(&|r| f64::from(r.wake_late_ns) * 1e-3),
             "body_us": column(&|r| body_ns(r) as f64 * 1e-3),
@@ -106,10 +106,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fault_keeps_the_ticks_before_it_and_old_ones_go() {
+    fn fault_stores_previous_ticks_and_oldest_is_dropped() {
         let mut faults = Faults::default();
         for tick in 0..1000 {
-            faults.note(&TickReport {
+            faults.store_report(&TickReport {
                 tick,
                 ..TickReport::default()
             });
@@ -120,13 +120,13 @@ mod tests {
             kind: EventKind::MODE,
             ..ModuleEvent::default()
         };
-        assert!(!faults.watch(&fault(900, Mode::RUN)));
-        assert!(faults.watch(&fault(900, Mode::HOLD)));
-        let flight = faults.flight(1).expect("kept");
+        assert!(!faults.process_event(&fault(900, Mode::RUN)));
+        assert!(faults.process_event(&fault(900, Mode::HOLD)));
+        let flight = faults.flight(1).expect("stored");
         let ticks = flight["before_ms"].as_array().expect("a column").len();
         assert_eq!(ticks, 900 - (1000 - TICKS) + 1);
         for _ in 0..FAULTS {
-            faults.watch(&fault(999, Mode::SAFE_STOP));
+            faults.process_event(&fault(999, Mode::SAFE_STOP));
         }
         assert!(faults.flight(1).is_none());
         let listed = faults.list();

@@ -14,7 +14,7 @@ use tokio::sync::broadcast;
 use crate::faults::Faults;
 
 /// Messages queued per page; a page that lags further starts over (design choice: 3 s).
-const WAITING: usize = 256;
+const QUEUE_LENGTH: usize = 256;
 /// Points of the traces in the history: 30 s at 60 Hz.
 const MOMENTS: usize = 1800;
 const EVENTS: usize = 500;
@@ -22,13 +22,13 @@ const EVENTS: usize = 500;
 #[derive(Debug)]
 pub(crate) struct Feed {
     messages: broadcast::Sender<Utf8Bytes>,
-    past: Mutex<Past>,
-    begun: AtomicU64,
+    history: Mutex<History>,
+    opened_pages: AtomicU64,
 }
 
 /// History for a new page.
 #[derive(Debug, Default)]
-pub(crate) struct Past {
+pub(crate) struct History {
     moments: VecDeque<Moment>,
     events: VecDeque<Value>,
     pub(crate) scene: Value,
@@ -45,15 +45,15 @@ const PER_HAND: usize = 3 + 2 * FINGERS;
 impl Default for Feed {
     fn default() -> Self {
         Self {
-            messages: broadcast::Sender::new(WAITING),
-            past: Mutex::default(),
-            begun: AtomicU64::new(0),
+            messages: broadcast::Sender::new(QUEUE_LENGTH),
+            history: Mutex::default(),
+            opened_pages: AtomicU64::new(0),
         }
     }
 }
 
 impl Feed {
-    pub(crate) fn tell(&self, kind: &str, value: &impl serde::Serialize) {
+    pub(crate) fn send(&self, kind: &str, value: &impl serde::Serialize) {
         // Serialisation does not fail for the types used here.
         if self.pages() > 0
             && let Ok(text) = serde_json::to_string(value)
@@ -68,33 +68,33 @@ impl Feed {
 
     /// Returns the number of pages opened so far; an increase means that a new page needs a
     /// picture.
-    pub(crate) fn begun(&self) -> u64 {
-        self.begun.load(Ordering::Relaxed)
+    pub(crate) fn opened_pages(&self) -> u64 {
+        self.opened_pages.load(Ordering::Relaxed)
     }
 
-    pub(crate) fn past(&self) -> MutexGuard<'_, Past> {
-        self.past.lock().unwrap_or_else(PoisonError::into_inner)
+    pub(crate) fn history(&self) -> MutexGuard<'_, History> {
+        self.history.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Subscribes a page; the first message is the history.
-    pub(crate) fn listen(&self) -> (Utf8Bytes, broadcast::Receiver<Utf8Bytes>) {
+    pub(crate) fn subscribe(&self) -> (Utf8Bytes, broadcast::Receiver<Utf8Bytes>) {
         // Under the lock, so that no message is lost between history and first message.
-        let past = self.past();
+        let past = self.history();
         let receiver = self.messages.subscribe();
-        self.begun.fetch_add(1, Ordering::Relaxed);
-        (past.told().to_string().into(), receiver)
+        self.opened_pages.fetch_add(1, Ordering::Relaxed);
+        (past.to_json().to_string().into(), receiver)
     }
 }
 
-impl Past {
-    pub(crate) fn note(&mut self, report: &TickReport) {
+impl History {
+    pub(crate) fn add_moment(&mut self, report: &TickReport) {
         if self.moments.len() == MOMENTS {
             self.moments.pop_front();
         }
         self.moments.push_back(moment(report));
     }
 
-    pub(crate) fn happened(&mut self, event: Value) {
+    pub(crate) fn add_event(&mut self, event: Value) {
         if self.events.len() == EVENTS {
             self.events.pop_front();
         }
@@ -102,11 +102,11 @@ impl Past {
     }
 
     /// Clears the traces of a daemon that has ended; the next one may have another clock.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn clear_moments(&mut self) {
         self.moments.clear();
     }
 
-    fn told(&self) -> Value {
+    fn to_json(&self) -> Value {
         json!({
             "past": {
                 "scene": self.scene,
@@ -146,19 +146,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_that_opens_later_is_told_the_past_and_misses_nothing() {
+    fn new_page_receives_history_and_next_message() {
         let feed = Feed::default();
-        feed.tell("picture", &1);
+        feed.send("picture", &1);
         let mut report = TickReport::default();
         report.hands[1].fingers[0].normal_n = 1.5;
         for _ in 0..MOMENTS + 5 {
-            feed.past().note(&report);
+            feed.history().add_moment(&report);
         }
-        feed.past().happened(json!("a"));
-        assert_eq!(feed.begun(), 0);
-        let (past, mut receiver) = feed.listen();
-        assert_eq!(feed.begun(), 1);
-        feed.tell("picture", &2);
+        feed.history().add_event(json!("a"));
+        assert_eq!(feed.opened_pages(), 0);
+        let (past, mut receiver) = feed.subscribe();
+        assert_eq!(feed.opened_pages(), 1);
+        feed.send("picture", &2);
         let past: Value = serde_json::from_str(&past).expect("JSON");
         let moments = past["past"]["moments"].as_array().expect("moments");
         assert_eq!(

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
-use atas_client::{ClientError, Session, Watch};
+use atas_client::{ClientError, Observer, Session};
 use atas_console::arguments::Foxglove;
 use atas_console::{Interrupt, Output};
 use atas_recording::{MessageType, Messages, Outlet, Row, RowInputs, Subject};
@@ -19,11 +19,11 @@ use shm_bus::BusError;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{JointCommand, ModuleEvent, Status, TickReport, View};
 
-use crate::rounds::rounds;
-use crate::shown::Showing;
+use crate::displayed::RobotDisplay;
+use crate::polling::poll_bus;
 
 /// Interval of robot descriptions, for clients that connect later.
-const DESCRIBE: Duration = Duration::from_secs(1);
+const DESCRIPTION_INTERVAL: Duration = Duration::from_secs(1);
 /// Transforms and point clouds per second: one per poll.
 const PICTURES_HZ: f64 = 60.0;
 /// Example layout: 3-D, forces, slip, modules, events.
@@ -37,19 +37,19 @@ pub(crate) fn foxglove(
     if arguments.print_layout {
         return output.bytes(LAYOUT.as_bytes());
     }
-    let told = arguments.robot.as_deref().map(RobotFiles::find);
-    let told = told.transpose()?;
+    let reported = arguments.robot.as_deref().map(RobotFiles::find);
+    let reported = reported.transpose()?;
     let context = Context::new();
     let server = context.websocket_server().name("atas");
     let server = server.bind("127.0.0.1", arguments.port).start_blocking();
     let server = server.with_context(|| crate::server::port_taken(arguments.port))?;
     announce(server.port(), output)?;
-    let begin = |watch, _: &Session| Ok((watch, Teller::new(told.as_ref(), &context)));
-    rounds(
+    let begin = |watch, _: &Session| Ok((watch, Converter::new(reported.as_ref(), &context)));
+    poll_bus(
         &arguments.bus.bus,
         interrupt.flag(),
         begin,
-        |(watch, teller), session| look(watch, teller, session),
+        |(watch, teller), session| poll(watch, teller, session),
         |error| tracing::debug!("{error:#}"),
     );
     server.stop().wait_blocking();
@@ -62,16 +62,16 @@ fn announce(port: u16, output: &mut Output) -> anyhow::Result<()> {
         return output.json(&json!({ "url": url, "port": port }));
     }
     output.line(format_args!(
-        "open {url} in Foxglove (Open connection, Foxglove WebSocket); `atas foxglove --print-layout > atas.json` is a layout \
-         to import; Ctrl-C ends the server"
+        "open {url} in Foxglove (Open connection, Foxglove WebSocket); `atas foxglove \
+         --print-layout > atas.json` writes a layout to import; Ctrl-C ends the server"
     ))
 }
 
-fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow::Result<()> {
+fn poll(watch: &mut Observer, teller: &mut Converter<'_>, session: &Session) -> anyhow::Result<()> {
     let (mut reports, mut events) = (Vec::new(), Vec::new());
-    watch.look(|report| reports.push(*report), |event| events.push(*event))?;
-    teller.learn(&watch.status, session)?;
-    teller.tell(&watch.view, reports, &events)?;
+    watch.poll(|report| reports.push(*report), |event| events.push(*event))?;
+    teller.update_robot(&watch.status, session)?;
+    teller.send(&watch.view, reports, &events)?;
     if !watch.is_alive() && watch.status.pid != 0 {
         // A new daemon may use a newly created bus.
         let bus = session.bus();
@@ -86,18 +86,18 @@ fn look(watch: &mut Watch, teller: &mut Teller<'_>, session: &Session) -> anyhow
 
 type Hashes = [u64; HANDS];
 
-struct Teller<'a> {
-    showing: Showing<'a>,
+struct Converter<'a> {
+    showing: RobotDisplay<'a>,
     context: &'a Arc<Context>,
     hashes: Hashes,
     messages: Option<Messages<Channels>>,
     described: Instant,
 }
 
-impl<'a> Teller<'a> {
-    fn new(told: Option<&'a RobotFiles>, context: &'a Arc<Context>) -> Self {
+impl<'a> Converter<'a> {
+    fn new(reported: Option<&'a RobotFiles>, context: &'a Arc<Context>) -> Self {
         Self {
-            showing: Showing::new(told),
+            showing: RobotDisplay::new(reported),
             context,
             hashes: Hashes::default(),
             messages: None,
@@ -105,14 +105,14 @@ impl<'a> Teller<'a> {
         }
     }
 
-    fn learn(&mut self, status: &Status, session: &Session) -> Result<(), BusError> {
-        if self.showing.look(session.bus(), status)? {
+    fn update_robot(&mut self, status: &Status, session: &Session) -> Result<(), BusError> {
+        if self.showing.update(session.bus(), status)? {
             self.messages = None;
         }
         Ok(())
     }
 
-    fn tell(
+    fn send(
         &mut self,
         view: &View,
         reports: Vec<TickReport>,
@@ -138,7 +138,7 @@ impl<'a> Teller<'a> {
         let Some(messages) = &mut self.messages else {
             return Ok(());
         };
-        if self.described.elapsed() >= DESCRIBE {
+        if self.described.elapsed() >= DESCRIPTION_INTERVAL {
             self.described = Instant::now();
             messages.describe(view.stamp.captured_ns)?;
         }
@@ -186,7 +186,10 @@ impl Outlet for Channels {
             unit => channel.add_metadata("unit", unit),
         };
         self.open.push(channel.build_raw()?);
-        u16::try_from(self.open.len() - 1).context("could not open so many topics; report this")
+        u16::try_from(self.open.len() - 1).context(
+            "could not open another topic: more than 65535 \
+            are open; report this",
+        )
     }
 
     fn send(&mut self, channel: u16, unix_ns: u64, cdr: &[u8]) -> anyhow::Result<()> {

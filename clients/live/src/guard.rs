@@ -20,7 +20,9 @@ impl Guard {
         let mut bytes = [0; 16];
         let filled = rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty())?;
         if filled < bytes.len() {
-            return Err(std::io::Error::other("too few random bytes"));
+            return Err(std::io::Error::other(
+                "could not draw a token: too few random bytes",
+            ));
         }
         Ok(Self {
             hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
@@ -50,12 +52,12 @@ impl Guard {
         let given = bearer
             .and_then(|text| text.strip_prefix("Bearer "))
             .unwrap_or("");
-        self.admits(headers) && headers.contains_key(ORIGIN) && same(given, &self.token)
+        self.admits(headers) && headers.contains_key(ORIGIN) && constant_time_eq(given, &self.token)
     }
 }
 
 /// Compares in constant time for texts of equal length.
-fn same(a: &str, b: &str) -> bool {
+fn constant_time_eq(a: &str, b: &str) -> bool {
     let differs = a
         .bytes()
         .zip(b.bytes())
@@ -68,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_our_own_pages_are_answered_and_only_the_token_is_trusted() {
+    fn only_own_pages_and_token_are_accepted() {
         let guard = Guard::new(8470).expect("random bytes");
         let check = |given: &[(&str, &str)], admitted, trusted| {
             let mut headers = HeaderMap::new();

@@ -16,6 +16,7 @@
 
 mod arena;
 mod control;
+mod displayed;
 mod faults;
 mod feed;
 mod foxglove;
@@ -23,16 +24,15 @@ mod guard;
 mod observe;
 mod page;
 mod picture;
-mod rounds;
+mod polling;
+mod recorded;
 mod scene;
 mod server;
-mod shelf;
-mod shown;
 
 use std::process::ExitCode;
 
 use atas_console::arguments::Command;
-use atas_console::{Ended, Exit, Interrupt, Output};
+use atas_console::{Exit, ExitError, Interrupt, Output};
 
 fn main() -> ExitCode {
     atas_console::run(execute)
@@ -42,9 +42,9 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
     match command {
         Command::Dashboard(arguments) => server::dashboard(arguments, interrupt, output),
         Command::Foxglove(arguments) => foxglove::foxglove(arguments, interrupt, output),
-        _ => Err(Ended::with(
+        _ => Err(ExitError::with_code(
             Exit::Usage,
-            "this is the part of the command that looks on; ask `atas` for it",
+            "this program runs the observer commands only; run `atas` instead",
         )),
     }
 }

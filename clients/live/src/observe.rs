@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use atas_client::histogram::EDGES_NS;
-use atas_client::{ClientError, Session, Watch, json, standstill, words};
+use atas_client::{ClientError, Observer, Session, json, standstill, text};
 use robot_model::RobotFiles;
 use serde_json::{Value, json};
 use shm_bus::{BusName, now_ns};
@@ -14,11 +14,11 @@ use shm_schemas::capacity::HANDS;
 use shm_schemas::{EventKind, ModuleEvent, TickReport};
 
 use crate::arena::Arena;
+use crate::displayed::RobotDisplay;
 use crate::feed::Feed;
 use crate::picture::Picture;
-use crate::rounds::rounds;
+use crate::polling::poll_bus;
 use crate::scene::scene;
-use crate::shown::Showing;
 
 /// Pictures per status: five statuses per second are readable.
 const STATUS_EVERY: u64 = 12;
@@ -27,89 +27,89 @@ const STATUS_EVERY: u64 = 12;
 pub(crate) fn observe(
     bus: &BusName,
     feed: &Arc<Feed>,
-    told: Option<&RobotFiles>,
+    selected: Option<&RobotFiles>,
     stop: &AtomicBool,
 ) {
-    rounds(
+    poll_bus(
         bus,
         stop,
-        |watch, session| Observer::new(watch, session, told),
-        |observer, session| observer.look(session, feed),
-        |error: &ClientError| gone(feed, &error.to_string()),
+        |observer, session| BusPoller::new(observer, session, selected),
+        |poller, session| poller.poll(session, feed),
+        |error: &ClientError| report_lost_bus(feed, &error.to_string()),
     );
 }
 
-fn gone(feed: &Feed, why: &str) {
-    let told = json!({ "alive": false, "why": why });
-    feed.tell("status", &told);
-    let mut past = feed.past();
-    past.status = told;
+fn report_lost_bus(feed: &Feed, why: &str) {
+    let selected = json!({ "alive": false, "why": why });
+    feed.send("status", &selected);
+    let mut past = feed.history();
+    past.status = selected;
 }
 
-struct Observer<'a> {
-    watch: Watch,
-    showing: Showing<'a>,
+struct BusPoller<'a> {
+    observer: Observer,
+    showing: RobotDisplay<'a>,
     arena: Arena,
-    looks: u64,
+    polls: u64,
     pid: u32,
     has_report: bool,
-    begun: u64,
+    opened_pages: u64,
     /// Layout hash and number of elements of each hand's frames.
     layouts: [(u64, usize); HANDS],
 }
 
-impl<'a> Observer<'a> {
+impl<'a> BusPoller<'a> {
     fn new(
-        watch: Watch,
+        observer: Observer,
         session: &Session,
-        told: Option<&'a RobotFiles>,
+        selected: Option<&'a RobotFiles>,
     ) -> Result<Self, ClientError> {
         Ok(Self {
-            watch,
-            showing: Showing::new(told),
+            observer,
+            showing: RobotDisplay::new(selected),
             arena: Arena::join(session)?,
-            looks: 0,
+            polls: 0,
             pid: 0,
             has_report: false,
-            begun: 0,
+            opened_pages: 0,
             layouts: [(0, 0); HANDS],
         })
     }
 
-    fn look(&mut self, session: &Session, feed: &Feed) -> Result<(), ClientError> {
+    fn poll(&mut self, session: &Session, feed: &Feed) -> Result<(), ClientError> {
         let (mut reports, mut events) = (Vec::new(), Vec::new());
-        self.watch
-            .look(|report| reports.push(*report), |event| events.push(*event))?;
-        if self.pid != self.watch.status.pid {
-            self.pid = self.watch.status.pid;
-            feed.past().forget();
+        self.observer
+            .poll(|report| reports.push(*report), |event| events.push(*event))?;
+        if self.pid != self.observer.status.pid {
+            self.pid = self.observer.status.pid;
+            feed.history().clear_moments();
         }
-        let is_other = self.tell_scene(session, feed)?;
-        self.tell_events(feed, &reports, &events);
+        let is_other = self.send_scene(session, feed)?;
+        self.send_events(feed, &reports, &events);
         // A new page, or one with a new robot, needs a picture even if time stands still.
-        let before = std::mem::replace(&mut self.begun, feed.begun());
-        let anew = before != self.begun || is_other;
-        self.tell_picture(feed, !reports.is_empty(), anew);
-        self.arena.look(session, feed, anew)?;
-        if self.looks.is_multiple_of(STATUS_EVERY) {
+        let before = std::mem::replace(&mut self.opened_pages, feed.opened_pages());
+        let has_new_page = before != self.opened_pages || is_other;
+        self.send_picture(feed, !reports.is_empty(), has_new_page);
+        self.arena.poll(session, feed, has_new_page)?;
+        if self.polls.is_multiple_of(STATUS_EVERY) {
             let status = self.status();
-            feed.tell("status", &status);
-            feed.past().status = status;
+            feed.send("status", &status);
+            feed.history().status = status;
         }
-        self.looks += 1;
+        self.polls += 1;
         Ok(())
     }
 
     /// Sends the scene if the robot has become known or has changed; returns true in that case.
-    fn tell_scene(&mut self, session: &Session, feed: &Feed) -> Result<bool, ClientError> {
-        let is_news = self.showing.look(session.bus(), &self.watch.status)?;
+    fn send_scene(&mut self, session: &Session, feed: &Feed) -> Result<bool, ClientError> {
+        let is_news = self.showing.update(session.bus(), &self.observer.status)?;
         let Some(shown) = self.showing.shown().filter(|_| is_news) else {
             return Ok(false);
         };
         match scene(shown) {
             Ok(scene) => {
-                feed.past().scene = scene.clone();
-                feed.tell("scene", &scene);
+                feed.history().scene = scene.clone();
+                feed.send("scene", &scene);
             }
             Err(error) => tracing::warn!("could not draw the robot: {error}"),
         }
@@ -117,12 +117,12 @@ impl<'a> Observer<'a> {
         Ok(true)
     }
 
-    fn tell_picture(&mut self, feed: &Feed, is_new: bool, anew: bool) {
+    fn send_picture(&mut self, feed: &Feed, is_new: bool, has_new_page: bool) {
         if is_new {
             self.has_report = true;
-            feed.past().note(&self.watch.report);
+            feed.history().add_moment(&self.observer.report);
         }
-        if !self.has_report || !(is_new || anew) || feed.pages() == 0 {
+        if !self.has_report || !(is_new || has_new_page) || feed.pages() == 0 {
             return;
         }
         // The number of fingertips is unknown before.
@@ -130,82 +130,84 @@ impl<'a> Observer<'a> {
             return;
         };
         for (hand, known) in self.layouts.iter_mut().enumerate() {
-            let hash = self.watch.view.frames[hand].layout_hash;
+            let hash = self.observer.view.frames[hand].layout_hash;
             if known.0 != hash {
                 let layout = shown.layout(hand, hash);
                 *known = (hash, layout.map_or(0, |layout| layout.count));
             }
         }
-        let view = &self.watch.view;
+        let view = &self.observer.view;
         let frame = |hand: usize| (view.has_frame[hand] != 0).then_some(&view.frames[hand]);
         let joints = (view.has_joints != 0).then_some(&view.joints);
         let counts = self.layouts.map(|(_, count)| count);
-        let picture = Picture::of(
-            &self.watch.report,
+        let picture = Picture::from_report(
+            &self.observer.report,
             std::array::from_fn(frame),
             joints,
             shown.fingers,
             counts,
         );
-        feed.tell("picture", &picture);
+        feed.send("picture", &picture);
     }
 
-    fn tell_events(&self, feed: &Feed, reports: &[TickReport], events: &[ModuleEvent]) {
+    fn send_events(&self, feed: &Feed, reports: &[TickReport], events: &[ModuleEvent]) {
         let fingers = self.showing.shown().map(|shown| shown.fingers);
         let fingers = fingers.unwrap_or_default();
-        let mut past = feed.past();
-        reports.iter().for_each(|report| past.faults.note(report));
-        let mut told = Vec::new();
+        let mut past = feed.history();
+        reports
+            .iter()
+            .for_each(|report| past.faults.store_report(report));
+        let mut selected = Vec::new();
         let mut has_fault = false;
         for event in events {
-            let value = described(event, past.faults.report_of(event.tick), fingers);
-            past.happened(value.clone());
-            told.push(value);
-            has_fault |= past.faults.watch(event);
+            let value = event_json(event, past.faults.report_of(event.tick), fingers);
+            past.add_event(value.clone());
+            selected.push(value);
+            has_fault |= past.faults.process_event(event);
         }
         let faults = has_fault.then(|| past.faults.list());
         drop(past);
-        if !told.is_empty() {
-            feed.tell("events", &told);
+        if !selected.is_empty() {
+            feed.send("events", &selected);
         }
         if let Some(faults) = faults {
-            feed.tell("faults", &faults);
+            feed.send("faults", &faults);
         }
     }
 
     fn status(&self) -> Value {
-        if !self.watch.is_alive() {
+        if !self.observer.is_alive() {
             return json!({
                 "alive": false,
-                "why": "the daemon does not report; it ended or hangs",
+                "why": "no reports from the daemon; it has ended or hangs",
             });
         }
-        let mut value = json::status(&self.watch.status, json::ROOM);
+        let mut value = json::status(&self.observer.status, json::CAPACITY);
         value["alive"] = true.into();
-        let frozen = standstill(&self.watch.status, now_ns());
+        let frozen = standstill(&self.observer.status, now_ns());
         value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();
         value["histogram"] = json!({
             "edges_us": EDGES_NS.map(|ns| ns as f64 * 1e-3),
-            "wake": self.watch.wake.counts(),
-            "body": self.watch.body.counts(),
+            "wake": self.observer.wake.counts(),
+            "body": self.observer.body.counts(),
         });
         value
     }
 }
 
 /// Formats an event with its text and, for module switches, the percept of that tick.
-pub(crate) fn described(
+pub(crate) fn event_json(
     event: &ModuleEvent,
     at: Option<&TickReport>,
     fingers: [usize; HANDS],
 ) -> Value {
     let mut value = json::event(event);
     value["t_s"] = (event.stamp.captured_ns as f64 * 1e-9).into();
-    value["sentence"] = words::event(event).trim().into();
+    value["sentence"] = text::event(event).trim().into();
     let is_switch = matches!(event.kind, EventKind::MODULE_ON | EventKind::MODULE_OFF);
     if is_switch && let (Some(at), Some(hand)) = (at, event.hand.index()) {
         value["module_id"] = event.module.0.into();
-        value["evidence"] = words::evidence(event.module, &at.hands[hand], fingers[hand]).into();
+        value["evidence"] = text::evidence(event.module, &at.hands[hand], fingers[hand]).into();
     }
     value
 }

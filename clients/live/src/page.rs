@@ -39,7 +39,7 @@ mod tests {
     use super::ASSETS;
 
     #[test]
-    fn the_page_is_small_and_asks_nobody_else() {
+    fn page_is_small_and_loads_nothing_external() {
         let bytes: usize = ASSETS.iter().map(|asset| asset.text.len()).sum();
         assert!(bytes <= 1_500_000, "{bytes} bytes");
         for asset in ASSETS {

@@ -48,7 +48,7 @@ pub(crate) struct FingerPicture {
 impl Picture {
     /// Makes a picture from a report and the newest frames and joints, for given numbers of
     /// fingertips and elements.
-    pub(crate) fn of(
+    pub(crate) fn from_report(
         report: &TickReport,
         frames: [Option<&HandFrame>; HANDS],
         joints: Option<&JointState>,
@@ -79,7 +79,7 @@ fn hand_picture(
     frame: Option<&HandFrame>,
     [fingers, elements]: [usize; 2],
 ) -> HandPicture {
-    let felt = report.fingers.iter().take(fingers).enumerate();
+    let measured = report.fingers.iter().take(fingers).enumerate();
     HandPicture {
         f1_n: rounded(report.f1_n),
         f2_n: rounded(report.f2_n),
@@ -87,21 +87,22 @@ fn hand_picture(
         modules: report.modules_active,
         age_ms: (report.frame_age_ns != u64::MAX)
             .then(|| rounded((report.frame_age_ns as f64 * 1e-6) as f32)),
-        fingers: felt
-            .map(|(finger, felt)| FingerPicture {
-                normal_n: rounded(felt.normal_n),
-                tangential_n: rounded(felt.tangential_n),
-                tangential_increment_n: rounded(felt.tangential_increment_n),
-                utilisation: rounded(felt.utilisation),
-                friction: rounded(felt.friction),
-                closing_m_s: felt.closing_m_s,
-                elements: frame.map_or_else(Vec::new, |frame| picked(frame, finger, elements)),
+        fingers: measured
+            .map(|(finger, measured)| FingerPicture {
+                normal_n: rounded(measured.normal_n),
+                tangential_n: rounded(measured.tangential_n),
+                tangential_increment_n: rounded(measured.tangential_increment_n),
+                utilisation: rounded(measured.utilisation),
+                friction: rounded(measured.friction),
+                closing_m_s: measured.closing_m_s,
+                elements: frame
+                    .map_or_else(Vec::new, |frame| element_forces(frame, finger, elements)),
             })
             .collect(),
     }
 }
 
-fn picked(frame: &HandFrame, finger: usize, count: usize) -> Vec<Option<[f32; 3]>> {
+fn element_forces(frame: &HandFrame, finger: usize, count: usize) -> Vec<Option<[f32; 3]>> {
     let forces = frame.force_n[finger].iter().take(count).enumerate();
     let is_valid = |element: usize| frame.valid_mask[finger] >> element & 1 == 1;
     forces
@@ -119,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_not_known_is_left_out_and_what_is_not_a_number_is_null() {
+    fn unknown_values_are_omitted_and_nan_is_null() {
         let mut report = TickReport::default();
         report.hands[1].fingers[0].friction = f32::NAN;
         report.hands[1].fingers[0].normal_n = 1.234_56;
@@ -127,7 +128,7 @@ mod tests {
         let mut frame = HandFrame::default();
         frame.valid_mask[0] = 0b101;
         frame.force_n[0][2] = [0.5, -0.25, 1e-9];
-        let picture = Picture::of(&report, [None, Some(&frame)], None, [2, 3], [41, 3]);
+        let picture = Picture::from_report(&report, [None, Some(&frame)], None, [2, 3], [41, 3]);
         let text = serde_json::to_string(&picture).expect("JSON");
         let check = |part: &str| assert!(text.contains(part), "{part} in {text}");
         check(r#""q_rad":[]"#);
@@ -138,9 +139,9 @@ mod tests {
         assert_eq!(
             text.matches(r#""elements":[]"#).count(),
             2,
-            "a hand without a frame"
+            "no elements without a frame"
         );
         let fingers = picture.hands.each_ref().map(|hand| hand.fingers.len());
-        assert_eq!(fingers, [2, 3], "every finger that there is");
+        assert_eq!(fingers, [2, 3], "all fingertips are included");
     }
 }

@@ -1,12 +1,12 @@
 //! Scene: robot data for the page, with links, fingertips and element positions.
 
-use robot_model::{Form, Limb, ModelError, Placement, RobotFiles, Shape, Side};
+use robot_model::{Form, HandSide, Limb, ModelError, Placement, RobotFiles, Shape};
 use serde_json::{Value, json};
 use shm_schemas::{Layout, ModuleId};
 
-use crate::shown::Shown;
+use crate::displayed::DisplayedRobot;
 
-pub(crate) fn scene(shown: &Shown) -> Result<Value, ModelError> {
+pub(crate) fn scene(shown: &DisplayedRobot) -> Result<Value, ModelError> {
     let modules = ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE);
     let mut scene = json!({
         "robot": shown.robot.as_ref().map(|robot| &robot.name),
@@ -25,7 +25,7 @@ pub(crate) fn scene(shown: &Shown) -> Result<Value, ModelError> {
 
 fn links(files: &RobotFiles, scene: &mut Value) -> Result<(), ModelError> {
     let (skeleton, robot) = (files.skeleton()?, files.load()?);
-    let tips = Side::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());
+    let tips = HandSide::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());
     scene["limbs"] = skeleton.limbs().iter().map(limb).collect();
     scene["tips"] = json!(tips);
     Ok(())

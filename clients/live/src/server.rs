@@ -24,19 +24,19 @@ use tokio::net::TcpListener;
 use tokio::sync::broadcast::error::RecvError;
 
 use crate::control;
+use crate::displayed::DisplayedRobot;
 use crate::feed::Feed;
 use crate::guard::Guard;
 use crate::observe::observe;
 use crate::page::ASSETS;
+use crate::recorded::LoadedRecording;
 use crate::scene;
-use crate::shelf::Shelf;
-use crate::shown::Shown;
 
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Most open pages; each costs CPU time.
-const PAGES: usize = 16;
+const PAGES_MAX: usize = 16;
 /// Most pictures of a recording per request.
-const PICTURES: usize = 240;
+const PICTURES_MAX: usize = 240;
 /// Content security policy: the page may load from and connect to this server only.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -45,7 +45,7 @@ struct Server {
     guard: Guard,
     bus: BusName,
     feed: Arc<Feed>,
-    shelf: Option<Shelf>,
+    shelf: Option<LoadedRecording>,
 }
 
 pub(crate) fn dashboard(
@@ -55,13 +55,13 @@ pub(crate) fn dashboard(
 ) -> anyhow::Result<()> {
     let shelf = match &arguments.recording[..] {
         [] => None,
-        files => Some(Shelf::read(files)?),
+        files => Some(LoadedRecording::read(files)?),
     };
-    let told = arguments.robot.as_deref().map(RobotFiles::find);
-    let told = told.transpose()?;
+    let reported = arguments.robot.as_deref().map(RobotFiles::find);
+    let reported = reported.transpose()?;
     let feed = Arc::<Feed>::default();
-    let unheard = Shown::of(told.as_ref(), &Run::default(), &Status::default());
-    feed.past().scene = scene::scene(&unheard)?;
+    let unheard = DisplayedRobot::from_run(reported.as_ref(), &Run::default(), &Status::default());
+    feed.history().scene = scene::scene(&unheard)?;
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_io()
         .enable_time()
@@ -78,7 +78,14 @@ pub(crate) fn dashboard(
     announce(&server, address.port(), output)?;
     std::thread::scope(|threads| {
         if server.shelf.is_none() {
-            threads.spawn(|| observe(&server.bus, &server.feed, told.as_ref(), interrupt.flag()));
+            threads.spawn(|| {
+                observe(
+                    &server.bus,
+                    &server.feed,
+                    reported.as_ref(),
+                    interrupt.flag(),
+                )
+            });
         }
         runtime.block_on(serve(Arc::clone(&server), listener, interrupt, output))
     })
@@ -91,7 +98,8 @@ async fn listen(port: u16) -> anyhow::Result<TcpListener> {
 
 pub(crate) fn port_taken(port: u16) -> String {
     format!(
-        "could not listen on port {port} of this machine; name another one with --port, or 0 for any"
+        "could not listen on port {port} of this machine; select another one with --port, or 0 for \
+         any"
     )
 }
 
@@ -102,7 +110,8 @@ fn announce(server: &Server, port: u16, output: &mut Output) -> anyhow::Result<(
         return output.json(&json!({ "url": url, "port": port, "token": server.guard.token() }));
     }
     output.line(format_args!(
-        "open {url}\nwithout what follows the #, the page shows everything and can stop nothing; Ctrl-C ends the server"
+        "open {url}\nwithout the part after #, the page is read-only and cannot stop the robot; \
+         Ctrl-C ends the server"
     ))
 }
 
@@ -115,20 +124,23 @@ async fn serve(
     let serving = tokio::spawn(axum::serve(listener, router(Arc::clone(&server))).into_future());
     let mut pages = 0;
     while !interrupt.is_set() {
-        anyhow::ensure!(!serving.is_finished(), "the server ended; report this");
+        anyhow::ensure!(
+            !serving.is_finished(),
+            "the server ended unexpectedly; report this"
+        );
         let now = server.feed.pages();
         if output.is_json() && now != pages {
             output.json(&json!({ "pages": now }))?;
         }
         pages = now;
-        tokio::time::sleep(LOOK).await;
+        tokio::time::sleep(POLL_INTERVAL).await;
     }
     Ok(())
 }
 
 fn router(server: Arc<Server>) -> Router {
     let mut router = Router::new()
-        .route("/scene.json", get(scene_of))
+        .route("/scene.json", get(scene_json))
         .route("/feed", get(feed))
         .route("/recording.json", get(recording))
         .route("/pictures/{from}/{count}", get(pictures))
@@ -150,7 +162,7 @@ async fn admit(State(server): State<Arc<Server>>, request: Request, next: Next) 
     if !server.guard.admits(request.headers()) {
         return (
             StatusCode::FORBIDDEN,
-            "this server answers its own pages only",
+            "request rejected: this server answers only its own pages",
         )
             .into_response();
     }
@@ -176,10 +188,10 @@ fn as_json(text: String) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], text).into_response()
 }
 
-async fn scene_of(State(server): State<Arc<Server>>) -> Response {
+async fn scene_json(State(server): State<Arc<Server>>) -> Response {
     let mut scene = match &server.shelf {
         Some(shelf) => shelf.scene.clone(),
-        None => server.feed.past().scene.clone(),
+        None => server.feed.history().scene.clone(),
     };
     scene["recording"] = server.shelf.is_some().into();
     scene["bus"] = server.bus.as_str().into();
@@ -187,16 +199,20 @@ async fn scene_of(State(server): State<Arc<Server>>) -> Response {
 }
 
 async fn feed(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> Response {
-    if server.feed.pages() >= PAGES {
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open").into_response();
+    if server.feed.pages() >= PAGES_MAX {
+        return (
+            StatusCode::SERVICE_UNAVAILABLE,
+            "too many open pages: the limit is 16; close one",
+        )
+            .into_response();
     }
-    upgrade.on_upgrade(move |socket| tell(socket, server))
+    upgrade.on_upgrade(move |socket| send_messages(socket, server))
 }
 
 /// Sends all messages to one page until it closes. A page that lags too far starts over.
-async fn tell(mut socket: WebSocket, server: Arc<Server>) {
+async fn send_messages(mut socket: WebSocket, server: Arc<Server>) {
     loop {
-        let (past, mut messages) = server.feed.listen();
+        let (past, mut messages) = server.feed.subscribe();
         if socket.send(Message::Text(past)).await.is_err() {
             return;
         }
@@ -216,8 +232,12 @@ async fn tell(mut socket: WebSocket, server: Arc<Server>) {
 
 async fn recording(State(server): State<Arc<Server>>) -> Response {
     match &server.shelf {
-        Some(shelf) => as_json(shelf.told().to_string()),
-        None => (StatusCode::NOT_FOUND, "this server shows a running daemon").into_response(),
+        Some(shelf) => as_json(shelf.to_json().to_string()),
+        None => (
+            StatusCode::NOT_FOUND,
+            "not available: this server shows a running daemon",
+        )
+            .into_response(),
     }
 }
 
@@ -226,19 +246,23 @@ async fn pictures(
     Path((from, count)): Path<(usize, usize)>,
 ) -> Response {
     match &server.shelf {
-        Some(shelf) => as_json(shelf.pictures(from, count.min(PICTURES))),
-        None => (StatusCode::NOT_FOUND, "this server shows a running daemon").into_response(),
+        Some(shelf) => as_json(shelf.pictures(from, count.min(PICTURES_MAX))),
+        None => (
+            StatusCode::NOT_FOUND,
+            "not available: this server shows a running daemon",
+        )
+            .into_response(),
     }
 }
 
 async fn flight(State(server): State<Arc<Server>>, Path(number): Path<u64>) -> Response {
     let found = match &server.shelf {
         Some(shelf) => shelf.faults.flight(number),
-        None => server.feed.past().faults.flight(number),
+        None => server.feed.history().faults.flight(number),
     };
     match found {
         Some(flight) => as_json(flight.to_string()),
-        None => (StatusCode::NOT_FOUND, "this fault is not kept any more").into_response(),
+        None => (StatusCode::NOT_FOUND, "this fault is no longer stored").into_response(),
     }
 }
 
@@ -258,12 +282,16 @@ async fn act(
     if !server.guard.trusts(headers) {
         return (
             StatusCode::FORBIDDEN,
-            "open the page by the address that the server printed",
+            "request rejected: no valid token; open the page by the address that the server printed",
         )
             .into_response();
     }
     if server.shelf.is_some() {
-        return (StatusCode::CONFLICT, "this is a recording").into_response();
+        return (
+            StatusCode::CONFLICT,
+            "not possible: this server shows a recording",
+        )
+            .into_response();
     }
     let done = tokio::task::spawn_blocking(move || act(&server.bus)).await;
     match done {

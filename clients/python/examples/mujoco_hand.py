@@ -1,12 +1,12 @@
-"""A world of one's own: a hand in MuJoCo with tactile pads, before the real daemon, in lock-step.
+"""A custom simulator: a hand in MuJoCo with tactile pads, connected to the real daemon in lock-step.
 
     pip install mujoco
     python examples/mujoco_hand.py --atasd target/debug/atasd
 
-MuJoCo simulates the robot of `daemon/robot/robots/two-hand-arm/robot.urdf` and objects that are described here. Each fingertip is a bed of 41 sprung
-pins along the elements' normals: what MuJoCo's contacts press and rub on a pin is what that taxel feels. The daemon sees frames and
-joint states, as from any robot, and sends commands. Afterwards the same objects are grasped in ATAS's own simulator by the same
-controller, and both verdicts are printed side by side: contact there is another model, written by other people.
+MuJoCo simulates the robot of `daemon/robot/robots/two-hand-arm/robot.urdf` and the objects below. Each fingertip has 41 sprung pins
+along the elements' normals; the contact forces on a pin are the forces of its taxel. The daemon receives frames and joint states and
+sends commands, as with any robot. The same objects are then grasped in ATAS's simulator with the same controller. Both results are
+printed, as a comparison of two independent contact models.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from numpy.typing import NDArray
 ROOT = Path(__file__).resolve().parents[3]
 URDF = ROOT / "daemon" / "robot" / "robots" / "two-hand-arm" / "robot.urdf"
 AT = (0.32, -0.15)
-"""Where objects stand: before the right hand, m."""
+"""Position of objects in front of the right hand, m."""
 TICK_NS = 1_000_000
 SUBSTEPS = 4
 SERVOS = [(0.45, 120.0)] * 2 + [(0.2, 120.0), (0.05, 160.0), (0.02, 160.0)] + [(2e-3, 200.0), (1e-3, 200.0), (1e-3, 200.0)] * 2
-"""Reflected inertia, kg·m², and natural frequency, rad/s, of a hand's joints: what a drive's data sheet says."""
+"""Reflected inertia, kg·m², and natural frequency, rad/s, of a hand's joints, as in a drive's datasheet."""
 PIN_N_M = 1060.0
-"""Stiffness of the skin under one taxel: 1.7e8 N/m³ over its 6.2 mm²."""
+"""Stiffness of the skin under one taxel, N/m: 1.7e8 N/m³ times 6.2 mm²."""
 PIN_RADIUS_M = 0.0015
 NOISE_N = 0.002
 
 
 @dataclass
-class Thing:
+class GraspObject:
     """An object: a box or an upright cylinder."""
 
     name: str
@@ -51,35 +51,35 @@ class Thing:
     round: bool = False
 
     def toml(self) -> str:
-        """For ATAS's simulator."""
+        """Returns the object file for ATAS's simulator."""
         half = f"radius_m = {self.width_m / 2}" if self.round else f"size_m = [{self.width_m}, {self.width_m}, {self.height_m}]"
         shape = f'kind = "cylinder", {half}, height_m = {self.height_m}' if self.round else f'kind = "box", {half}'
         return f'name = "{self.name}"\nmass_kg = {self.mass_kg}\nfriction = {self.friction}\nshape = {{ {shape} }}\n'
 
     @property
     def grasp_height_m(self) -> float:
-        """A little above the middle, clear of the top: what `clients/protocol.md` recommends."""
+        """Grasp height, slightly above the middle and clear of the top, as recommended in `clients/protocol.md`."""
         top = self.height_m
         return max(min(max(0.575 * top, top - 0.040), top - 0.010), 0.025)
 
 
 THINGS = [
-    Thing("block", 0.20, 0.6, 0.050, 0.06),
-    Thing("can", 0.15, 0.4, 0.050, 0.08, round=True),
-    Thing("slippery-block", 0.12, 0.25, 0.045, 0.06),
-    Thing("anvil", 2.50, 0.4, 0.050, 0.06),
+    GraspObject("block", 0.20, 0.6, 0.050, 0.06),
+    GraspObject("can", 0.15, 0.4, 0.050, 0.08, round=True),
+    GraspObject("slippery-block", 0.12, 0.25, 0.045, 0.06),
+    GraspObject("anvil", 2.50, 0.4, 0.050, 0.06),
 ]
 
 
-def described(thing: Thing) -> Any:
-    """The robot with tactile pads, a table and an object."""
+def build_model(thing: GraspObject) -> Any:
+    """Returns a model of the robot with tactile pads, a table and an object."""
     spec = mujoco.MjSpec.from_file(str(URDF))
     spec.option.timestep = TICK_NS * 1e-9 / SUBSTEPS
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 20.0
     for geom in spec.geoms:
-        # Only fingertips touch: the links' shapes are for clearance.
+        # Only fingertips collide; the links' shapes are for clearance checks.
         geom.contype = geom.conaffinity = 0
     for body in spec.bodies:
         body.gravcomp = 1.0
@@ -123,10 +123,10 @@ def described(thing: Thing) -> Any:
 
 
 class Hand:
-    """The simulated robot: what it senses, what it does."""
+    """The simulated robot with its sensors and drives."""
 
-    def __init__(self, thing: Thing) -> None:
-        self.model = described(thing)
+    def __init__(self, thing: GraspObject) -> None:
+        self.model = build_model(thing)
         self.data = mujoco.MjData(self.model)
         names = [mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_JOINT, joint) for joint in range(self.model.njnt)]
         joints = [names.index(name) for name in atas.JOINT_NAMES]
@@ -151,8 +151,8 @@ class Hand:
     def height_m(self) -> float:
         return float(self.data.xpos[self.thing][2])
 
-    def feel(self) -> NDArray[np.float64]:
-        """Force of the object on every taxel of the right hand, along its own axes, N."""
+    def taxel_forces(self) -> NDArray[np.float64]:
+        """Returns the force of the object on each taxel of the right hand along the taxel's axes, N."""
         force_n = np.zeros((2, 41, 3))
         wrench = np.zeros(6)
         for index, contact in enumerate(self.data.contact):
@@ -160,17 +160,17 @@ class Hand:
                 found = self.taxel.get(int(geom))
                 if found is None:
                     continue
-                # MuJoCo tells the force of geom1 on geom2, in the contact's frame.
+                # MuJoCo returns the force of geom1 on geom2 in the contact frame.
                 mujoco.mj_contactForce(self.model, self.data, index, wrench)
                 in_world = sign * (wrench[:3] @ np.asarray(contact.frame).reshape(3, 3))
-                # A pin slides along its normal and does not turn: its axes are the tip's.
+                # A pin slides along its normal without rotation, so its axes are those of the tip.
                 base_from_tip = self.data.xmat[self.model.geom_bodyid[geom]].reshape(3, 3)
                 force_n[found] += self.axes[found[1]] @ (base_from_tip.T @ in_world)
         self.strongest_n = max(self.strongest_n, float(force_n[:, :, 0].sum(axis=1).max()))
         return force_n
 
     def move(self, orders: Any) -> None:
-        """One millisecond under the servos."""
+        """Advances the simulation by 1 ms with the servos' torques."""
         for _ in range(SUBSTEPS):
             off_rad = orders["position_rad"] - self.data.qpos[self.q]
             off_rad_s = orders["velocity_rad_s"] - self.data.qvel[self.v]
@@ -179,8 +179,8 @@ class Hand:
             mujoco.mj_step(self.model, self.data)
 
 
-def grasp(thing: Thing, atasd: Path, limit_s: float) -> dict[str, Any]:
-    """A grasp over the bus, with the real daemon in lock-step."""
+def grasp(thing: GraspObject, atasd: Path, limit_s: float) -> dict[str, Any]:
+    """Runs a grasp over the bus with the real daemon in lock-step."""
     name = f"mujoco-{os.getpid()}"
     words = [str(atasd), "--lockstep", "--config", "/dev/null", "--bus", name]
     bus = atas.Bus(name, role="mujoco", create=True)
@@ -195,7 +195,7 @@ def grasp(thing: Thing, atasd: Path, limit_s: float) -> dict[str, Any]:
                 now_ns = 10_000_000_000 + tick * TICK_NS
                 noise_n = random.normal(0, NOISE_N, (2, 2, 41, 3))
                 left.publish(noise_n[0], captured_ns=now_ns)
-                right.publish(hand.feel() + noise_n[1], captured_ns=now_ns)
+                right.publish(hand.taxel_forces() + noise_n[1], captured_ns=now_ns)
                 robot.publish(hand.data.qpos[hand.q], hand.data.qvel[hand.v], hand.effort_n_m, captured_ns=now_ns)
                 orders = robot.answer(now_ns, goal)
                 if orders is None:
@@ -217,8 +217,8 @@ def grasp(thing: Thing, atasd: Path, limit_s: float) -> dict[str, Any]:
     return verdict
 
 
-def grasp_here(thing: Thing, folder: Path) -> dict[str, Any]:
-    """The same in ATAS's own simulator, in process."""
+def grasp_in_atas(thing: GraspObject, folder: Path) -> dict[str, Any]:
+    """Runs the grasp in ATAS's simulator, in process."""
     file = folder / f"{thing.name}.toml"
     file.write_text(thing.toml())
     simulation = atas.Simulation(str(file), seed=1, vary=False)
@@ -229,9 +229,9 @@ def grasp_here(thing: Thing, folder: Path) -> dict[str, Any]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--atasd", type=Path, default=ROOT / "target" / "debug" / "atasd", help="the daemon [%(default)s]")
+    parser.add_argument("--atasd", type=Path, default=ROOT / "target" / "debug" / "atasd", help="path of the daemon [%(default)s]")
     parser.add_argument("--objects", nargs="+", choices=[thing.name for thing in THINGS], help="default: all")
-    parser.add_argument("--limit", type=float, default=40.0, metavar="SECONDS", help="of simulated time [%(default)s]")
+    parser.add_argument("--limit", type=float, default=40.0, metavar="SECONDS", help="limit of simulated time [%(default)s]")
     options = parser.parse_args()
     print(f"{'object':15s} {'simulator':8s} {'outcome':10s} {'F_2 N':>6s} {'strongest N':>11s} {'lifted mm':>9s}  reason")
     with tempfile.TemporaryDirectory() as folder:
@@ -240,7 +240,7 @@ def main() -> None:
                 continue
             for name, verdict in (
                 ("MuJoCo", grasp(thing, options.atasd, options.limit)),
-                ("ATAS", grasp_here(thing, Path(folder))),
+                ("ATAS", grasp_in_atas(thing, Path(folder))),
             ):
                 outcome = atas.GoalState(verdict["state"]).name if verdict.get("state") else "none"
                 print(

@@ -1,4 +1,4 @@
-//! A process's place on a bus.
+//! The bus: entry point to services, goals and requests.
 
 use std::time::Duration;
 
@@ -13,22 +13,23 @@ use shm_schemas::{
     Text, TickInputs, TickReport, Turn, WorldTruth, service,
 };
 
-use crate::errors::{AtasError, of_bus};
+use crate::errors::{AtasError, bus_error};
 use crate::goal::Goal;
-use crate::leader::Leader;
-use crate::names::{bus_name, hand_of};
+use crate::names::{bus_name, parse_hand};
 use crate::reader::Reader;
 use crate::robot::Robot;
 use crate::sensor::Sensor;
+use crate::teleop::Teleop;
 
-/// How long a stop may take to be answered.
-const STOP: Duration = Duration::from_secs(1);
+/// Timeout of a stop request.
+const STOP_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// A process's place on a bus: where its arrays come from and go to.
+/// A process's connection to a bus.
 ///
-/// `name` is the bus (ATAS_BUS, or "atas", if not given). Who only looks or asks joins a bus that is there; who may come first,
-/// a sensor or a robot, says `create=True`. `role` is what others see, for example in `atas doctor`. A bus and what it makes
-/// belong to the thread that made them; each thread opens its own.
+/// `name` is the bus (default ATAS_BUS, else "atas"). Observers and clients join an existing bus; a
+/// sensor or robot that may start first passes `create=True`. `role` is the name shown to others,
+/// for example in `atas doctor`. A bus and the objects that it creates belong to one thread; each
+/// thread opens its own bus.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Bus {
     session: Session,
@@ -41,115 +42,118 @@ impl Bus {
     fn new(name: Option<&str>, role: &str, create: bool) -> PyResult<Self> {
         let name = bus_name(name)?;
         let join = if create { Node::open } else { Node::join };
-        let node = join(&name, role, Realtime::No).map_err(of_bus)?;
+        let node = join(&name, role, Realtime::No).map_err(bus_error)?;
         Ok(Self {
-            session: Session::of(node),
+            session: Session::from_bus(node),
         })
     }
 
-    /// The bus's name.
+    /// Name of the bus.
     #[getter]
     fn name(&self) -> &str {
         self.node().name().as_str()
     }
 
-    /// The bus's folder; iceoryx2's `global.root-path`, for peers in other languages.
+    /// Folder of the bus: iceoryx2's `global.root-path`, for peers in other languages.
     #[getter]
     fn folder(&self) -> String {
         self.node().folder().display().to_string()
     }
 
-    /// What the bus's names in /dev/shm begin with; iceoryx2's `global.prefix`.
+    /// Prefix of the bus's names in /dev/shm: iceoryx2's `global.prefix`.
     #[getter]
     fn prefix(&self) -> &str {
         self.node().prefix()
     }
 
-    /// Everyone on the bus: role, process id, whether it is alive.
+    /// Returns all processes on the bus: role, process id, whether it is alive.
     fn peers(&self) -> PyResult<Vec<(String, u32, bool)>> {
-        let peers = self.node().peers().map_err(of_bus)?;
+        let peers = self.node().peers().map_err(bus_error)?;
         Ok(peers
             .into_iter()
             .map(|peer| (peer.role, peer.pid, peer.alive))
             .collect())
     }
 
-    /// Reads the frames of one hand, "left" or "right" (array type `HandFrame`).
+    /// Returns a reader of one hand's frames, "left" or "right" (`HandFrame`).
     fn frames(&self, hand: &str) -> PyResult<Reader> {
-        let service = service::HAND_FRAME[usize::from(hand_of(hand)? != Hand::LEFT)];
+        let service = service::HAND_FRAME[usize::from(parse_hand(hand)? != Hand::LEFT)];
         Reader::new::<HandFrame>(self.node(), service)
     }
 
-    /// Reads the robot's joint states (`JointState`).
+    /// Returns a reader of the robot's joint states (`JointState`).
     fn joint_states(&self) -> PyResult<Reader> {
         Reader::new::<JointState>(self.node(), service::JOINT_STATE)
     }
 
-    /// Reads the daemon's commands (`JointCommand`). Of four places for readers the robot needs one; for looking, reports
-    /// serve as well.
+    /// Returns a reader of the daemon's commands (`JointCommand`). The robot needs one of the four
+    /// reader slots; observers can use `reports`.
     fn commands(&self) -> PyResult<Reader> {
         Reader::new::<JointCommand>(self.node(), service::JOINT_COMMAND)
     }
 
-    /// Reads what each tick felt and did (`TickReport`), one per tick.
+    /// Returns a reader of the tick reports (`TickReport`), one per tick.
     fn reports(&self) -> PyResult<Reader> {
         Reader::new::<TickReport>(self.node(), service::TICK_REPORT)
     }
 
-    /// Reads the daemon's status (`Status`), 50 times a second.
+    /// Returns a reader of the daemon's status (`Status`), 50 Hz.
     fn statuses(&self) -> PyResult<Reader> {
         Reader::new::<Status>(self.node(), service::STATUS)
     }
 
-    /// Reads what happened (`ModuleEvent`): modules, touches, steps, modes; the last thousand from before as well.
+    /// Returns a reader of events (`ModuleEvent`): modules, touches, steps, modes, including the
+    /// last thousand.
     fn events(&self) -> PyResult<Reader> {
         Reader::new::<ModuleEvent>(self.node(), service::MODULE_EVENT)
     }
 
-    /// Reads the health of sensors (`SensorStatus`), about ten times a second each.
+    /// Returns a reader of sensor health (`SensorStatus`), about 10 Hz per sensor.
     fn sensor_statuses(&self) -> PyResult<Reader> {
         Reader::new::<SensorStatus>(self.node(), service::SENSOR_STATUS)
     }
 
-    /// Reads what the simulator knows and the robot does not (`WorldTruth`).
+    /// Returns a reader of the simulator's ground truth (`WorldTruth`).
     fn truths(&self) -> PyResult<Reader> {
         Reader::new::<WorldTruth>(self.node(), service::WORLD_TRUTH)
     }
 
-    /// Reads what the host of the swarm's fields knows and no agent senses (`ArenaTruth`), frame by frame.
+    /// Returns a reader of the swarm fields' ground truth (`ArenaTruth`), frame by frame.
     fn arenas(&self) -> PyResult<Reader> {
         Reader::new::<ArenaTruth>(self.node(), service::ARENA_TRUTH)
     }
 
-    /// Reads what every tick took in (`TickInputs`); a daemon sends it with `--record-stream`, to one reader.
+    /// Returns a reader of the inputs of every tick (`TickInputs`). The daemon sends them with
+    /// `--record-stream`, to one reader.
     fn tick_inputs(&self) -> PyResult<Reader> {
         Reader::new::<TickInputs>(self.node(), service::TICK_INPUTS)
     }
 
-    /// Reads how a recorded run began (`RunHeader`).
+    /// Returns a reader of the headers of recorded runs (`RunHeader`).
     fn run_headers(&self) -> PyResult<Reader> {
         Reader::new::<RunHeader>(self.node(), service::RUN_HEADER)
     }
 
-    /// Feels for one hand: `layout` is "dome-41", "dome-1", "pad-N", "flat-RxC-P" or
-    /// "cylinder-RxC-P-Q", as the daemon is configured (`[hands.left] layout`).
+    /// Returns a sensor for one hand. `layout` is "dome-41", "dome-1", "pad-N", "flat-RxC-P" or
+    /// "cylinder-RxC-P-Q", as configured in the daemon (`[hands.left] layout`).
     #[pyo3(signature = (hand, *, layout = "dome-41", fingers = 2, device = ""))]
     fn sensor(&self, hand: &str, layout: &str, fingers: usize, device: &str) -> PyResult<Sensor> {
-        Sensor::new(self.node(), hand_of(hand)?, layout, fingers, device)
+        Sensor::new(self.node(), parse_hand(hand)?, layout, fingers, device)
     }
 
-    /// Is the robot: publishes joint states and obeys commands.
+    /// Returns the robot: publishes joint states and executes commands.
     fn robot(&self) -> PyResult<Robot> {
         Robot::new(self.node())
     }
 
-    /// Grasps, lifts and holds what stands at `at` (m, from the robot's base: x forward, y left, z up).
+    /// Grasps, lifts and holds the object at `at` (m, robot base frame: x forward, y left, z up).
     ///
-    /// `width` is the object's along the closing axis, m; `yaw` the direction of that axis, rad from x towards y; `top` how far
-    /// the object reaches above `at`, m, and `max_force` what it may be pressed with at most, N, if that is known. The goal
-    /// goes on when this process ends, unless `attached`.
+    /// `width` is the object's width along the closing axis, m; `yaw` the direction of that axis,
+    /// rad from x towards y. Optional knowledge: `top` is the object's height above `at`, m, and
+    /// `max_force` its force limit, N. The goal continues after this process ends, unless
+    /// `attached`.
     #[pyo3(signature = (at, *, width, yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, hold = HOLD_S, top = 0.0, max_force = 0.0, attached = false))]
-    #[expect(clippy::too_many_arguments, reason = "Python's are named")]
+    #[expect(clippy::too_many_arguments, reason = "Python has keyword arguments")]
     fn grasp(
         &self,
         at: [f64; 3],
@@ -162,14 +166,14 @@ impl Bus {
         max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let object = target(at, yaw, width).knowing(top, max_force);
-        let goal = goal::grasp(&object, hand_of(hand)?, lift, hold);
+        let object = target(at, yaw, width).with_limits(top, max_force);
+        let goal = goal::grasp(&object, parse_hand(hand)?, lift, hold);
         self.send(goal, attached)
     }
 
-    /// Carries what stands at `at` to `to`: where the fingertips shall be when it stands there.
+    /// Moves the object at `at` to `to`: the grasp centre when the object stands at its target.
     #[pyo3(signature = (at, to, *, width, yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, top = 0.0, max_force = 0.0, attached = false))]
-    #[expect(clippy::too_many_arguments, reason = "Python's are named")]
+    #[expect(clippy::too_many_arguments, reason = "Python has keyword arguments")]
     fn pick_place(
         &self,
         at: [f64; 3],
@@ -182,8 +186,8 @@ impl Bus {
         max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let object = target(at, yaw, width).knowing(top, max_force);
-        let goal = goal::pick_place(&object, hand_of(hand)?, to, lift);
+        let object = target(at, yaw, width).with_limits(top, max_force);
+        let goal = goal::pick_place(&object, parse_hand(hand)?, to, lift);
         self.send(goal, attached)
     }
 
@@ -203,13 +207,13 @@ impl Bus {
         } else {
             Turn::ANTICLOCKWISE
         };
-        let goal = goal::screw(&target(at, yaw, width), hand_of(hand)?);
+        let goal = goal::screw(&target(at, yaw, width), parse_hand(hand)?);
         self.send(GoalRequest { turn, ..goal }, attached)
     }
 
-    /// Pursues a task of the daemon's configuration by its name.
+    /// Runs a task of the daemon's configuration by its name.
     #[pyo3(signature = (name, at, *, width, to = [0.0; 3], yaw = std::f64::consts::FRAC_PI_2, hand = "right", lift = LIFT_M, hold = HOLD_S, top = 0.0, max_force = 0.0, attached = false))]
-    #[expect(clippy::too_many_arguments, reason = "Python's are named")]
+    #[expect(clippy::too_many_arguments, reason = "Python has keyword arguments")]
     fn task(
         &self,
         name: &str,
@@ -224,63 +228,64 @@ impl Bus {
         max_force: f64,
         attached: bool,
     ) -> PyResult<Goal> {
-        let object = target(at, yaw, width).knowing(top, max_force);
+        let object = target(at, yaw, width).with_limits(top, max_force);
         let goal = GoalRequest {
             kind: GoalKind::CUSTOM,
             task: Text::new(name),
             hold_s: hold,
-            ..goal::pick_place(&object, hand_of(hand)?, to, lift)
+            ..goal::pick_place(&object, parse_hand(hand)?, to, lift)
         };
         self.send(goal, attached)
     }
 
-    /// Leads a hand ("left", "right" or "both") by a stream of targets, from now on until `Leader.end`. One client at a time may.
+    /// Starts teleoperation of a hand ("left", "right" or "both") by a stream of targets, until
+    /// `Teleop.end`. Only one client at a time may teleoperate.
     #[pyo3(signature = (hand = "right"))]
-    fn follow(&self, py: Python<'_>, hand: &str) -> PyResult<Leader> {
-        Leader::open(py, &self.session, hand)
+    fn teleop(&self, py: Python<'_>, hand: &str) -> PyResult<Teleop> {
+        Teleop::open(py, &self.session, hand)
     }
 
-    /// Opens a hand where it is and moves it home.
+    /// Opens a hand at its current position and moves it home.
     #[pyo3(signature = (hand = "right", *, attached = false))]
     fn release(&self, hand: &str, attached: bool) -> PyResult<Goal> {
         let goal = GoalRequest {
             kind: GoalKind::RELEASE,
-            hand: hand_of(hand)?,
+            hand: parse_hand(hand)?,
             ..GoalRequest::default()
         };
         self.send(goal, attached)
     }
 
-    /// Stops the robot now; it stays stopped until `recover`. Goes a way of its own that nothing else can occupy.
+    /// Stops the robot until `recover`. Uses a separate channel that other requests cannot block.
     ///
-    /// Returns True when a tick has taken the stop, False while it waits for the next one.
-    #[pyo3(signature = (reason = "asked from Python"))]
+    /// Returns True when a tick has executed the stop, False while it is pending.
+    #[pyo3(signature = (reason = "requested from Python"))]
     fn estop(&self, py: Python<'_>, reason: &str) -> PyResult<bool> {
         let name = self.node().name().clone();
         let answer = py
-            .detach(|| shm_bus::stop::request(&name, reason, STOP))
-            .map_err(of_bus)?;
+            .detach(|| shm_bus::stop::request(&name, reason, STOP_TIMEOUT))
+            .map_err(bus_error)?;
         Ok(answer.outcome == StopOutcome::STOPPED)
     }
 
-    /// Leaves the stop; the robot then holds until nothing is in doubt.
+    /// Ends the stop; the robot then holds until all inputs are valid.
     fn recover(&self) -> PyResult<()> {
         self.demand(ControlOp::RECOVER, 0.0, "").map(drop)
     }
 
-    /// Ends the goal with this id; nothing if it has ended.
+    /// Cancels the goal with this id; no effect if it has ended.
     fn cancel(&self, goal_id: u64) -> PyResult<()> {
         self.demand(ControlOp::CANCEL, 0.0, &goal_id.to_string())
             .map(drop)
     }
 
-    /// Takes the present reading of a hand's sensor as zero force.
+    /// Sets the current reading of a hand's sensor as zero force.
     fn bias(&self, hand: &str) -> PyResult<()> {
-        self.demand(ControlOp::BIAS, f64::from(hand_of(hand)?.0), "")
+        self.demand(ControlOp::BIAS, f64::from(parse_hand(hand)?.0), "")
             .map(drop)
     }
 
-    /// Every parameter by its name: value, lowest, highest, meaning.
+    /// Returns all parameters by name: value, lower limit, upper limit, description.
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
         for index in 0_u32.. {
@@ -323,12 +328,12 @@ impl Bus {
     }
 
     fn ask(&self, op: ControlOp, value: f64, name: &str) -> PyResult<ControlReply> {
-        self.session.ask(op, value, name).map_err(of_bus)
+        self.session.request(op, value, name).map_err(bus_error)
     }
 
     fn demand(&self, op: ControlOp, value: f64, name: &str) -> PyResult<ControlReply> {
         self.session
-            .demand(op, value, name)
+            .request_success(op, value, name)
             .map_err(|why| AtasError::new_err(why.to_string()))
     }
 }
@@ -342,8 +347,9 @@ fn target(at_m: [f64; 3], yaw_rad: f64, width_m: f64) -> Target {
     }
 }
 
-/// Removes a bus that nobody is on: its folder and its shared memory. Returns how many entries that were.
+/// Removes the folder and the shared memory of an unused bus. Returns the number of removed
+/// entries.
 #[pyfunction]
 pub(crate) fn wipe(name: &str) -> PyResult<usize> {
-    Node::wipe(&bus_name(Some(name))?).map_err(of_bus)
+    Node::wipe(&bus_name(Some(name))?).map_err(bus_error)
 }

@@ -1,4 +1,4 @@
-//! Rust's errors as Python's.
+//! Conversion of Rust errors to Python exceptions.
 
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -7,21 +7,21 @@ pyo3::create_exception!(
     atas,
     AtasError,
     PyException,
-    "What went wrong in atas; the message says what to do."
+    "Failure in atas; the message contains cause and advice."
 );
 pyo3::create_exception!(
     atas,
     BusError,
     AtasError,
-    "The bus, or a process on it, is not as it was needed."
+    "Failure of the bus or of a process on it."
 );
 
-/// As [`AtasError`], with all its causes.
-pub(crate) fn failed(error: anyhow::Error) -> PyErr {
+/// Converts an error with all its causes to [`AtasError`].
+pub(crate) fn atas_error(error: anyhow::Error) -> PyErr {
     AtasError::new_err(format!("{error:#}"))
 }
 
-/// As [`BusError`].
-pub(crate) fn of_bus(error: impl std::fmt::Display) -> PyErr {
+/// Converts an error to [`BusError`].
+pub(crate) fn bus_error(error: impl std::fmt::Display) -> PyErr {
     BusError::new_err(error.to_string())
 }

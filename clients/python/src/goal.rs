@@ -1,4 +1,4 @@
-//! A goal on its way.
+//! A running goal.
 
 use std::time::{Duration, Instant};
 
@@ -9,19 +9,19 @@ use pyo3::types::PyDict;
 use shm_bus::{GoalClient, PendingGoal, writer_epoch};
 use shm_schemas::{GoalRequest, GoalUpdate};
 
-use crate::errors::of_bus;
+use crate::errors::bus_error;
 use crate::pause;
 use crate::reader::seconds;
 use crate::rows::{self, Row};
 
-/// A goal on its way: iterate over it for its updates, or wait for its end.
+/// A running goal: iterate over it for its updates, or wait for its end.
 ///
 /// Dropping it does not end the goal, unless it was sent `attached`: then the robot holds.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Goal {
     pending: PendingGoal,
     progress: GoalProgress,
-    /// The goal's id, for `Bus.cancel`.
+    /// Id of the goal, for `Bus.cancel`.
     #[pyo3(get)]
     goal_id: u64,
     _client: GoalClient,
@@ -34,23 +34,23 @@ impl Goal {
             goal_id: writer_epoch(),
             ..*goal
         };
-        let client = session.bus().goal_client().map_err(of_bus)?;
+        let client = session.bus().goal_client().map_err(bus_error)?;
         Ok(Self {
-            pending: client.send(&request).map_err(of_bus)?,
+            pending: client.send(&request).map_err(bus_error)?,
             progress: GoalProgress::default(),
             goal_id: request.goal_id,
             _client: client,
         })
     }
 
-    /// Takes in what came; whether the goal has ended then.
+    /// Processes pending updates; returns whether the goal has ended.
     pub(crate) fn has_ended(&mut self) -> PyResult<bool> {
         while self.take()?.is_some() {}
-        Ok(self.pending.ended())
+        Ok(self.pending.has_ended())
     }
 
     fn take(&mut self) -> PyResult<Option<GoalUpdate>> {
-        let update = self.pending.next().map_err(of_bus)?;
+        let update = self.pending.next().map_err(bus_error)?;
         if let Some(update) = &update {
             self.progress.add(update);
         }
@@ -60,7 +60,7 @@ impl Goal {
 
 #[pymethods]
 impl Goal {
-    /// The updates that came since the last call (`GoalUpdate`). Does not wait.
+    /// Returns the updates since the last call (`GoalUpdate`). Does not wait.
     fn updates<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut rows = Vec::new();
         while let Some(update) = self.take()? {
@@ -69,42 +69,42 @@ impl Goal {
         Ok(rows::array(py, rows))
     }
 
-    /// Waits for the end, at most `timeout` seconds if given (else raises TimeoutError; the goal goes on). Returns what `result`
-    /// is then.
+    /// Waits for the end, at most `timeout` seconds if given, and returns the `result`. On timeout
+    /// it raises TimeoutError, and the goal continues.
     #[pyo3(signature = (timeout = None))]
     fn wait<'py>(&mut self, py: Python<'py>, timeout: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
         let (begin, limit) = (Instant::now(), timeout.map(seconds).transpose()?);
         loop {
             while self.take()?.is_some() {}
-            if self.pending.ended() {
+            if self.pending.has_ended() {
                 return self.result(py);
             }
             if limit.is_some_and(|limit: Duration| begin.elapsed() > limit) {
                 let step = self.progress.step().to_owned();
                 return Err(PyTimeoutError::new_err(format!(
-                    "the goal has not ended, it is at step {step:?}; wait longer, or cancel it"
+                    "the goal has not ended: current step {step:?}; wait longer or cancel it"
                 )));
             }
             pause(py, POLL)?;
         }
     }
 
-    /// Asks the daemon to end the goal; its updates go on until the last one.
+    /// Requests cancellation; updates continue until the final one.
     fn cancel(&self) {
         self.pending.cancel();
     }
 
-    /// Whether the goal has ended, as far as its updates were received.
+    /// True if a received update has ended the goal.
     #[getter]
     fn ended(&self) -> bool {
-        self.pending.ended()
+        self.pending.has_ended()
     }
 
-    /// How it stands: `state` (`GoalState`), `step`, `reason` (a sentence), `took_s`, and what the hand learnt: `f1_n`, `f2_n`,
-    /// `stiffness_n_m`, `friction`, `lifted_m`, `normal_n`.
+    /// State of the goal: `state` (`GoalState`), `step`, `reason` (text), `took_s`, and the
+    /// estimates `f1_n`, `f2_n`, `stiffness_n_m`, `friction`, `lifted_m`, `normal_n`.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        described(py, &self.progress)
+        goal_dict(py, &self.progress)
     }
 
     fn __iter__(slf: Py<Self>) -> Py<Self> {
@@ -116,7 +116,7 @@ impl Goal {
             if let Some(update) = self.take()? {
                 return Ok(Some(rows::row(py, &update)?));
             }
-            if self.pending.ended() {
+            if self.pending.has_ended() {
                 return Ok(None);
             }
             pause(py, POLL)?;
@@ -124,27 +124,27 @@ impl Goal {
     }
 }
 
-/// How a goal stands, as Python has it.
-pub(crate) fn described<'py>(
+/// Returns the state of a goal as a Python dict.
+pub(crate) fn goal_dict<'py>(
     py: Python<'py>,
     progress: &GoalProgress,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (last, figures) = (progress.last(), progress.figures());
     let reason = if last.reason.is_some() {
-        progress.sentence()
+        progress.text()
     } else {
         String::new()
     };
-    let told = PyDict::new(py);
-    told.set_item("state", last.state.0)?;
-    told.set_item("step", progress.step())?;
-    told.set_item("reason", reason)?;
-    told.set_item("took_s", progress.took_s())?;
-    told.set_item("f1_n", figures.f1_n)?;
-    told.set_item("f2_n", figures.f2_n)?;
-    told.set_item("stiffness_n_m", figures.stiffness_n_m)?;
-    told.set_item("friction", figures.friction)?;
-    told.set_item("lifted_m", figures.lifted_m)?;
-    told.set_item("normal_n", figures.normal_n)?;
-    Ok(told)
+    let fields = PyDict::new(py);
+    fields.set_item("state", last.state.0)?;
+    fields.set_item("step", progress.step())?;
+    fields.set_item("reason", reason)?;
+    fields.set_item("took_s", progress.took_s())?;
+    fields.set_item("f1_n", figures.f1_n)?;
+    fields.set_item("f2_n", figures.f2_n)?;
+    fields.set_item("stiffness_n_m", figures.stiffness_n_m)?;
+    fields.set_item("friction", figures.friction)?;
+    fields.set_item("lifted_m", figures.lifted_m)?;
+    fields.set_item("normal_n", figures.normal_n)?;
+    Ok(fields)
 }

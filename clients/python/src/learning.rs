@@ -1,4 +1,4 @@
-//! Environments for Python; spaces and wrappers are `atas.environments`.
+//! Learning environments; `atas.environments` adds spaces and wrappers.
 
 use atas_learning::{ACTIONS, End, Outcome, Task, observation};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods};
@@ -9,9 +9,9 @@ use pyo3::types::PyDict;
 use crate::errors::AtasError;
 use crate::rows::{numbers, shape_of};
 
-/// The parts of an observation, in order: name, shape, lowest and highest of each number.
+/// Parts of an observation, in order: name, shape, lower and upper bound of each number.
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "Python's is a list of tuples")]
+#[expect(clippy::type_complexity, reason = "Python receives a list of tuples")]
 pub(crate) fn parts() -> Vec<(&'static str, Vec<usize>, Vec<f32>, Vec<f32>)> {
     let each = observation::PARTS.iter().map(|part| {
         let (low, high) = part.each_bound().unzip();
@@ -25,21 +25,21 @@ fn task_of(name: &str) -> PyResult<Task> {
         "grasp" => Ok(Task::Grasp),
         "pick-place" => Ok(Task::PickPlace),
         _ => Err(PyValueError::new_err(format!(
-            "a task was {name:?}, needs \"grasp\" or \"pick-place\""
+            "unknown task {name:?}; needs \"grasp\" or \"pick-place\""
         ))),
     }
 }
 
-fn made(
+fn new_environment(
     task: &str,
     objects: Option<Vec<String>>,
     noise: f64,
 ) -> PyResult<atas_learning::Environment> {
     let objects = objects.unwrap_or_else(|| Task::OBJECTS.map(str::to_owned).to_vec());
-    atas_learning::Environment::new(task_of(task)?, &objects, noise).map_err(refused)
+    atas_learning::Environment::new(task_of(task)?, &objects, noise).map_err(learning_error)
 }
 
-fn refused(why: atas_learning::LearningError) -> PyErr {
+fn learning_error(why: atas_learning::LearningError) -> PyErr {
     match why {
         atas_learning::LearningError::World(fault) => AtasError::new_err(fault.to_string()),
         why => PyValueError::new_err(why.to_string()),
@@ -56,14 +56,14 @@ fn end_of(end: End) -> &'static str {
     }
 }
 
-/// One environment: rows of numbers in, rows of numbers out.
+/// One environment, with flat arrays.
 #[pyclass(module = "atas")]
 pub(crate) struct Environment {
     environment: atas_learning::Environment,
 }
 
 impl Environment {
-    fn told<'py>(&self, py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict>> {
+    fn info<'py>(&self, py: Python<'py>, outcome: &Outcome) -> PyResult<Bound<'py, PyDict>> {
         let info = PyDict::new(py);
         info.set_item("end", end_of(outcome.end))?;
         info.set_item("success", outcome.end == End::Success)?;
@@ -95,11 +95,11 @@ impl Environment {
     #[pyo3(signature = (task, objects = None, noise = 1.0))]
     fn new(task: &str, objects: Option<Vec<String>>, noise: f64) -> PyResult<Self> {
         Ok(Self {
-            environment: made(task, objects, noise)?,
+            environment: new_environment(task, objects, noise)?,
         })
     }
 
-    /// Begins an episode: the first of a series with this seed, or the next of the present one.
+    /// Starts an episode: the first of a series with this seed, or the next of the current series.
     #[pyo3(signature = (seed = None))]
     fn reset<'py>(
         &mut self,
@@ -107,11 +107,13 @@ impl Environment {
         seed: Option<u64>,
     ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyDict>)> {
         let environment = &mut self.environment;
-        let outcome = py.detach(|| environment.reset(seed)).map_err(refused)?;
-        Ok((self.row(py), self.told(py, &outcome)?))
+        let outcome = py
+            .detach(|| environment.reset(seed))
+            .map_err(learning_error)?;
+        Ok((self.row(py), self.info(py, &outcome)?))
     }
 
-    /// One step of 20 ms: observation, reward, terminated, truncated, info.
+    /// Runs one step of 20 ms: observation, reward, terminated, truncated, info.
     fn step<'py>(
         &mut self,
         py: Python<'py>,
@@ -119,13 +121,15 @@ impl Environment {
     ) -> PyResult<Stepped<'py>> {
         let action: [f32; ACTIONS] = numbers(&action).try_into().map_err(|values: Vec<f32>| {
             PyValueError::new_err(format!(
-                "an action has {} numbers, needs {ACTIONS}",
+                "action rejected: {} numbers, needs {ACTIONS}",
                 values.len()
             ))
         })?;
         let environment = &mut self.environment;
-        let outcome = py.detach(|| environment.step(&action)).map_err(refused)?;
-        let info = self.told(py, &outcome)?;
+        let outcome = py
+            .detach(|| environment.step(&action))
+            .map_err(learning_error)?;
+        let info = self.info(py, &outcome)?;
         Ok((
             self.row(py),
             outcome.reward,
@@ -136,7 +140,7 @@ impl Environment {
     }
 }
 
-/// Many environments of one kind on all cores; other Python threads run meanwhile.
+/// Several environments of one kind on all cores; other Python threads run meanwhile.
 #[pyclass(module = "atas")]
 pub(crate) struct Batch {
     batch: atas_learning::Batch,
@@ -144,30 +148,30 @@ pub(crate) struct Batch {
 
 type Rows<'py> = Bound<'py, PyArray2<f32>>;
 
-/// What every environment of a batch led to, as lists.
+/// Returns the outcomes of a batch as columns.
 fn columns<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, PyDict>> {
-    let told = PyDict::new(py);
+    let fields = PyDict::new(py);
     let floats = |of: fn(&Outcome) -> f64| PyArray1::from_iter(py, outcomes.iter().map(of));
     let flags = |of: fn(&Outcome) -> bool| PyArray1::from_iter(py, outcomes.iter().map(of));
-    told.set_item("reward", floats(|it| it.reward))?;
-    told.set_item("lifted_m", floats(|it| it.lifted_m))?;
-    told.set_item("over_grip", floats(|it| it.over_grip))?;
-    told.set_item("terminated", flags(|it| it.end != End::None))?;
-    told.set_item("truncated", flags(|it| it.truncated))?;
-    told.set_item("success", flags(|it| it.end == End::Success))?;
-    told.set_item(
+    fields.set_item("reward", floats(|it| it.reward))?;
+    fields.set_item("lifted_m", floats(|it| it.lifted_m))?;
+    fields.set_item("over_grip", floats(|it| it.over_grip))?;
+    fields.set_item("terminated", flags(|it| it.end != End::None))?;
+    fields.set_item("truncated", flags(|it| it.truncated))?;
+    fields.set_item("success", flags(|it| it.end == End::Success))?;
+    fields.set_item(
         "end",
         outcomes.iter().map(|it| end_of(it.end)).collect::<Vec<_>>(),
     )?;
-    told.set_item(
+    fields.set_item(
         "object",
         PyArray1::from_iter(py, outcomes.iter().map(|it| it.object as u64)),
     )?;
-    told.set_item(
+    fields.set_item(
         "seed",
         PyArray1::from_iter(py, outcomes.iter().map(|it| it.seed)),
     )?;
-    Ok(told)
+    Ok(fields)
 }
 
 #[pymethods]
@@ -182,14 +186,14 @@ impl Batch {
         threads: usize,
         autoreset: bool,
     ) -> PyResult<Self> {
-        let like = made(task, objects, noise)?;
+        let like = new_environment(task, objects, noise)?;
         let batch = atas_learning::Batch::new(&like, count, threads, autoreset);
         Ok(Self {
             batch: batch.map_err(|why| AtasError::new_err(why.to_string()))?,
         })
     }
 
-    /// Begins an episode in each; `seeds` has a number or None for each.
+    /// Starts an episode in each environment; `seeds` contains a number or None for each.
     fn reset<'py>(
         &mut self,
         py: Python<'py>,
@@ -198,7 +202,7 @@ impl Batch {
         let count = self.batch.len();
         if seeds.len() != count {
             return Err(PyValueError::new_err(format!(
-                "{} seeds, needs {count}",
+                "{} seeds given, needs {count}",
                 seeds.len()
             )));
         }
@@ -206,11 +210,12 @@ impl Batch {
         let batch = &mut self.batch;
         let outcomes = py
             .detach(|| batch.reset(&seeds, &mut rows))
-            .map_err(refused)?;
+            .map_err(learning_error)?;
         Ok((table(py, rows, count)?, columns(py, &outcomes)?))
     }
 
-    /// One step of each; one whose episode has ended begins the next instead, or stands still without `autoreset`.
+    /// Runs one step of each environment. After the end of an episode, the environment starts the
+    /// next one instead, or does nothing without `autoreset`.
     fn step<'py>(
         &mut self,
         py: Python<'py>,
@@ -220,7 +225,7 @@ impl Batch {
         let view = actions.as_array();
         if view.dim() != (count, ACTIONS) {
             return Err(PyValueError::new_err(format!(
-                "the actions have the shape {}, need ({count}, {ACTIONS})",
+                "actions rejected: shape {}, needs ({count}, {ACTIONS})",
                 shape_of(&actions)
             )));
         }
@@ -232,7 +237,7 @@ impl Batch {
         let batch = &mut self.batch;
         let outcomes = py
             .detach(|| batch.step(&actions, &mut rows))
-            .map_err(refused)?;
+            .map_err(learning_error)?;
         Ok((table(py, rows, count)?, columns(py, &outcomes)?))
     }
 }

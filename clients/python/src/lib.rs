@@ -1,23 +1,22 @@
-//! The Python package `atas`, its part in Rust (`atas._native`).
+//! Rust part (`atas._native`) of the Python package `atas`.
 //!
 //! ```text
-//!  rows       payloads as NumPy arrays: the array's type is made from the schema
-//!  bus        Bus ─▶ Reader (arrays), Sensor (frames), Robot (joints, commands), Goal, Leader (targets); requests
+//!  rows       payloads as NumPy arrays; the array types are derived from the schema
+//!  bus        Bus ─▶ Reader (arrays), Sensor (frames), Robot (joints), Goal, Teleop (targets)
 //!  simulation the simulator with the production controller, tick by tick
-//!  recording  recordings as arrays, replayed by the production controller
+//!  recording  recordings as arrays, replay with the production controller
 //!  learning   environments, one or many
 //! ```
 //!
-//! * **In, out:** what the docstrings say. **Invariants:** the bus's rules (seals, sequences, epochs, lock-step, which commands are
-//!   obeyed) are kept here and cannot be broken from Python; what is received is copied once, from shared memory into the
-//!   array; whatever waits or computes lets other Python threads run.
-//! * **Absent on purpose:** what is not Rust: enumerations, environments'
-//!   spaces and wrappers are Python (`python/atas`).
+//! * **Invariants:** this crate enforces the rules of the bus (seals, sequences, epochs, lock-step,
+//!   command validation); Python code cannot break them. Received data are copied once, from shared
+//!   memory into the array. Waiting and computing release the Python lock.
+//! * **Not included:** enumerations, spaces and wrappers of environments are Python
+//!   (`python/atas`).
 
 mod bus;
 mod errors;
 mod goal;
-mod leader;
 mod learning;
 mod names;
 mod reader;
@@ -26,10 +25,11 @@ mod robot;
 mod rows;
 mod sensor;
 mod simulation;
+mod teleop;
 
 use pyo3::prelude::*;
 
-/// What the package `atas` is made of; use it through `import atas`.
+/// Rust part of the package `atas`; use it through `import atas`.
 #[pymodule]
 mod _native {
     #[pymodule_export]
@@ -38,8 +38,6 @@ mod _native {
     use super::errors::{AtasError, BusError};
     #[pymodule_export]
     use super::goal::Goal;
-    #[pymodule_export]
-    use super::leader::Leader;
     #[pymodule_export]
     use super::learning::{Batch, Environment, parts};
     #[pymodule_export]
@@ -54,6 +52,8 @@ mod _native {
     use super::sensor::{Sensor, layout};
     #[pymodule_export]
     use super::simulation::{Simulation, objects};
+    #[pymodule_export]
+    use super::teleop::Teleop;
 
     use pyo3::prelude::*;
 
@@ -67,14 +67,14 @@ mod _native {
         module.add("JOINT_NAMES", joint_names)
     }
 
-    /// Nanoseconds of CLOCK_MONOTONIC: the time of every stamp on the bus.
+    /// Current time of CLOCK_MONOTONIC, ns: the time of all stamps on the bus.
     #[pyfunction]
     fn now_ns() -> u64 {
         shm_bus::now_ns()
     }
 }
 
-/// Sleeps without holding up other Python threads, and lets Ctrl-C through.
+/// Sleeps with the Python lock released, then handles Ctrl-C.
 fn pause(py: Python<'_>, time: std::time::Duration) -> PyResult<()> {
     py.detach(|| std::thread::sleep(time));
     py.check_signals()

@@ -1,4 +1,4 @@
-//! Buses and hands by the names that users give them.
+//! Parses the names of buses and hands.
 
 use std::str::FromStr;
 
@@ -7,15 +7,17 @@ use pyo3::prelude::*;
 use shm_bus::BusName;
 use shm_schemas::Hand;
 
-/// A bus by its name, or the one that the environment names.
+/// Parses a bus name; default from the environment.
 pub(crate) fn bus_name(name: Option<&str>) -> PyResult<BusName> {
     name.map_or_else(BusName::from_env, BusName::from_str)
         .map_err(|why| PyValueError::new_err(why.to_string()))
 }
 
-/// A hand by its name.
-pub(crate) fn hand_of(name: &str) -> PyResult<Hand> {
+/// Parses the name of a hand.
+pub(crate) fn parse_hand(name: &str) -> PyResult<Hand> {
     Hand::from_name(name).ok_or_else(|| {
-        PyValueError::new_err(format!("a hand was {name:?}, needs \"left\" or \"right\""))
+        PyValueError::new_err(format!(
+            "unknown hand {name:?}; needs \"left\" or \"right\""
+        ))
     })
 }

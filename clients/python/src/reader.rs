@@ -1,4 +1,4 @@
-//! Reading streams as arrays.
+//! Reads bus services as arrays.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -8,14 +8,14 @@ use shm_bus::Subscriber;
 use shm_schemas::{Payload, Stamp};
 use zerocopy::FromBytes;
 
-use crate::errors::of_bus;
+use crate::errors::bus_error;
 use crate::pause;
 use crate::rows::{self, Row};
 
-/// How often a reader that waits looks: half a period of the daemon.
+/// Poll interval of a waiting reader: half the period of the daemon.
 const POLL: Duration = Duration::from_micros(500);
 
-/// A stream of any payload.
+/// A stream of any payload type.
 trait Source {
     fn receive<'py>(&mut self, py: Python<'py>, losses: &mut Losses)
     -> PyResult<Bound<'py, PyAny>>;
@@ -24,7 +24,7 @@ trait Source {
         py: Python<'py>,
         losses: &mut Losses,
     ) -> PyResult<Option<Bound<'py, PyAny>>>;
-    fn has_news(&self) -> bool;
+    fn has_payload(&self) -> bool;
 }
 
 struct Typed<T: Payload> {
@@ -39,15 +39,15 @@ impl<T: Payload + Send + Sync> Source for Typed<T> {
         losses: &mut Losses,
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut rows: Vec<Row<T>> = Vec::new();
-        if self.subscriber.has_news() {
-            // Enough for all that can wait, so that no row is moved once it is copied.
+        if self.subscriber.has_payload() {
+            // Reserves the maximum number of queued payloads, so that no copied row moves.
             rows.reserve_exact(self.most);
             let copied = self
                 .subscriber
                 .drain(self.most, |payload| rows.push(Row(*payload)));
-            copied.map_err(of_bus)?;
+            copied.map_err(bus_error)?;
         }
-        rows.iter().for_each(|row| losses.see(&row.0));
+        rows.iter().for_each(|row| losses.count(&row.0));
         Ok(rows::array(py, rows))
     }
 
@@ -58,23 +58,23 @@ impl<T: Payload + Send + Sync> Source for Typed<T> {
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let mut rows: Vec<Row<T>> = Vec::new();
         let seen = |payload: &T| {
-            losses.see(payload);
+            losses.count(payload);
             rows.clear();
             rows.push(Row(*payload));
         };
-        self.subscriber.drain(self.most, seen).map_err(of_bus)?;
+        self.subscriber.drain(self.most, seen).map_err(bus_error)?;
         if rows.is_empty() {
             return Ok(None);
         }
         rows::array(py, rows).get_item(0).map(Some)
     }
 
-    fn has_news(&self) -> bool {
-        self.subscriber.has_news()
+    fn has_payload(&self) -> bool {
+        self.subscriber.has_payload()
     }
 }
 
-/// Counts gaps in the sequences of the writers of a stream.
+/// Counts gaps in the sequences of a stream's writers.
 #[derive(Default)]
 struct Losses {
     next: HashMap<u64, u64>,
@@ -82,8 +82,8 @@ struct Losses {
 }
 
 impl Losses {
-    fn see<T: Payload>(&mut self, payload: &T) {
-        // Every payload of a stream begins with its stamp.
+    fn count<T: Payload>(&mut self, payload: &T) {
+        // Every payload begins with its stamp.
         let Ok((stamp, _)) = Stamp::read_from_prefix(payload.as_bytes()) else {
             return;
         };
@@ -94,15 +94,16 @@ impl Losses {
     }
 }
 
-/// Reads a stream of the bus. Each payload is copied once, from shared memory into the array.
+/// Reads a service of the bus. Each payload is copied once, from shared memory into the array.
 ///
-/// A reader sees what is sent while it exists, and as many payloads from before as the stream keeps. What waits is bounded;
-/// a slow reader loses the oldest and `lost` counts them. Readers belong to the thread that made them.
+/// A reader receives the payloads that are sent while it exists, and earlier ones as far as the
+/// service keeps them. The queue is bounded: a slow reader loses the oldest payloads, counted in
+/// `lost`. A reader belongs to the thread that created it.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Reader {
     source: Box<dyn Source>,
     losses: Losses,
-    /// The service's name on the bus.
+    /// Name of the service on the bus.
     #[pyo3(get)]
     service: String,
 }
@@ -114,7 +115,7 @@ impl Reader {
     ) -> PyResult<Self> {
         let line = shm_bus::STREAMS.iter().find(|line| line.service == service);
         let most = line.map_or(1, |line| line.buffer * line.publishers);
-        let subscriber = bus.subscriber::<T>(service).map_err(of_bus)?;
+        let subscriber = bus.subscriber::<T>(service).map_err(bus_error)?;
         Ok(Self {
             source: Box::new(Typed { subscriber, most }),
             losses: Losses::default(),
@@ -125,28 +126,29 @@ impl Reader {
 
 #[pymethods]
 impl Reader {
-    /// Everything that waits, oldest first, as a structured array; empty if nothing does. Does not wait.
+    /// Returns all queued payloads, oldest first, as a structured array; may be empty. Does not
+    /// wait.
     fn receive<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.source.receive(py, &mut self.losses)
     }
 
-    /// The newest of what waits, as a record, or None; the older ones are dropped. Does not wait.
+    /// Returns the newest queued payload as a record, or None; drops older ones. Does not wait.
     fn newest<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.source.newest(py, &mut self.losses)
     }
 
-    /// Waits until something comes, at most `timeout` seconds, and receives it; an empty array if nothing came.
+    /// Waits for payloads, at most `timeout` seconds, and returns them; an empty array on timeout.
     #[pyo3(signature = (timeout = 1.0))]
     fn wait<'py>(&mut self, py: Python<'py>, timeout: f64) -> PyResult<Bound<'py, PyAny>> {
         let limit = seconds(timeout)?;
         let begin = Instant::now();
-        while !self.source.has_news() && begin.elapsed() < limit {
+        while !self.source.has_payload() && begin.elapsed() < limit {
             pause(py, POLL)?;
         }
         self.receive(py)
     }
 
-    /// Payloads that were sent but did not reach this reader, by gaps in their sequence.
+    /// Number of payloads that did not reach this reader, from gaps in their sequence.
     #[getter]
     fn lost(&self) -> u64 {
         self.losses.lost
@@ -157,11 +159,11 @@ impl Reader {
     }
 }
 
-/// A time that can be waited.
+/// Converts a waiting time.
 pub(crate) fn seconds(time_s: f64) -> PyResult<Duration> {
     Duration::try_from_secs_f64(time_s).map_err(|_| {
         pyo3::exceptions::PyValueError::new_err(format!(
-            "a time was {time_s} s, needs a number from 0 up"
+            "invalid time {time_s} s; needs a number of at least 0"
         ))
     })
 }

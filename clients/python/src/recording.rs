@@ -1,4 +1,4 @@
-//! Recordings as arrays.
+//! Reads recordings as arrays.
 
 use std::path::PathBuf;
 
@@ -11,8 +11,8 @@ use shm_schemas::{
     TickReport,
 };
 
-use crate::errors::failed;
-use crate::names::hand_of;
+use crate::errors::atas_error;
+use crate::names::parse_hand;
 use crate::rows::{self, Row};
 
 /// A recording of `atas record`: one file, or the files of one run in order.
@@ -26,69 +26,69 @@ impl Recording {
     #[new]
     #[pyo3(signature = (*files))]
     fn new(files: Vec<PathBuf>) -> PyResult<Self> {
-        // What cannot be opened is said now.
+        // Reports unreadable files at once.
         for file in &files {
-            Reader::open(file).map_err(failed)?;
+            Reader::open(file).map_err(atas_error)?;
         }
         Ok(Self { files })
     }
 
-    /// Every frame of a hand that the daemon took in, as it came (`HandFrame`).
+    /// Returns all frames of a hand that the daemon received (`HandFrame`).
     fn frames<'py>(&self, py: Python<'py>, hand: &str) -> PyResult<Bound<'py, PyAny>> {
-        let hand = usize::from(hand_of(hand)? != shm_schemas::Hand::LEFT);
+        let hand = usize::from(parse_hand(hand)? != shm_schemas::Hand::LEFT);
         self.inputs::<HandFrame>(py, |part| {
             (part.has_frame[hand] != 0).then_some(&part.frames[hand])
         })
     }
 
-    /// Every joint state that the daemon took in (`JointState`).
+    /// All joint states that the daemon received (`JointState`).
     #[getter]
     fn joint_states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        // What is not per frame stands in every part of a tick.
+        // Values that are not per frame are repeated in every part of a tick.
         self.inputs::<JointState>(py, |part| {
             (part.part == 0 && part.has_joints != 0).then_some(&part.joints)
         })
     }
 
-    /// Every command (`JointCommand`).
+    /// All commands (`JointCommand`).
     #[getter]
     fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.inputs::<JointCommand>(py, |part| (part.part == 0).then_some(&part.command))
     }
 
-    /// What every tick felt and did (`TickReport`).
+    /// All tick reports (`TickReport`).
     #[getter]
     fn reports<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.all::<TickReport>(py)
     }
 
-    /// What happened (`ModuleEvent`).
+    /// All events (`ModuleEvent`).
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.all::<ModuleEvent>(py)
     }
 
-    /// The daemon's status (`Status`).
+    /// All status reports of the daemon (`Status`).
     #[getter]
     fn statuses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.all::<Status>(py)
     }
 
-    /// The health of sensors (`SensorStatus`).
+    /// Health reports of the sensors (`SensorStatus`).
     #[getter]
     fn sensor_statuses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.all::<SensorStatus>(py)
     }
 
-    /// How the run began (`RunHeader`), one row.
+    /// Header of the run (`RunHeader`), one row.
     #[getter]
     fn headers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.all::<RunHeader>(py)
     }
 
-    /// Feeds what was recorded to the production controller. Returns `ticks`, `different` (ticks whose command is not the
-    /// recorded one in every bit), `first_tick` and `first_field` (of the first of them, or None), and what the controller felt
-    /// and did now: `reports` (`TickReport`) and `commands` (`JointCommand`).
+    /// Replays the recording with the production controller. Returns `ticks`, `different` (ticks
+    /// whose command differs in any bit), `first_tick` and `first_field` (of the first difference,
+    /// or None), and the new `reports` (`TickReport`) and `commands` (`JointCommand`).
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (mut reports, mut commands) = (Vec::new(), Vec::new());
         let agreement = py.detach(|| {
@@ -97,18 +97,21 @@ impl Recording {
                 commands.push(Row(replayed.outputs.command));
             })
         });
-        let agreement = agreement.map_err(failed)?;
-        let told = PyDict::new(py);
-        told.set_item("ticks", agreement.ticks)?;
-        told.set_item("different", agreement.different)?;
-        told.set_item("first_tick", agreement.first.as_ref().map(|(tick, _)| tick))?;
-        told.set_item(
-            "first_field",
-            agreement.first.as_ref().map(|(_, field)| field),
+        let agreement = agreement.map_err(atas_error)?;
+        let fields = PyDict::new(py);
+        fields.set_item("ticks", agreement.ticks)?;
+        fields.set_item("different", agreement.different)?;
+        fields.set_item(
+            "first_tick",
+            agreement.first_difference.as_ref().map(|(tick, _)| tick),
         )?;
-        told.set_item("reports", rows::array(py, reports))?;
-        told.set_item("commands", rows::array(py, commands))?;
-        Ok(told)
+        fields.set_item(
+            "first_field",
+            agreement.first_difference.as_ref().map(|(_, field)| field),
+        )?;
+        fields.set_item("reports", rows::array(py, reports))?;
+        fields.set_item("commands", rows::array(py, commands))?;
+        Ok(fields)
     }
 
     fn __repr__(&self) -> String {
@@ -134,7 +137,7 @@ impl Recording {
     fn all<'py, T: Recorded + Send + Sync>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut rows = Vec::new();
         py.detach(|| self.visit::<T>(|found| rows.push(Row(*found))))
-            .map_err(failed)?;
+            .map_err(atas_error)?;
         Ok(rows::array(py, rows))
     }
 
@@ -146,7 +149,7 @@ impl Recording {
         let mut rows = Vec::new();
         let each = |inputs: &TickInputs| rows.extend(part(inputs).map(|found| Row(*found)));
         py.detach(|| self.visit::<TickInputs>(each))
-            .map_err(failed)?;
+            .map_err(atas_error)?;
         Ok(rows::array(py, rows))
     }
 }

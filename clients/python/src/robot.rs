@@ -1,4 +1,4 @@
-//! A robot: joint states out, commands in.
+//! A robot: publishes joint states, executes commands.
 
 use std::time::{Duration, Instant};
 
@@ -10,26 +10,29 @@ use robot_model::{RobotModel, RobotVector};
 use shm_bus::{Bus, Publisher, Subscriber, now_ns, writer_epoch};
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
-use shm_schemas::{Accepted, JointCommand, JointState, Mode, Obedience, Orders, Stamp};
+use shm_schemas::{
+    Accepted, CommandValidator, JointCommand, JointSetpoints, JointState, Mode, Stamp,
+};
 
-use crate::errors::{AtasError, of_bus};
+use crate::errors::{AtasError, bus_error};
 use crate::goal::Goal;
 use crate::pause;
 use crate::reader::seconds;
 use crate::rows::{finite, numbers};
 
-/// How long a robot in lock-step looks without sleeping: a daemon that ticks answers within it.
+/// Time for which a robot in lock-step polls without sleeping; a ticking daemon replies within it.
 const SPIN: Duration = Duration::from_millis(2);
-/// How often it looks when that has passed, and lets a daemon that came late have the last joint state.
+/// Poll interval afterwards. Each poll delivers the last joint state to a daemon that started late.
 const POLL: Duration = Duration::from_millis(1);
 
 type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
-/// Publishes joint states and obeys commands as a robot must. `Bus.robot` makes it.
+/// Publishes joint states and validates commands according to the protocol. Created by `Bus.robot`.
 ///
-/// A command is obeyed if it is whole, for these joints, valid for a moment, newer than the last of its writer, and within
-/// what the joints can do; when it expires, its positions are held with zero velocity, which keeps the grip. What is obeyed
-/// is told in every joint state, so that the next daemon goes on from there.
+/// A command is accepted if it is intact, matches the joints, is valid for a limited time, is newer
+/// than the last of its writer, and respects the joints' limits. When it expires, its positions are
+/// held with zero velocity, which keeps the grip. Every joint state contains the executed
+/// set-points, so that the next daemon continues from them.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Robot {
     states: Publisher<JointState>,
@@ -37,26 +40,26 @@ pub(crate) struct Robot {
     speeds_rad_s: RobotVector,
     stamp: Stamp,
     sent: Option<u64>,
-    obedience: Option<Obedience>,
-    held: Orders,
-    obeyed: Option<(Accepted, Mode, u64)>,
+    validator: Option<CommandValidator>,
+    held: JointSetpoints,
+    accepted: Option<(Accepted, Mode, u64)>,
 }
 
 impl Robot {
     pub(crate) fn new(bus: &Bus) -> PyResult<Self> {
         let robot =
             RobotModel::two_hand_arm().map_err(|why| AtasError::new_err(why.to_string()))?;
-        let mut commands = bus.subscriber(JOINT_COMMAND).map_err(of_bus)?;
-        // A command from before this robot answers nothing of it.
+        let mut commands = bus.subscriber(JOINT_COMMAND).map_err(bus_error)?;
+        // Discards a command sent before this robot started.
         commands
             .newest(&mut JointCommand::default())
-            .map_err(of_bus)?;
+            .map_err(bus_error)?;
         let speeds: Vec<f64> = robot
             .joints()
             .map(|joint| joint.velocity_max_rad_s)
             .collect();
         Ok(Self {
-            states: bus.publisher(JOINT_STATE).map_err(of_bus)?,
+            states: bus.publisher(JOINT_STATE).map_err(bus_error)?,
             commands,
             speeds_rad_s: RobotVector::from_slice(&speeds),
             stamp: Stamp {
@@ -64,9 +67,9 @@ impl Robot {
                 ..Stamp::default()
             },
             sent: None,
-            obedience: None,
-            held: Orders::holding(&[]),
-            obeyed: None,
+            validator: None,
+            held: JointSetpoints::holding(&[]),
+            accepted: None,
         })
     }
 
@@ -86,64 +89,65 @@ impl Robot {
         state.velocity_rad_s[..joints].copy_from_slice(velocity_rad_s);
         state.effort_n_m[..joints].copy_from_slice(effort_n_m);
         state.commanded_rad = self.held.position_rad;
-        if let Some((last, ..)) = &self.obeyed {
-            last.tell(&mut state);
+        if let Some((last, ..)) = &self.accepted {
+            last.write_to(&mut state);
         }
         state.seal();
         state
     }
 
-    /// Obeys a command that came, if it may be obeyed.
-    fn obey(&mut self, command: &JointCommand, now_ns: u64) {
+    /// Executes a command if the validator accepts it.
+    fn execute(&mut self, command: &JointCommand, now_ns: u64) {
         let accepted = self
-            .obedience
+            .validator
             .as_mut()
             .and_then(|it| it.accept(command, now_ns));
         if let Some(accepted) = accepted {
-            self.held = accepted.orders;
-            self.obeyed = Some((accepted, command.mode, command.tick));
+            self.held = accepted.setpoints;
+            self.accepted = Some((accepted, command.mode, command.tick));
         }
     }
 
     fn newest(&mut self) -> PyResult<Option<JointCommand>> {
         let mut command = JointCommand::default();
-        let came = self.commands.newest(&mut command).map_err(of_bus)?;
+        let came = self.commands.newest(&mut command).map_err(bus_error)?;
         Ok(came.then_some(command))
     }
 
-    /// What the joints shall do at this time.
-    fn told<'py>(&mut self, py: Python<'py>, now_ns: u64) -> PyResult<Bound<'py, PyDict>> {
-        let told = PyDict::new(py);
+    /// Returns the set-points of the joints at this time.
+    fn setpoints<'py>(&mut self, py: Python<'py>, now_ns: u64) -> PyResult<Bound<'py, PyDict>> {
+        let fields = PyDict::new(py);
         let in_force = self
-            .obeyed
+            .accepted
             .is_some_and(|(last, ..)| last.valid_until_ns >= now_ns);
         if !in_force {
             self.held.velocity_rad_s = [0.0; JOINTS];
         }
-        told.set_item(
+        fields.set_item(
             "position_rad",
             PyArray1::from_slice(py, &self.held.position_rad[..self.speeds_rad_s.len()]),
         )?;
-        told.set_item(
+        fields.set_item(
             "velocity_rad_s",
             PyArray1::from_slice(py, &self.held.velocity_rad_s[..self.speeds_rad_s.len()]),
         )?;
-        told.set_item("in_force", in_force)?;
-        told.set_item(
+        fields.set_item("in_force", in_force)?;
+        fields.set_item(
             "mode",
-            self.obeyed.map_or(Mode::INIT, |(_, mode, _)| mode).0,
+            self.accepted.map_or(Mode::INIT, |(_, mode, _)| mode).0,
         )?;
-        told.set_item("tick", self.obeyed.map_or(0, |(.., tick)| tick))?;
-        Ok(told)
+        fields.set_item("tick", self.accepted.map_or(0, |(.., tick)| tick))?;
+        Ok(fields)
     }
 }
 
 #[pymethods]
 impl Robot {
-    /// Sends the measured joints: positions rad, velocities rad/s and efforts N·m (zero if not measured), in the order of
-    /// `JOINT_NAMES`. `captured_ns` is when the encoders were read (now, if not given). Returns the state's sequence.
+    /// Publishes the measured joints: positions rad, velocities rad/s and efforts N·m (0 if not
+    /// measured), in the order of `JOINT_NAMES`. `captured_ns` is the sampling time of the encoders
+    /// (default now). Returns the state's sequence number.
     ///
-    /// In lock-step send the frames of a tick first, then this, then wait for `answer`.
+    /// In lock-step, send the frames of a tick first, then this, then wait for `answer`.
     #[pyo3(signature = (position_rad, velocity_rad_s = None, effort_n_m = None, *, captured_ns = None))]
     fn publish(
         &mut self,
@@ -163,20 +167,21 @@ impl Robot {
         finite("position_rad", &positions, joints)?;
         finite("velocity_rad_s", &velocities, joints)?;
         finite("effort_n_m", &efforts, joints)?;
-        if self.obedience.is_none() {
-            self.held = Orders::holding(&positions);
-            self.obedience = Some(Obedience::at(&positions, &self.speeds_rad_s));
+        if self.validator.is_none() {
+            self.held = JointSetpoints::holding(&positions);
+            self.validator = Some(CommandValidator::new(&positions, &self.speeds_rad_s));
         }
         let captured_ns = captured_ns.unwrap_or_else(now_ns);
         let state = self.state([&positions, &velocities, &efforts], captured_ns);
-        self.states.send(&state).map_err(of_bus)?;
+        self.states.send(&state).map_err(bus_error)?;
         self.sent = Some(state.stamp.sequence);
         self.stamp.sequence += 1;
         Ok(state.stamp.sequence)
     }
 
-    /// What the joints shall do now: `position_rad`, `velocity_rad_s`, `in_force` (False when the last command has expired
-    /// and is only held), `mode`, `tick`. `now_ns` is the time (now, if not given; virtual time in lock-step). Does not wait.
+    /// Returns the set-points of the joints: `position_rad`, `velocity_rad_s`, `in_force` (False if
+    /// the last command has expired and is only held), `mode`, `tick`. `now_ns` is the time
+    /// (default now; virtual time in lock-step). Does not wait.
     #[pyo3(signature = (now_ns = None))]
     fn command<'py>(
         &mut self,
@@ -185,16 +190,17 @@ impl Robot {
     ) -> PyResult<Bound<'py, PyDict>> {
         let now_ns = now_ns.unwrap_or_else(shm_bus::now_ns);
         if let Some(command) = self.newest()? {
-            self.obey(&command, now_ns);
+            self.execute(&command, now_ns);
         }
-        self.told(py, now_ns)
+        self.setpoints(py, now_ns)
     }
 
-    /// Waits for the command that answers the last state, as lock-step has it, and obeys it at the virtual time `now_ns`.
-    /// Returns what `command` does; raises TimeoutError after `timeout` seconds.
+    /// Waits for the command that answers the last state (lock-step) and executes it at the virtual
+    /// time `now_ns`. Returns the same dict as `command`; raises TimeoutError after `timeout`
+    /// seconds.
     ///
-    /// When a goal has ended, the daemon has nothing to do and answers no more. Who gives the `goal` that this process waits for gets
-    /// None then.
+    /// After the end of a goal the daemon stops ticking. If `goal` is given, returns None once it
+    /// has ended.
     #[pyo3(signature = (now_ns, goal = None, *, timeout = 60.0))]
     fn answer<'py>(
         &mut self,
@@ -207,10 +213,10 @@ impl Robot {
         loop {
             match self.newest()? {
                 Some(command) if Some(command.answers_sequence) == self.sent => {
-                    self.obey(&command, now_ns);
-                    return self.told(py, now_ns).map(Some);
+                    self.execute(&command, now_ns);
+                    return self.setpoints(py, now_ns).map(Some);
                 }
-                // A command that answers an earlier state came late.
+                // A late command that answers an earlier state.
                 _ if begin.elapsed() > limit => break,
                 _ if begin.elapsed() < SPIN => py.detach(std::thread::yield_now),
                 _ => {
@@ -220,31 +226,31 @@ impl Robot {
                     {
                         return Ok(None);
                     }
-                    self.greet()?;
+                    self.connect_readers()?;
                     pause(py, POLL)?;
                 }
             }
         }
         Err(PyTimeoutError::new_err(format!(
-            "no command answered joint state {} within {timeout} s; is `atasd --lockstep` running on this bus, and has it something \
-             to do?",
+            "no command for joint state {} within {timeout} s; check that `atasd --lockstep` runs \
+             on this bus and has an active goal",
             self.sent.unwrap_or(0)
         )))
     }
 
-    /// Lets a daemon that came late have the last joint state.
-    fn greet(&self) -> PyResult<()> {
-        self.states.connect_readers().map_err(of_bus)
+    /// Delivers the last joint state to a daemon that started late.
+    fn connect_readers(&self) -> PyResult<()> {
+        self.states.connect_readers().map_err(bus_error)
     }
 
-    /// Commands that were refused.
+    /// Number of rejected commands.
     #[getter]
-    fn refused(&self) -> u32 {
-        self.obedience.map_or(0, |it| it.refused())
+    fn rejected(&self) -> u32 {
+        self.validator.map_or(0, |it| it.rejected())
     }
 }
 
-/// Names of the joints, in the order of every array of joints.
+/// Names of the joints, in the order of all joint arrays.
 pub(crate) fn joint_names() -> PyResult<Vec<String>> {
     let robot = RobotModel::two_hand_arm().map_err(|why| AtasError::new_err(why.to_string()))?;
     Ok(robot.joints().map(|joint| joint.name.to_string()).collect())

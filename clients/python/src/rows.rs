@@ -1,7 +1,8 @@
 //! Payloads as NumPy arrays.
 //!
-//! A payload on the bus is a structure of plain numbers without gaps, and so is a row of a structured NumPy array: one and the
-//! same bytes. The array's type is made from the schema, so that no layout is written down a second time.
+//! A payload on the bus is a structure of plain numbers without padding, and has the same bytes as
+//! a row of a structured NumPy array. The array type is derived from the schema, so the layout is
+//! defined only once.
 
 use numpy::{Element, PyArray1, PyArrayDescr, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyValueError};
@@ -13,18 +14,19 @@ use shm_schemas::schema::{PayloadType, Type};
 use shm_schemas::{Payload, Reason};
 use zerocopy::FromBytes;
 
-/// A payload as an element of an array.
+/// A payload as an array element.
 #[repr(transparent)]
 #[derive(Clone, Copy)]
 pub(crate) struct Row<T: Payload>(pub(crate) T);
 
-// SAFETY: `get_dtype` describes exactly the bytes of `T`: it is made from the schema that the compiler fills with the size
-// and the offsets of `T`, and a payload has no padding, no pointer, and a value for every pattern of bits (zerocopy).
+// SAFETY: `get_dtype` describes exactly the bytes of `T`: it is derived from the schema, which
+// contains the compiler's size and offsets of `T`. A payload has no padding and no pointers, and
+// every bit pattern is valid (zerocopy).
 unsafe impl<T: Payload + Send + Sync> Element for Row<T> {
     const IS_COPY: bool = true;
 
     fn get_dtype(py: Python<'_>) -> Bound<'_, PyArrayDescr> {
-        described(py, T::SCHEMA).expect("numpy takes a type that is made from the schema")
+        numpy_type(py, T::SCHEMA).expect("numpy accepts a type from the schema")
     }
 
     fn clone_ref(&self, _py: Python<'_>) -> Self {
@@ -32,17 +34,17 @@ unsafe impl<T: Payload + Send + Sync> Element for Row<T> {
     }
 }
 
-/// Rows that Python owns from now on; they are not copied.
+/// Moves rows into an array without copying.
 pub(crate) fn array<T: Payload + Send + Sync>(
     py: Python<'_>,
     mut rows: Vec<Row<T>>,
 ) -> Bound<'_, PyAny> {
-    // In place: what was reserved for more rows goes back.
+    // Releases reserved space in place.
     rows.shrink_to_fit();
     PyArray1::from_vec(py, rows).into_any()
 }
 
-/// One row, as NumPy's record.
+/// Returns one payload as a NumPy record.
 pub(crate) fn row<'py, T: Payload + Send + Sync>(
     py: Python<'py>,
     payload: &T,
@@ -50,8 +52,8 @@ pub(crate) fn row<'py, T: Payload + Send + Sync>(
     array(py, vec![Row(*payload)]).get_item(0)
 }
 
-/// NumPy's type of a payload.
-pub(crate) fn described<'py>(
+/// Returns the NumPy type of a payload.
+pub(crate) fn numpy_type<'py>(
     py: Python<'py>,
     payload: &'static PayloadType,
 ) -> PyResult<Bound<'py, PyArrayDescr>> {
@@ -91,8 +93,8 @@ fn format<'py>(py: Python<'py>, kind: &'static Type) -> PyResult<Bound<'py, PyAn
         Type::U32 | Type::Code(_) => text("<u4"),
         Type::U64 => text("<u8"),
         Type::Text(bytes) => text(&format!("S{bytes}")),
-        Type::Payload(part) => Ok(described(py, part)?.into_any()),
-        Type::Array(..) => unreachable!("taken apart above"),
+        Type::Payload(part) => Ok(numpy_type(py, part)?.into_any()),
+        Type::Array(..) => unreachable!("handled above"),
     }?;
     if shape.is_empty() {
         return Ok(base);
@@ -101,18 +103,18 @@ fn format<'py>(py: Python<'py>, kind: &'static Type) -> PyResult<Bound<'py, PyAn
     Ok((base, shape).into_pyobject(py)?.into_any())
 }
 
-/// The type of the arrays that hold a payload, by its name, for example `dtype("HandFrame")`.
+/// Returns the array type of a payload by name, for example `dtype("HandFrame")`.
 #[pyfunction]
 pub(crate) fn dtype<'py>(py: Python<'py>, payload: &str) -> PyResult<Bound<'py, PyArrayDescr>> {
     let found = PAYLOADS.iter().find(|known| known.name == payload);
-    let unknown = || PyKeyError::new_err(format!("no payload is called {payload:?}"));
-    described(py, found.ok_or_else(unknown)?)
+    let unknown = || PyKeyError::new_err(format!("unknown payload {payload:?}"));
+    numpy_type(py, found.ok_or_else(unknown)?)
 }
 
-/// A value of a code: its name, its number, its name in logs.
+/// Value of a code: name, number, name in logs.
 type Value = (&'static str, u32, &'static str);
 
-/// Every code with its values and their names in logs: what `atas.codes` is made from.
+/// Returns all codes with their values and names in logs; source of `atas.codes`.
 #[pyfunction]
 pub(crate) fn codes() -> Vec<(&'static str, String, Vec<Value>)> {
     let each = CODES.iter().map(|code| {
@@ -122,20 +124,20 @@ pub(crate) fn codes() -> Vec<(&'static str, String, Vec<Value>)> {
             .map(|value| (value.name, value.number, value.text));
         (
             code.name,
-            code.about.join(" ").trim().to_owned(),
+            code.doc.join(" ").trim().to_owned(),
             values.collect(),
         )
     });
     each.collect()
 }
 
-/// The sentence of a reason: of an update of a goal, of an event, of a status (their field `reason`).
+/// Returns the text of a `reason` field: of a goal update, an event or a status.
 #[pyfunction]
 pub(crate) fn reason(reason: &Bound<'_, PyAny>) -> PyResult<String> {
     let bytes: Vec<u8> = reason.call_method0("tobytes")?.extract()?;
     let read = Reason::read_from_bytes(&bytes).map_err(|_| {
         PyValueError::new_err(format!(
-            "a reason has {} bytes, this has {}",
+            "invalid reason: {} bytes needed, {} given",
             size_of::<Reason>(),
             bytes.len()
         ))
@@ -147,7 +149,7 @@ pub(crate) fn reason(reason: &Bound<'_, PyAny>) -> PyResult<String> {
     })
 }
 
-/// Numbers of an array-like of `count` values, finite, or why not.
+/// Checks that an array has `count` finite values.
 pub(crate) fn finite(what: &str, values: &[f64], count: usize) -> PyResult<()> {
     if values.len() != count {
         return Err(PyValueError::new_err(format!(
@@ -160,13 +162,13 @@ pub(crate) fn finite(what: &str, values: &[f64], count: usize) -> PyResult<()> {
         Some(index) => {
             let value = values[index];
             Err(PyValueError::new_err(format!(
-                "{what}[{index}] was {value}, needs a finite number; nothing was sent"
+                "{what}[{index}] is {value}, needs a finite number; nothing was sent"
             )))
         }
     }
 }
 
-/// The numbers of an array, row by row, as they lie in memory if they lie so.
+/// Returns the values of an array in row-major order.
 pub(crate) fn numbers<T: Element + Copy, D: numpy::ndarray::Dimension>(
     array: &numpy::PyReadonlyArray<'_, T, D>,
 ) -> Vec<T> {
@@ -176,7 +178,7 @@ pub(crate) fn numbers<T: Element + Copy, D: numpy::ndarray::Dimension>(
     }
 }
 
-/// The shape of an array as Python writes it.
+/// Returns the shape of an array in Python notation.
 pub(crate) fn shape_of<T, D>(array: &numpy::PyReadonlyArray<'_, T, D>) -> String
 where
     T: Element,

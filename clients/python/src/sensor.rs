@@ -1,4 +1,4 @@
-//! A sensor: one hand's frames.
+//! A sensor: publishes the frames of one hand.
 
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike2, PyArrayLike3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -10,15 +10,16 @@ use shm_schemas::layout::NamedLayout;
 use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
 use shm_schemas::{Hand, HandFrame, Layout, SensorStatus, Stamp, Text};
 
-use crate::errors::of_bus;
+use crate::errors::bus_error;
 use crate::rows::shape_of;
 
-/// Time between two reports of the sensor's health, ns: about 10 Hz.
+/// Interval of health reports, ns.
 const HEALTH_NS: u64 = 100_000_000;
 
-/// Publishes one hand's frames: sealed, numbered without gaps, under an epoch of its own. `Bus.sensor` makes it.
+/// Publishes the frames of one hand: sealed, consecutively numbered, with their own epoch. Created
+/// by `Bus.sensor`.
 ///
-/// There is one sensor per hand on a bus; a second one is refused and told who the first is.
+/// A bus has one sensor per hand; a second one is rejected, and the error names the first.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Sensor {
     frames: Publisher<HandFrame>,
@@ -38,10 +39,10 @@ impl Sensor {
         fingers: usize,
         device: &str,
     ) -> PyResult<Self> {
-        let known = known(layout)?;
+        let known = find_layout(layout)?;
         if !(1..=FINGERS).contains(&fingers) {
             return Err(PyValueError::new_err(format!(
-                "could not make a sensor because it has {fingers} fingers, needs 1 to {FINGERS}"
+                "sensor rejected: {fingers} fingertips, needs 1 to {FINGERS}"
             )));
         }
         let stamp = Stamp {
@@ -50,8 +51,8 @@ impl Sensor {
         };
         let service = HAND_FRAME[usize::from(hand != Hand::LEFT)];
         Ok(Self {
-            frames: bus.publisher(service).map_err(of_bus)?,
-            healths: bus.publisher(SENSOR_STATUS).map_err(of_bus)?,
+            frames: bus.publisher(service).map_err(bus_error)?,
+            healths: bus.publisher(SENSOR_STATUS).map_err(bus_error)?,
             frame: HandFrame {
                 stamp,
                 layout_hash: known.hash(),
@@ -77,8 +78,8 @@ impl Sensor {
         self.frame.finger_count as usize
     }
 
-    /// About 10 Hz: how the sensor is.
-    fn tell_health(&mut self) -> PyResult<()> {
+    /// Reports the sensor's health at about 10 Hz.
+    fn publish_health(&mut self) -> PyResult<()> {
         let now_ns = now_ns();
         if now_ns < self.health_due_ns {
             return Ok(());
@@ -89,7 +90,7 @@ impl Sensor {
 
     fn send_health(&mut self, now_ns: u64) -> PyResult<()> {
         self.health.stamp.captured_ns = now_ns;
-        self.healths.send(&self.health).map_err(of_bus)?;
+        self.healths.send(&self.health).map_err(bus_error)?;
         self.health.stamp.sequence += 1;
         Ok(())
     }
@@ -103,8 +104,8 @@ impl Sensor {
         let view = force_n.as_array();
         if view.dim() != (fingers, taxels, 3) {
             return Err(PyValueError::new_err(format!(
-                "could not publish a frame because the forces have the shape {}, needs ({fingers}, {taxels}, 3): finger, \
-                 taxel, (normal, tangential 1, tangential 2)",
+                "frame rejected: the forces have the shape {}, needs ({fingers}, {taxels}, 3): \
+                 fingertip, taxel, (normal, tangential 1, tangential 2)",
                 shape_of(force_n)
             )));
         }
@@ -114,18 +115,18 @@ impl Sensor {
         });
         if let Some(((finger, taxel, axis), force_n)) = wrong {
             return Err(PyValueError::new_err(format!(
-                "could not publish a frame because force_n[{finger}, {taxel}, {axis}] was {force_n}, needs a finite number; \
-                 mark the taxel in `valid`"
+                "frame rejected: force_n[{finger}, {taxel}, {axis}] is {force_n}, needs a finite \
+                 number; mark the taxel in `valid`"
             )));
         }
         for finger in 0..fingers {
             let mut mask = 0;
             for taxel in 0..taxels {
-                let felt = is_valid(finger, taxel);
-                mask |= u64::from(felt) << taxel;
+                let measured = is_valid(finger, taxel);
+                mask |= u64::from(measured) << taxel;
                 for axis in 0..3 {
                     let force_n = view[(finger, taxel, axis)];
-                    self.frame.force_n[finger][taxel][axis] = if felt { force_n } else { 0.0 };
+                    self.frame.force_n[finger][taxel][axis] = if measured { force_n } else { 0.0 };
                 }
             }
             self.frame.valid_mask[finger] = mask;
@@ -140,7 +141,7 @@ impl Sensor {
         let view = valid.as_array();
         if view.dim() != (self.fingers(), self.taxels) {
             return Err(PyValueError::new_err(format!(
-                "could not publish a frame because `valid` has the shape {}, needs ({}, {}): finger, taxel",
+                "frame rejected: `valid` has the shape {}, needs ({}, {}): fingertip, taxel",
                 shape_of(&valid),
                 self.fingers(),
                 self.taxels
@@ -152,11 +153,13 @@ impl Sensor {
 
 #[pymethods]
 impl Sensor {
-    /// Sends one frame: forces of the object on the tip, N, as `[finger, taxel, (normal, tangential 1, tangential 2)]`.
+    /// Publishes one frame: forces of the object on the fingertip, N, as
+    /// `[fingertip, taxel, (normal, tangential 1, tangential 2)]`.
     ///
-    /// `valid[finger, taxel]` is False for taxels that say nothing; without it all do. `captured_ns` is when the sensor
-    /// sampled, ns of CLOCK_MONOTONIC (now, if not given) or of virtual time in lock-step; it must increase. `lost` frames
-    /// that the device dropped before this one leave a gap in the sequence. Returns the frame's sequence.
+    /// `valid[fingertip, taxel]` is False for taxels without a reading; default all True.
+    /// `captured_ns` is the sampling time, ns of CLOCK_MONOTONIC (default now) or of virtual time
+    /// in lock-step; it must increase. `lost` is the number of frames that the device dropped
+    /// before this one; they leave a gap in the sequence. Returns the frame's sequence number.
     #[pyo3(signature = (force_n, *, valid = None, captured_ns = None, lost = 0))]
     fn publish(
         &mut self,
@@ -169,8 +172,8 @@ impl Sensor {
         let last_ns = self.frame.stamp.captured_ns;
         if captured_ns <= last_ns && self.next > 0 {
             return Err(PyValueError::new_err(format!(
-                "could not publish a frame because it was captured at {captured_ns} ns, needs more than the {last_ns} ns of \
-                 the one before"
+                "frame rejected: captured at {captured_ns} ns, needs more than the {last_ns} ns of \
+                 the previous frame"
             )));
         }
         let valid = self.mask(valid)?;
@@ -179,20 +182,20 @@ impl Sensor {
         self.frame.stamp.sequence = sequence;
         self.frame.stamp.captured_ns = captured_ns;
         self.frame.seal();
-        self.frames.send(&self.frame).map_err(of_bus)?;
+        self.frames.send(&self.frame).map_err(bus_error)?;
         self.next = sequence + 1;
         self.health.frames += 1;
         self.health.lost += lost;
-        self.tell_health()?;
+        self.publish_health()?;
         Ok(sequence)
     }
 
-    /// Lets readers that came late have the last frame: while lock-step waits for its daemon.
-    fn greet(&self) -> PyResult<()> {
-        self.frames.connect_readers().map_err(of_bus)
+    /// Delivers the last frame to late readers, while lock-step waits for its daemon.
+    fn connect_readers(&self) -> PyResult<()> {
+        self.frames.connect_readers().map_err(bus_error)
     }
 
-    /// Says that the sensor has ended; nothing is published afterwards.
+    /// Reports the end of the sensor. Do not publish afterwards.
     fn close(&mut self) -> PyResult<()> {
         if self.health.alive == 1 {
             self.health.alive = 0;
@@ -201,7 +204,7 @@ impl Sensor {
         Ok(())
     }
 
-    /// Taxels of one finger.
+    /// Taxels per fingertip.
     #[getter]
     fn taxels(&self) -> usize {
         self.taxels
@@ -226,12 +229,13 @@ impl Sensor {
     }
 }
 
-/// Where the elements of a layout sit and along which axes they feel, in the tip frame (z is out of the middle of its face): unit
-/// vectors `normal`, `tangent1`, `tangent2` and places `position` (metres) as arrays [taxel, axis], and the `hash` that frames carry.
+/// Geometry of a layout in the tip frame (z out of the centre of the sensor surface): unit vectors
+/// `normal`, `tangent1`, `tangent2` and `position` (m) as arrays [taxel, axis], and the `hash` in
+/// frames.
 #[pyfunction]
 pub(crate) fn layout<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyDict>> {
-    let known = known(name)?;
-    let told = PyDict::new(py);
+    let known = find_layout(name)?;
+    let fields = PyDict::new(py);
     let tables = [
         ("normal", &known.normal),
         ("tangent1", &known.tangent1),
@@ -240,16 +244,16 @@ pub(crate) fn layout<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, Py
     ];
     for (key, table) in tables {
         let numbers = PyArray1::from_iter(py, table[..known.count].iter().flatten().copied());
-        told.set_item(key, numbers.reshape([known.count, 3])?)?;
+        fields.set_item(key, numbers.reshape([known.count, 3])?)?;
     }
-    told.set_item("hash", known.hash())?;
-    Ok(told)
+    fields.set_item("hash", known.hash())?;
+    Ok(fields)
 }
 
-/// A layout by its name.
-fn known(name: &str) -> PyResult<Layout> {
-    Layout::named(name).ok_or_else(|| {
+/// Returns a layout by name.
+fn find_layout(name: &str) -> PyResult<Layout> {
+    Layout::from_name(name).ok_or_else(|| {
         let forms = NamedLayout::FORMS;
-        PyValueError::new_err(format!("a layout was {name:?}, needs {forms}"))
+        PyValueError::new_err(format!("unknown layout {name:?}; needs {forms}"))
     })
 }

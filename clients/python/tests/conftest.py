@@ -1,4 +1,4 @@
-"""Buses of one's own, and the programs of the workspace."""
+"""Fixtures: private buses and the programs of the workspace."""
 
 import os
 import subprocess
@@ -15,7 +15,7 @@ _count = 0
 
 @pytest.fixture
 def bus_name() -> Iterator[str]:
-    """A bus that nobody else uses, wiped afterwards."""
+    """A private bus, wiped afterwards."""
     global _count
     _count += 1
     name = f"fpy-{os.getpid()}-{_count}"

@@ -1,6 +1,6 @@
-"""A peer that knows nothing of ours but the page clients/protocol.md: layouts, service settings, folder, prefix, locks.
+"""A peer implemented only from clients/protocol.md: layouts, service settings, folder, prefix, locks.
 
-It is written over iceoryx2's own Python binding, as somebody would in another language.
+It uses iceoryx2's Python binding, as a client in another language would use its own.
 """
 
 import ctypes
@@ -20,7 +20,7 @@ NUMBERS = {"f32": ctypes.c_float, "f64": ctypes.c_double, "u32": ctypes.c_uint32
 
 
 def table(name: str) -> list[dict[str, str]]:
-    """A table of the page between its marks, as rows by column."""
+    """Returns the rows of a table of the page, by column."""
     part = PAGE.split(f"<!-- {name}:", 1)[1].split(f"<!-- end of {name}", 1)[0]
     rows = [[cell.strip(" `") for cell in line.strip("|").split("|")] for line in part.splitlines() if line[:1] == "|"]
     return [dict(zip(rows[0], row, strict=False)) for row in rows[2:]]
@@ -38,7 +38,7 @@ def _type_of(text: str, known: dict[str, Any]) -> Any:
 
 
 def payloads() -> dict[str, Any]:
-    """The structures of the page, each checked against the offsets and the size that it prints."""
+    """Returns the structures of the page; checks them against the printed offsets and sizes."""
     known: dict[str, Any] = {}
     part = PAGE.split("<!-- payloads:", 1)[1].split("<!-- end of payloads", 1)[0]
     waiting = re.findall(r"\*\*`(atas\.(\w+)\.v\d+)`\*\*, (\d+) bytes\n\n\|.*\n\|.*\n((?:\|.*\n)+)", part)
@@ -51,7 +51,7 @@ def payloads() -> dict[str, Any]:
         except KeyError:
             if any(other[1] in text for other in waiting):
                 waiting.append((wire, name, size, text))
-            continue  # Its parts are not on the page, but in the header.
+            continue  # Its parts are only in the C header.
         structure = type(name, (ctypes.Structure,), {"_fields_": made, "type_name": staticmethod(lambda wire=wire: wire)})
         assert ctypes.sizeof(structure) == int(size), name
         for offset, field, _ in fields:
@@ -64,12 +64,12 @@ PAYLOADS = payloads()
 
 
 def seal(payload: Any) -> None:
-    """Writes the checksum over everything before it."""
+    """Writes the checksum of all preceding bytes."""
     payload.crc32 = zlib.crc32(bytes(payload)[: type(payload).crc32.offset])
 
 
 class Peer:
-    """A node on a bus that the page's rules let it join."""
+    """A node that joins a bus by the page's rules."""
 
     def __init__(self, folder: str, role: str) -> None:
         self.folder = Path(folder)
@@ -142,7 +142,7 @@ def send(publisher: Any, payload: Any) -> None:
 
 
 def newest(receiver: Any, kind: Any) -> Any:
-    """A copy of the newest that waits, or None."""
+    """Returns a copy of the newest queued payload, or None."""
     found = None
     while (sample := receiver.receive()) is not None:
         found = kind.from_buffer_copy(bytes(sample.payload().contents))

@@ -1,4 +1,4 @@
-"""Arrays over a real bus."""
+"""Tests of arrays over a real bus."""
 
 import gc
 import threading
@@ -15,7 +15,7 @@ def sealed(row: Any) -> bool:
     return zlib.crc32(content[:-4]) == int(row["crc32"])
 
 
-def test_arrays_are_laid_out_as_the_payloads() -> None:
+def test_array_types_match_payloads() -> None:
     frame = atas.dtype("HandFrame")
     assert frame.itemsize == 3152
     assert frame["force_n"].shape == (4, 64, 3) and frame["force_n"].base == np.float32
@@ -25,7 +25,7 @@ def test_arrays_are_laid_out_as_the_payloads() -> None:
         atas.dtype("Frame")
 
 
-def test_frames_arrive_whole_sealed_and_without_loss(bus_name: str) -> None:
+def test_frames_arrive_sealed_without_loss(bus_name: str) -> None:
     bus = atas.Bus(bus_name, create=True)
     reader = bus.frames("left")
     force_n = np.arange(2 * 41 * 3, dtype=np.float32).reshape(2, 41, 3)
@@ -41,8 +41,8 @@ def test_frames_arrive_whole_sealed_and_without_loss(bus_name: str) -> None:
     assert all(sealed(row) for row in rows)
 
 
-def test_an_array_keeps_what_it_received(bus_name: str) -> None:
-    """Not a view of shared memory that a later frame would overwrite."""
+def test_array_is_a_copy(bus_name: str) -> None:
+    """The array is a copy, not a view of shared memory."""
     bus = atas.Bus(bus_name, create=True)
     reader, sensor = bus.frames("right"), bus.sensor("right", layout="dome-1", fingers=1)
     sensor.publish([[[1.0, 0.0, 0.0]]])
@@ -55,7 +55,7 @@ def test_an_array_keeps_what_it_received(bus_name: str) -> None:
     first["force_n"] = 0
 
 
-def test_what_is_not_received_in_time_is_counted(bus_name: str) -> None:
+def test_lost_payloads_are_counted(bus_name: str) -> None:
     bus = atas.Bus(bus_name, create=True)
     reader, sensor = bus.frames("right"), bus.sensor("right", layout="dome-1", fingers=1)
     sensor.publish([[[0.0, 0.0, 0.0]]])
@@ -79,7 +79,7 @@ def test_what_is_not_received_in_time_is_counted(bus_name: str) -> None:
         (np.zeros((2, 41, 3)), np.ones((2, 40), np.bool_), "shape"),
     ],
 )
-def test_a_wrong_frame_is_refused_and_not_sent(
+def test_invalid_frame_is_rejected(
     bus_name: str, force_n: np.ndarray[Any, Any], valid: np.ndarray[Any, Any] | None, says: str
 ) -> None:
     bus = atas.Bus(bus_name, create=True)
@@ -87,10 +87,10 @@ def test_a_wrong_frame_is_refused_and_not_sent(
     with pytest.raises(ValueError, match=says):
         sensor.publish(force_n, valid=valid)
     assert len(reader.receive()) == 0
-    assert sensor.publish(np.zeros((2, 41, 3))) == 0, "no number was spent"
+    assert sensor.publish(np.zeros((2, 41, 3))) == 0, "the sequence number is unchanged"
 
 
-def test_a_dead_taxel_may_say_anything(bus_name: str) -> None:
+def test_invalid_taxel_may_have_any_value(bus_name: str) -> None:
     bus = atas.Bus(bus_name, create=True)
     reader, sensor = bus.frames("left"), bus.sensor("left")
     force_n, valid = np.ones((2, 41, 3)), np.ones((2, 41), np.bool_)
@@ -100,7 +100,7 @@ def test_a_dead_taxel_may_say_anything(bus_name: str) -> None:
     assert row["valid_mask"][1] == 2**41 - 1 - 8 and (row["force_n"][1, 3] == 0).all() and sealed(row)
 
 
-def test_time_does_not_go_back(bus_name: str) -> None:
+def test_capture_time_must_increase(bus_name: str) -> None:
     sensor = atas.Bus(bus_name, create=True).sensor("left", layout="pad-4", fingers=1)
     sensor.publish(np.zeros((1, 4, 3)), captured_ns=1000)
     with pytest.raises(ValueError, match="captured"):
@@ -116,14 +116,14 @@ def test_one_sensor_per_hand(bus_name: str) -> None:
     atas.Bus(bus_name).sensor("left")
 
 
-def test_a_robot_tells_what_it_holds(bus_name: str) -> None:
+def test_robot_reports_held_positions(bus_name: str) -> None:
     bus = atas.Bus(bus_name, create=True)
     reader, robot = bus.joint_states(), bus.robot()
     position = np.linspace(-0.1, 0.1, atas.JOINTS)
     robot.publish(position, captured_ns=5)
     row = reader.receive()[0]
     assert row["joint_count"] == 22 == row["commanded_count"] and sealed(row)
-    assert (row["commanded_rad"][:22] == position).all(), "what it stands at is what it holds"
+    assert (row["commanded_rad"][:22] == position).all(), "the measured position is held"
     orders = robot.command(now_ns=6)
     assert not orders["in_force"] and (orders["velocity_rad_s"] == 0).all()
     with pytest.raises(ValueError, match="finite"):
@@ -134,7 +134,7 @@ def test_a_robot_tells_what_it_holds(bus_name: str) -> None:
         robot.answer(7, timeout=0.05)
 
 
-def test_who_only_looks_makes_nothing() -> None:
+def test_observer_does_not_create_a_bus() -> None:
     with pytest.raises(atas.BusError, match="fpy-nobody"):
         atas.Bus("fpy-nobody")
     assert atas.wipe("fpy-nobody") == 0
@@ -157,7 +157,7 @@ def test_a_bus_stays_in_its_thread(bus_name: str, capfd: pytest.CaptureFixture[s
     thread.join()
     assert len(refused) == 1 and "thread" in str(refused[0])
     assert [role for role, _, alive in bus.peers() if alive] == ["python"]
-    # What was raised holds the thread's frame, and that the bus.
+    # The exception references the thread's frame, which references the bus.
     refused.clear()
     gc.collect()
     capfd.readouterr()

@@ -1,4 +1,4 @@
-"""The environments, as gymnasium wants them."""
+"""Tests of the gymnasium environments."""
 
 from typing import Any
 
@@ -24,12 +24,12 @@ def flat(seen: dict[str, Any]) -> np.ndarray[Any, Any]:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_gymnasiums_own_checker_passes(name: str) -> None:
+def test_gymnasium_checker_passes(name: str) -> None:
     check_env(gymnasium.make(name).unwrapped, skip_render_check=True)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_two_runs_with_one_seed_give_the_same_bits(name: str) -> None:
+def test_environment_is_deterministic(name: str) -> None:
     def run(seed: int) -> list[bytes]:
         environment = gymnasium.make(name)
         seen, _ = environment.reset(seed=seed)
@@ -44,7 +44,7 @@ def test_two_runs_with_one_seed_give_the_same_bits(name: str) -> None:
     assert run(3) == run(3) != run(4)
 
 
-def test_many_are_the_same_as_each_alone() -> None:
+def test_vector_equals_single_environments() -> None:
     count, steps = 4, 320
     drawn = actions(count, steps)
     many = GraspVectorEnv(count, threads=2)
@@ -55,7 +55,7 @@ def test_many_are_the_same_as_each_alone() -> None:
         seen, _, terminated, truncated, _ = many.step(action)
         together.append(flat(seen))
         ended += int((terminated | truncated).sum())
-    assert ended > 0, "episodes end and begin anew"
+    assert ended > 0, "episodes end and restart"
     for index in range(count):
         alone = GraspEnv()
         one, _ = alone.reset(seed=11 + index)
@@ -84,7 +84,7 @@ def test_gymnasium_makes_vectors() -> None:
         many.close()
 
 
-def test_without_autoreset_what_has_ended_stands_still() -> None:
+def test_ended_environment_waits_without_autoreset() -> None:
     many = GraspVectorEnv(2, objects=["wood"], autoreset=False)
     assert many.metadata["autoreset_mode"] == AutoresetMode.DISABLED
     many.reset(seed=1)
@@ -93,7 +93,7 @@ def test_without_autoreset_what_has_ended_stands_still() -> None:
     assert truncated.all() and (reward == 0).all()
 
 
-def test_the_objects_are_those_that_are_named() -> None:
+def test_only_named_objects_are_used() -> None:
     environment = GraspEnv(objects=["sponge"])
     assert {environment.reset(seed=seed)[1]["object"] for seed in range(5)} == {"sponge"}
     every = GraspEnv()
@@ -104,7 +104,7 @@ def test_the_objects_are_those_that_are_named() -> None:
         GraspEnv(objects=["woad"])
 
 
-def test_wrong_actions_are_refused() -> None:
+def test_invalid_actions_are_rejected() -> None:
     environment = GraspEnv()
     with pytest.raises(ValueError, match="reset"):
         environment.step(np.zeros(5, np.float32))
@@ -122,11 +122,11 @@ def test_wrong_actions_are_refused() -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"), [({"noise": -1.0}, "noise"), ({"noise": np.nan}, "noise"), ({"num_envs": 0}, "num_envs"), ({"threads": -1}, "threads")]
 )
-def test_wrong_arguments_are_refused(arguments: dict[str, Any], says: str) -> None:
-    with pytest.raises(ValueError, match=f"because {says} was"):
+def test_invalid_arguments_are_rejected(arguments: dict[str, Any], says: str) -> None:
+    with pytest.raises(ValueError, match=f"rejected: {says} is"):
         GraspVectorEnv(**arguments)
 
 
-def test_importing_makes_the_environments_known() -> None:
+def test_import_registers_environments() -> None:
     assert atas.__version__
     assert all(name in gymnasium.registry for name in NAMES)

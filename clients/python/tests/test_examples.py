@@ -1,4 +1,4 @@
-"""The examples run as they stand."""
+"""Tests of the example programs."""
 
 import subprocess
 import sys
@@ -10,7 +10,7 @@ from conftest import PROGRAMS
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
-def test_a_hand_in_mujoco_and_ours_come_to_the_same_verdict() -> None:
+def test_mujoco_and_atas_agree() -> None:
     pytest.importorskip("mujoco")
     words = [sys.executable, str(EXAMPLES / "mujoco_hand.py"), "--atasd", str(PROGRAMS / "atasd"), "--objects", "block"]
     ran = subprocess.run(words, capture_output=True, text=True, timeout=600, check=False)

@@ -1,4 +1,4 @@
-"""What the package says of itself: enumerations, types, documentation."""
+"""Tests of the package's enumerations, types and documentation."""
 
 import enum
 import inspect
@@ -11,12 +11,12 @@ from atas import _native, codes
 
 PACKAGE = Path(codes.__file__).parent
 HOME = Path(__file__).resolve().parents[1]
-"""Where mypy finds its settings: strict."""
+"""Folder with mypy's settings (strict)."""
 
 
 def generated() -> str:
     lines = [
-        '"""Codes of the bus, made from the schema: a test compares. Values that this version does not know stay plain numbers."""',
+        '"""Codes of the bus, generated from the schema (checked by a test). Unknown values remain plain numbers."""',
         "",
         "from enum import IntEnum",
     ]
@@ -26,12 +26,12 @@ def generated() -> str:
     return "\n".join(lines) + "\n"
 
 
-def test_the_codes_are_the_schemas(tmp_path: Path) -> None:
+def test_codes_match_schema(tmp_path: Path) -> None:
     expected = generated()
     actual = PACKAGE / "codes.py"
     if actual.read_text() != expected:
         (tmp_path / "codes.py").write_text(expected)
-        raise AssertionError(f"codes.py is not the schema's; replace it by {tmp_path / 'codes.py'}")
+        raise AssertionError(f"codes.py differs from the schema; replace it with {tmp_path / 'codes.py'}")
     assert issubclass(codes.Mode, enum.IntEnum) and int(codes.Mode.SAFE_STOP) == 4
 
 
@@ -46,7 +46,7 @@ def test_everything_public_is_documented() -> None:
                 assert inspect.getdoc(getattr(thing, method)), f"{name}.{method}"
 
 
-def test_the_types_are_what_the_library_has() -> None:
+def test_types_match_library() -> None:
     for command in (
         ["mypy.stubtest", "atas._native", "--ignore-disjoint-bases"],
         ["mypy", "--package", "atas"],

@@ -1,4 +1,4 @@
-"""The protocol page is enough: a peer that knows only it is a sensor, a robot and a client of the real daemon, in lock-step."""
+"""Tests that the protocol page suffices for a sensor, a robot and a client of the real daemon in lock-step."""
 
 import time
 from typing import Any
@@ -20,7 +20,7 @@ FINAL = {
 }
 
 
-def test_the_page_and_the_package_have_the_same_layouts() -> None:
+def test_page_and_package_layouts_are_equal() -> None:
     assert len(PAYLOADS) >= 12 and "HandFrame" in PAYLOADS and "GoalRequest" in PAYLOADS
     for name, structure in PAYLOADS.items():
         known = atas.dtype(name)
@@ -28,8 +28,8 @@ def test_the_page_and_the_package_have_the_same_layouts() -> None:
         assert known.names == tuple(field for field, _ in structure._fields_)
 
 
-class Foreign:
-    """A world by the page alone."""
+class ProtocolRobot:
+    """A robot with sensors, implemented only from the protocol page."""
 
     def __init__(self, folder: str) -> None:
         self.peer = Peer(folder, "foreign")
@@ -70,7 +70,7 @@ class Foreign:
         return command
 
     def answer(self, pending: Any) -> Any:
-        """The command that answers the last state; None if the goal has ended: the daemon has nothing to do then."""
+        """Returns the command that answers the last state; None after the end of the goal, when the daemon stops ticking."""
         begin = time.monotonic()
         while time.monotonic() - begin < PATIENCE_S:
             command = newest(self.commands, PAYLOADS["JointCommand"])
@@ -86,13 +86,13 @@ class Foreign:
             for publisher in (*self.frames, self.states):
                 publisher.update_connections()
             time.sleep(0.0005)
-        raise AssertionError("no answer")
+        raise AssertionError("no command received")
 
 
-def test_a_peer_by_the_page_is_sensor_robot_and_client(programs: Programs) -> None:
+def test_protocol_peer_controls_the_daemon(programs: Programs) -> None:
     bus = daemon(programs)
     statuses = bus.statuses()
-    world = Foreign(bus.folder)
+    world = ProtocolRobot(bus.folder)
     modes = [world.tick().mode for _ in range(100)]
     assert modes[-1] == atas.Mode.READY, modes[-5:]
     goals = world.peer.client("atas/v3/goal")

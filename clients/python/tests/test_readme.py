@@ -1,4 +1,4 @@
-"""The programs of the README run as they stand."""
+"""Tests of the programs in the READMEs."""
 
 import os
 import re
@@ -18,7 +18,7 @@ README = ROOT / "clients" / "python" / "README.md"
 
 
 def blocks() -> Iterator[tuple[str, str, str]]:
-    """Name, what it needs, text."""
+    """Yields name, requirements and text of each program."""
     for text in re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL):
         yield "README.md", "", text
     for text in re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL):
@@ -48,7 +48,7 @@ SAYS = {
     "feel.py": "taxels of the right hand: (2, 41, 3)",
     "grasp.py": "SUCCEEDED",
     "look.py": "frame age",
-    "follow.py": "carry F_n",
+    "teleop.py": "carry F_n",
     "sensor.py": "",
     "robot.py": "SUCCEEDED",
     "replay.py": ", 0 commands differ",
@@ -57,10 +57,10 @@ SAYS = {
 
 
 @pytest.mark.parametrize(("name", "needs", "text"), list(blocks()), ids=[name for name, *_ in blocks()])
-def test_a_program_of_the_readme_runs(programs: Programs, name: str, needs: str, text: str) -> None:
+def test_readme_program_runs(programs: Programs, name: str, needs: str, text: str) -> None:
     arguments: list[str] = []
     if name == "grasp.py":
-        # In lock-step it does not depend on the machine's pace whether the grasp succeeds.
+        # In lock-step the result does not depend on the machine's speed.
         programs.start("atas-sim", "run", "--lockstep", "--object", "wood", "--seed", "3")
         daemon(programs)
     elif "simulator" in needs:

@@ -1,4 +1,4 @@
-"""A real recording as arrays, and replayed."""
+"""Tests of reading and replaying a real recording."""
 
 import subprocess
 from pathlib import Path
@@ -11,7 +11,7 @@ from test_daemon import daemon, wait_for
 
 
 def record(programs: Programs, file: Path) -> None:
-    """A short grasp in lock-step."""
+    """Records a short grasp in lock-step."""
     recorder = programs.start("atas", "record", "--out", str(file))
     wait_for("the recorder", lambda: True if file.exists() else None)
     programs.start("atas-sim", "run", "--lockstep", "--object", "sponge", "--seed", "3")
@@ -25,7 +25,7 @@ def record(programs: Programs, file: Path) -> None:
     assert recorder.wait(60) == 0
 
 
-def test_a_recording_is_read_and_replayed_to_the_bit(programs: Programs, tmp_path: Path) -> None:
+def test_recording_is_read_and_replayed_exactly(programs: Programs, tmp_path: Path) -> None:
     file = tmp_path / "run.mcap"
     record(programs, file)
     recording = atas.Recording(str(file))
@@ -34,24 +34,24 @@ def test_a_recording_is_read_and_replayed_to_the_bit(programs: Programs, tmp_pat
     for hand in ("left", "right"):
         frames = recording.frames(hand)
         assert (np.diff(frames["stamp"]["sequence"].astype(np.int64)) == 1).all()
-    assert frames["force_n"][:, :2, :, 0].sum(axis=2).max() > 0.1, "it was touched"
+    assert frames["force_n"][:, :2, :, 0].sum(axis=2).max() > 0.1, "contact is recorded"
     assert len(recording.joint_states) == len(commands)
     assert set(recording.events["kind"]) >= {atas.EventKind.STEP, atas.EventKind.TOUCH_ON}
     assert len(recording.statuses) > 0
     replayed = recording.replay()
     assert (replayed["ticks"], replayed["different"], replayed["first_tick"]) == (len(commands), 0, None)
     assert replayed["commands"].tobytes() == commands.tobytes()
-    # Reports differ in what was timed, and not in what was felt.
+    # Reports differ in measured times, not in forces.
     felt = replayed["reports"]["hands"]["fingers"]["normal_n"]
     known = dict(zip(replayed["reports"]["tick"].tolist(), felt, strict=True))
     assert len(reports) > 0
     assert all((known[row["tick"]] == row["hands"]["fingers"]["normal_n"]).all() for row in reports)
-    # The same as the command line's.
+    # The command line gives the same result.
     line = subprocess.run([PROGRAMS / "atas", "replay", file, "--format", "json"], capture_output=True, check=True)
     assert b'"different":0' in line.stdout.replace(b" ", b"")
 
 
-def test_what_cannot_be_read_is_said(tmp_path: Path) -> None:
+def test_unreadable_recording_raises(tmp_path: Path) -> None:
     with pytest.raises(atas.AtasError, match="absent.mcap"):
         atas.Recording(str(tmp_path / "absent.mcap"))
     broken = tmp_path / "broken.mcap"

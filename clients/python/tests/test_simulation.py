@@ -1,11 +1,11 @@
-"""The simulator with the production controller in process."""
+"""Tests of the in-process simulator with the production controller."""
 
 import atas
 import numpy as np
 import pytest
 
 
-def test_the_same_arguments_give_the_same_bits() -> None:
+def test_simulation_is_deterministic() -> None:
     def told(seed: int) -> tuple[bytes, bytes]:
         simulation = atas.Simulation("sponge", seed=seed)
         simulation.start()
@@ -18,7 +18,7 @@ def test_the_same_arguments_give_the_same_bits() -> None:
     assert told(5)[0] != told(6)[0]
 
 
-def test_a_tick_at_a_time_is_the_same_as_many() -> None:
+def test_single_steps_equal_multiple_steps() -> None:
     one, many = atas.Simulation("wood", seed=2), atas.Simulation("wood", seed=2)
     one.start()
     many.start()
@@ -31,7 +31,7 @@ def test_a_tick_at_a_time_is_the_same_as_many() -> None:
     ("name", "state"),
     [("wood", atas.GoalState.SUCCEEDED), ("paper-box", atas.GoalState.SUCCEEDED), ("heavy-block", atas.GoalState.REFUSED)],
 )
-def test_a_grasp_ends_as_it_must(name: str, state: int) -> None:
+def test_grasp_has_the_expected_outcome(name: str, state: int) -> None:
     simulation = atas.Simulation(name, seed=1)
     assert simulation.mode == atas.Mode.READY
     result = simulation.run()
@@ -43,7 +43,7 @@ def test_a_grasp_ends_as_it_must(name: str, state: int) -> None:
     assert {atas.EventKind.STEP, atas.EventKind.TOUCH_ON, atas.EventKind.MODULE_ON} <= kinds
 
 
-def test_what_is_wrong_is_said() -> None:
+def test_invalid_arguments_raise() -> None:
     for arguments, says in (
         ({"object": "woad"}, "wood"),
         ({"scene": "grab"}, "pick-place"),

@@ -1,4 +1,4 @@
-//! Whether a file is whole, and what of it can be saved.
+//! Check and repair of recordings.
 
 use std::path::{Path, PathBuf};
 
@@ -7,30 +7,33 @@ use shm_schemas::{Payload, TickInputs};
 use super::reader::{Entry, Reader, payload};
 use super::writer::Writer;
 
-/// What a file holds, as far as it can be read.
+/// Readable contents of a file.
 #[derive(Debug, Default)]
 pub struct Contents {
     /// Messages of any kind.
     pub messages: u64,
     /// Parts of ticks.
     pub parts: u64,
-    /// Parts that are missing in between.
+    /// Missing parts.
     pub lost: u64,
     /// Sequence of the first part.
     pub first: Option<u64>,
     next: Option<u64>,
-    /// Why it cannot be read to its end.
+    /// Reason why the file is not readable to its end.
     pub damage: Option<String>,
 }
 
 impl Contents {
-    fn of(path: &Path, mut each: impl FnMut(&Entry) -> anyhow::Result<()>) -> anyhow::Result<Self> {
+    fn read(
+        path: &Path,
+        mut each: impl FnMut(&Entry) -> anyhow::Result<()>,
+    ) -> anyhow::Result<Self> {
         let mut contents = Self::default();
         for entry in Reader::open(path)? {
             match entry {
                 Ok(entry) => match contents.count(&entry) {
-                    // Of this version, and yet no part: something in the file was changed.
-                    Err(error) if claims_to_be_a_part(&entry) => {
+                    // The version matches but the part is invalid: the file was changed.
+                    Err(error) if has_part_type(&entry) => {
                         contents.damage = Some(one_line(&error));
                     }
                     counted => {
@@ -62,7 +65,7 @@ impl Contents {
     }
 }
 
-fn claims_to_be_a_part(entry: &Entry) -> bool {
+fn has_part_type(entry: &Entry) -> bool {
     let Entry::Message(message) = entry else {
         return false;
     };
@@ -70,29 +73,29 @@ fn claims_to_be_a_part(entry: &Entry) -> bool {
     schema.is_some_and(|schema| schema.name == TickInputs::TYPE_NAME)
 }
 
-/// What a file holds; says why if it cannot be read to its end.
+/// Reads a file and returns its contents, with the damage if it is not readable to its end.
 ///
 /// # Errors
-/// It cannot be opened.
+/// The file cannot be opened.
 pub fn check(path: &Path) -> anyhow::Result<Contents> {
-    Contents::of(path, |_| Ok(()))
+    Contents::read(path, |_| Ok(()))
 }
 
-/// Saves what can be read of a recording into `out`, or into a file of a name like its own. Returns which, and what was
-/// saved.
+/// Saves the readable part of a recording into `out`, or into a file with a similar name. Returns
+/// the path and the saved contents.
 ///
 /// # Errors
-/// It cannot be opened, or the new file cannot be made.
+/// The file cannot be opened, or the new file cannot be created.
 pub fn repair(path: &Path, out: Option<&Path>) -> anyhow::Result<(PathBuf, Contents)> {
     let out = out.map_or_else(|| repaired(path), Path::to_owned);
     let contents = save(path, &out)?;
     Ok((out, contents))
 }
 
-/// Writes what can be read into a new, whole file.
+/// Writes all readable entries into a new, complete file.
 fn save(path: &Path, out: &Path) -> anyhow::Result<Contents> {
     let mut writer = Writer::create(out)?;
-    let contents = Contents::of(path, |entry| match entry {
+    let contents = Contents::read(path, |entry| match entry {
         Entry::Message(message) => writer.copy(message),
         Entry::Metadata(metadata) => writer.describe(metadata),
     })?;
@@ -100,7 +103,7 @@ fn save(path: &Path, out: &Path) -> anyhow::Result<Contents> {
     Ok(contents)
 }
 
-/// The parser of records draws pictures over several lines; the first says what it is about.
+/// Returns the first line of an error. The record parser adds drawings on further lines.
 fn one_line(error: &anyhow::Error) -> String {
     let text = format!("{error:#}");
     let line = text.lines().next().unwrap_or_default();

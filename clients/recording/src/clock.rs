@@ -1,14 +1,14 @@
-//! From the sensors' clock to the wall clock.
+//! Conversion from the sensors' clock to the wall clock.
 
 use std::collections::BTreeMap;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Key of the wall clock over the machine's monotonic clock, ns, in a file's metadata.
+/// Metadata key of the wall clock minus the machine's monotonic clock, ns.
 const UNIX_OVER_MONOTONIC: &str = "unix_over_monotonic_ns";
-/// Key of the second in which the file was begun.
+/// Metadata key of the second in which the file was begun.
 const BEGUN: &str = "file_begun_unix_s";
 
-/// What must be added to sensor time to have wall-clock time.
+/// Offset from sensor time to wall-clock time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Clock {
     unix_over_monotonic_ns: Option<i64>,
@@ -17,7 +17,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// What a recorder notes in each file.
+    /// Returns the clock data that a recorder stores in each file.
     pub(crate) fn now() -> [(&'static str, String); 2] {
         let unix = SystemTime::now().duration_since(UNIX_EPOCH);
         let unix_ns = unix.map_or(0, |time| time.as_nanos() as i64);
@@ -28,18 +28,18 @@ impl Clock {
         ]
     }
 
-    /// The clock of what happens now on this machine, in real time.
+    /// Creates the clock of this machine in real time.
     #[must_use]
     pub fn of_this_machine() -> Self {
         let mut clock = Self::default();
         let noted = Self::now().map(|(key, value)| (key.to_owned(), value));
-        clock.learn(&noted.into());
-        clock.settle(0, false);
+        clock.read_metadata(&noted.into());
+        clock.set_offset(0, false);
         clock
     }
 
-    /// Takes in what the first file notes; later files of the run keep its clock.
-    pub(crate) fn learn(&mut self, noted: &BTreeMap<String, String>) {
+    /// Reads the clock data of the first file; later files of the run keep its clock.
+    pub(crate) fn read_metadata(&mut self, noted: &BTreeMap<String, String>) {
         let number = |key: &str| noted.get(key)?.parse::<i64>().ok();
         if self.begun_unix_ns == 0 {
             self.unix_over_monotonic_ns = number(UNIX_OVER_MONOTONIC);
@@ -47,15 +47,15 @@ impl Clock {
         }
     }
 
-    /// Fixes the offset by the first tick. Virtual time knows no wall clock: there, and where none is noted, the first tick
-    /// is taken to have been when the file was begun.
-    pub(crate) fn settle(&mut self, first_ns: u64, is_virtual: bool) {
+    /// Sets the offset from the first tick. Virtual time has no wall clock: there, and without
+    /// stored data, the first tick is placed at the beginning of the file.
+    pub(crate) fn set_offset(&mut self, first_ns: u64, is_virtual: bool) {
         let noted = self.unix_over_monotonic_ns.filter(|_| !is_virtual);
         let first_ns = i64::try_from(first_ns).unwrap_or(i64::MAX);
         self.offset_ns = noted.unwrap_or(self.begun_unix_ns.saturating_sub(first_ns));
     }
 
-    /// Wall-clock time of a sensor time, ns since 1970.
+    /// Converts sensor time to wall-clock time, ns since 1970.
     #[must_use]
     pub fn unix_ns(&self, captured_ns: u64) -> u64 {
         captured_ns.saturating_add_signed(self.offset_ns)
@@ -67,14 +67,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wall_clock_time_follows_from_what_was_noted() {
+    fn wall_clock_time_follows_from_metadata() {
         let check = |noted: &[(&str, &str)], first_ns, is_virtual, expected_ns| {
             let noted = noted
                 .iter()
                 .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
             let mut clock = Clock::default();
-            clock.learn(&noted.collect());
-            clock.settle(first_ns, is_virtual);
+            clock.read_metadata(&noted.collect());
+            clock.set_offset(first_ns, is_virtual);
             assert_eq!(clock.unix_ns(first_ns + 7), expected_ns);
         };
         let both = [(UNIX_OVER_MONOTONIC, "1000000000000"), (BEGUN, "1002")];

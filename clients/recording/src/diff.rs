@@ -1,6 +1,6 @@
-//! The first tick and field in which two recordings differ, and how both ended.
+//! First difference between two recordings: tick, field, and the ends of both.
 //!
-//! Times, writers, sequences and checksums are not compared: they differ between any two runs by the clock.
+//! Times, writers, sequences and checksums are not compared: they differ between any two runs.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use zerocopy::{Immutable, IntoBytes};
 
 use super::reader::{Entry, Reader, payload};
 
-/// Fields that say when and by whom, not what.
+/// Fields of time and writer, which are not compared.
 const NOT_COMPARED: [&str; 7] = [
     "stamp",
     "valid_until_ns",
@@ -20,20 +20,20 @@ const NOT_COMPARED: [&str; 7] = [
     "command_valid_until_ns",
 ];
 
-/// What two recordings have in common, and where they part.
+/// Common part and first difference of two recordings.
 pub struct Difference {
-    /// Ticks that are equal before the first difference.
+    /// Equal ticks before the first difference.
     pub equal_ticks: u64,
-    /// The first tick that differs, and in what; `None` if none does.
+    /// First different tick and its difference, if any.
     pub first: Option<(u64, String)>,
-    /// The last status of each.
+    /// Last status of each recording.
     pub ends: [Option<Box<Status>>; 2],
 }
 
 /// Compares two recordings.
 ///
 /// # Errors
-/// One cannot be read.
+/// A recording cannot be read.
 pub fn diff(a: &Path, b: &Path) -> anyhow::Result<Difference> {
     let (mut first, mut second) = (Ticks::open(a)?, Ticks::open(b)?);
     let mut equal_ticks = 0_u64;
@@ -59,7 +59,7 @@ pub fn diff(a: &Path, b: &Path) -> anyhow::Result<Difference> {
     })
 }
 
-/// The ticks of a file, and its last status.
+/// Ticks of a file, and its last status.
 struct Ticks {
     entries: Reader,
     last: Option<Box<Status>>,
@@ -86,14 +86,14 @@ impl Ticks {
         Ok(None)
     }
 
-    /// The last status: reads to the end.
+    /// Returns the last status; reads to the end.
     fn end(mut self) -> anyhow::Result<Option<Box<Status>>> {
         while self.next()?.is_some() {}
         Ok(self.last)
     }
 }
 
-/// Inputs first: where they differ, the commands may.
+/// Compares inputs first: if they differ, commands may differ too.
 fn part_difference(a: &TickInputs, b: &TickInputs) -> Option<String> {
     let under = |of: &str, field: Option<String>| field.map(|field| format!("{of}.{field}"));
     let counts = |part: &TickInputs| (part.tick, part.part, part.has_frame, part.has_joints);
@@ -116,13 +116,13 @@ fn part_difference(a: &TickInputs, b: &TickInputs) -> Option<String> {
             difference(JointState::FIELDS, &a.joints, &b.joints),
         )
     })
-    .or_else(|| under("order", order_difference(&a.order, &b.order)))
+    .or_else(|| under("order", request_difference(&a.order, &b.order)))
     .or_else(|| command_difference(&a.command, &b.command, &NOT_COMPARED))
 }
 
-fn order_difference(a: &OrderRecord, b: &OrderRecord) -> Option<String> {
+fn request_difference(a: &OrderRecord, b: &OrderRecord) -> Option<String> {
     let (mut a, mut b) = (*a, *b);
-    // When a goal was sent and how its client counts is not what it asks for.
+    // The time of sending and the client's goal number are not part of the request.
     for order in [&mut a, &mut b] {
         order.goal_id = 0;
         (order.goal.stamp, order.goal.goal_id) = Default::default();
@@ -130,7 +130,8 @@ fn order_difference(a: &OrderRecord, b: &OrderRecord) -> Option<String> {
     difference(OrderRecord::FIELDS, &a, &b)
 }
 
-/// The first field in which two commands differ, but for some, with both values where people want to see them.
+/// Returns the first different field of two commands, except those listed, with both values if they
+/// are readable.
 #[must_use]
 pub fn command_difference(a: &JointCommand, b: &JointCommand, except: &[&str]) -> Option<String> {
     let joints = |name: &str, a: &[f64], b: &[f64]| {
@@ -159,7 +160,7 @@ fn difference<T: IntoBytes + Immutable>(
     field(fields, a, b, &NOT_COMPARED).map(str::to_owned)
 }
 
-/// The name of the first field in which two payloads differ.
+/// Returns the name of the first different field of two payloads.
 fn field<T: IntoBytes + Immutable>(
     fields: &'static [(&'static str, usize, usize)],
     a: &T,

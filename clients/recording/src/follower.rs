@@ -1,6 +1,7 @@
-//! What a later file of a run begins with, so that it can be replayed without those before it.
+//! Follower of a run: provides the state with which a later file of the run begins, so that it can
+//! be replayed without the earlier files.
 //!
-//! This crate knows no controller. Whoever records may bring one along that follows the run as it is recorded.
+//! This crate contains no controller. The recording program supplies the follower.
 
 use mcap::Message;
 use shm_schemas::{RunHeader, TickInputs};
@@ -12,29 +13,30 @@ pub(crate) const ENCODING: &str = "msgpack";
 
 /// Follows a run part by part.
 pub trait Follower: Send {
-    /// A daemon began a run.
+    /// Begins a run.
     ///
     /// # Errors
-    /// It cannot be followed. It is still recorded.
+    /// The run cannot be followed. It is still recorded.
     fn begin(&mut self, run: &RunHeader) -> anyhow::Result<()>;
 
-    /// The next part of a tick.
+    /// Processes the next part of a tick.
     ///
     /// # Errors
-    /// The run cannot be followed from here on. It is still recorded.
-    fn take(&mut self, part: &TickInputs) -> anyhow::Result<()>;
+    /// The run cannot be followed any longer. It is still recorded.
+    fn update(&mut self, part: &TickInputs) -> anyhow::Result<()>;
 
-    /// Whether the last part was not its tick's last: no state can be told now, but soon.
+    /// Returns true if more parts of the tick follow; the state is then incomplete.
     fn is_within_tick(&self) -> bool;
 
-    /// The state after the last tick, encoded; `None` before the first tick and when the run is not followed any more.
+    /// Returns the encoded state after the last tick; `None` before the first tick and when the run
+    /// is no longer followed.
     ///
     /// # Errors
-    /// It cannot be encoded.
+    /// The state cannot be encoded.
     fn state(&self) -> anyhow::Result<Option<Vec<u8>>>;
 }
 
-/// The state that a message holds, encoded, if it holds one.
+/// Returns the encoded state in a message, if it contains one.
 #[must_use]
 pub fn state<'a>(message: &'a Message<'_>) -> Option<&'a [u8]> {
     (message.channel.topic == TOPIC).then_some(&*message.data)

@@ -1,4 +1,4 @@
-//! The tactile frames of a recorded run, of both hands, in the order in which the daemon took them in.
+//! Tactile frames of a recorded run, of both hands, in the order in which the daemon received them.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -8,32 +8,32 @@ use shm_schemas::{Hand, HandFrame, TickInputs};
 
 use crate::reader::{Entry, Reader, payload};
 
-/// A frame of a run.
+/// Tactile frame of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Felt {
+pub struct RecordedFrame {
     /// Time of the run's first tick, sensor time, ns.
     pub begun_ns: u64,
-    /// The hand as whose it came.
+    /// Hand of the frame.
     pub hand: Hand,
-    /// As it came, unchecked.
+    /// Frame as received, not validated.
     pub frame: HandFrame,
 }
 
-/// The frames. What cannot be read any more is an error, and the end.
+/// Iterator over frames. A read error is its last item.
 pub struct Frames {
     files: VecDeque<PathBuf>,
     name: String,
     entries: Option<Reader>,
     begun_ns: Option<u64>,
-    /// Frames of the part that was read last.
-    waiting: VecDeque<Felt>,
+    /// Frames of the last part read.
+    waiting: VecDeque<RecordedFrame>,
     has_ended: bool,
 }
 
 impl Frames {
-    /// Of the files of one run, in order.
+    /// Creates the iterator for the files of one run, in order.
     #[must_use]
-    pub fn of(files: &[PathBuf]) -> Self {
+    pub fn open(files: &[PathBuf]) -> Self {
         Self {
             files: files.iter().cloned().collect(),
             name: files
@@ -46,10 +46,10 @@ impl Frames {
         }
     }
 
-    fn read(&mut self) -> anyhow::Result<Option<Felt>> {
+    fn read(&mut self) -> anyhow::Result<Option<RecordedFrame>> {
         loop {
-            if let Some(felt) = self.waiting.pop_front() {
-                return Ok(Some(felt));
+            if let Some(measured) = self.waiting.pop_front() {
+                return Ok(Some(measured));
             }
             let Some(entries) = &mut self.entries else {
                 match self.files.pop_front() {
@@ -80,7 +80,7 @@ impl Frames {
         let hands = [Hand::LEFT, Hand::RIGHT].into_iter();
         for (hand, (has_frame, frame)) in hands.zip(part.has_frame.iter().zip(&part.frames)) {
             if *has_frame != 0 {
-                self.waiting.push_back(Felt {
+                self.waiting.push_back(RecordedFrame {
                     begun_ns,
                     hand,
                     frame: *frame,
@@ -91,7 +91,7 @@ impl Frames {
 }
 
 impl Iterator for Frames {
-    type Item = anyhow::Result<Felt>;
+    type Item = anyhow::Result<RecordedFrame>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.has_ended {

@@ -1,4 +1,4 @@
-//! What a recording's header says of the robot and its sensors, ready to compute with.
+//! Robot and sensors of a recording, from its header.
 
 use std::borrow::Cow;
 
@@ -8,16 +8,17 @@ use robot_model::{RobotFiles, TWO_HAND_ARM};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{HandWiringRecord, Layout, RunHeader};
 
-/// Fingers of a hand of which nothing is recorded: the paper's robot's.
-const USUAL_FINGERS: usize = 2;
+/// Default number of fingertips per hand: as on the robot of the paper.
+const DEFAULT_FINGERTIPS: usize = 2;
 
-/// Name of the metadata that hold the robot's own files, so that a recording can be understood where they are not.
+/// Name of the metadata with the robot's files, so that a recording is complete without them.
 const ROBOT: &str = "atas.robot";
 const NAME: &str = "name";
 const URDF: &str = "urdf";
 const ROBOT_FILE: &str = "robot_file";
 
-/// The files of the robot of a run, as metadata; `None` if they are not where the daemon found them, or have changed since.
+/// Returns the robot's files as metadata; `None` if they are missing or have changed since the
+/// daemon started.
 pub(crate) fn robot_metadata(header: &RunHeader) -> Option<Metadata> {
     let files = RobotFiles::find(header.robot.as_str()).ok()?;
     let is_recorded = files.hash() == header.robot_hash;
@@ -34,9 +35,9 @@ pub(crate) fn robot_metadata(header: &RunHeader) -> Option<Metadata> {
     })
 }
 
-/// The files of a robot that these metadata hold, if they do.
+/// Returns the robot's files from metadata, if present.
 #[must_use]
-pub fn carried_robot(metadata: &Metadata) -> Option<RobotFiles> {
+pub fn robot_from_metadata(metadata: &Metadata) -> Option<RobotFiles> {
     let text = |key: &str| metadata.metadata.get(key).cloned().map(Cow::Owned);
     (metadata.name == ROBOT).then_some(())?;
     Some(RobotFiles {
@@ -46,10 +47,11 @@ pub fn carried_robot(metadata: &Metadata) -> Option<RobotFiles> {
     })
 }
 
-/// The files of the recorded robot: those that the recording carries, else those that the daemon read; the paper's robot's where
-/// nothing is recorded of it.
+/// Returns the files of the recorded robot: those in the recording, else those that the daemon
+/// read, else those of the paper's robot.
 ///
 /// # Errors
+/// The files cannot be read, or have changed since.
 /// They cannot be read, or have changed since.
 pub fn robot(
     header: Option<&RunHeader>,
@@ -72,16 +74,16 @@ pub fn robot(
     Ok(files)
 }
 
-/// Fingers of each hand that carry sensors.
+/// Returns the number of fingertips with sensors per hand.
 #[must_use]
 pub fn fingers(header: Option<&RunHeader>) -> [usize; 2] {
     let fingers = |wiring: &HandWiringRecord| (wiring.fingers as usize).min(FINGERS);
-    header.map_or([USUAL_FINGERS; 2], |header| {
+    header.map_or([DEFAULT_FINGERTIPS; 2], |header| {
         header.hands.each_ref().map(fingers)
     })
 }
 
-/// Where each hand's elements sit; the paper's dome where nothing is recorded of it.
+/// Returns the element layout per hand; the paper's dome if none is recorded.
 #[must_use]
 pub fn layouts(header: Option<&RunHeader>) -> [Layout; 2] {
     let layout = |wiring: &HandWiringRecord| Layout {

@@ -1,4 +1,5 @@
-//! What is recorded: the bus's payloads as their plain bytes, each on a channel whose schema describes the layout.
+//! Recorded payloads: plain bytes of bus payloads, each on a channel whose schema describes the
+//! layout.
 
 use shm_schemas::{
     ModuleEvent, Payload, RunHeader, SensorStatus, Stamp, Status, TickInputs, TickReport, service,
@@ -7,11 +8,11 @@ use shm_schemas::{
 /// Encoding of messages and schemas: the bytes of a `#[repr(C)]` payload, described as text.
 pub(crate) const POD: &str = "atas-pod";
 
-/// A payload that is recorded.
+/// Payload type that is recorded.
 pub trait Recorded: Payload {
     /// Channel in the file: the name of the service.
     const TOPIC: &'static str;
-    /// Its timestamp.
+    /// Stamp of the payload.
     fn stamp(&self) -> &Stamp;
 }
 
@@ -25,7 +26,7 @@ macro_rules! recorded {
             }
         })*
 
-        /// All of them.
+        /// All recorded payload types.
         #[cfg(test)]
         pub(crate) const RECORDED: &[&shm_schemas::schema::PayloadType] = &[$($payload::SCHEMA),*];
     };

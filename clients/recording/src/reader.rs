@@ -1,5 +1,5 @@
-//! One MCAP file being read, from its beginning, in bounded memory. The file may be cut off or damaged: what stands
-//! before the damage is read, then the damage is an error.
+//! Reader of one MCAP file, from its beginning, in bounded memory. A truncated or damaged file is
+//! read up to the damage; then follows an error.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -14,16 +14,17 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::payloads::Recorded;
 
-/// Longest record that is believed, bytes: a hundred times a chunk. A damaged length must not take all memory.
+/// Longest accepted record, bytes: a hundred times a chunk. A damaged length must not exhaust
+/// memory.
 const RECORD_MAX_BYTES: usize = 128 << 20;
 
-/// What every MCAP file begins with.
+/// First bytes of every MCAP file.
 const MAGIC: &[u8] = b"\x89MCAP";
 
-/// Whether a file is a recording, rather than a table or anything else, by how it begins.
+/// Returns true if a file is a recording, by its first bytes.
 ///
 /// # Errors
-/// It cannot be opened.
+/// The file cannot be opened or read.
 pub fn is_recording(path: &Path) -> anyhow::Result<bool> {
     let file = File::open(path).with_context(|| format!("could not open {}", path.display()))?;
     let mut begin = Vec::new();
@@ -32,15 +33,15 @@ pub fn is_recording(path: &Path) -> anyhow::Result<bool> {
     Ok(begin == MAGIC)
 }
 
-/// Something in a file.
+/// Entry of a file.
 pub enum Entry {
-    /// A message with its channel.
+    /// Message with its channel.
     Message(Message<'static>),
-    /// A named table of texts.
+    /// Named table of texts.
     Metadata(Metadata),
 }
 
-/// A file, entry by entry.
+/// Iterator over the entries of a file.
 pub struct Reader {
     file: BufReader<File>,
     records: LinearReader,
@@ -53,7 +54,7 @@ impl Reader {
     /// Opens a file.
     ///
     /// # Errors
-    /// It cannot be opened.
+    /// The file cannot be opened.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let file =
             File::open(path).with_context(|| format!("could not open {}", path.display()))?;
@@ -72,13 +73,15 @@ impl Reader {
         })
     }
 
-    /// What is wrong where nothing further can be read. Of a recording something can be saved, of another file nothing.
+    /// Returns the error text where reading stops. A recording can be repaired, another file
+    /// cannot.
     fn unreadable(&self) -> String {
         let path = self.path.display();
-        // A file that cannot be opened any more could be when it was read.
+        // A file that can no longer be opened was readable before.
         if is_recording(&self.path).unwrap_or(true) {
             format!(
-                "could not read {path} to its end; `atas record repair {path}` saves what can be read"
+                "could not read {path} to its end; save the readable part with `atas record repair \
+                 {path}`"
             )
         } else {
             format!(
@@ -145,10 +148,10 @@ impl Iterator for Reader {
     }
 }
 
-/// The payload in a message, if it is of this type.
+/// Returns the payload of a message if it has this type.
 ///
 /// # Errors
-/// It is of another version of this type, which this version cannot read: that is said, not skipped.
+/// The payload has another version of this type; this is reported, not skipped.
 pub fn payload<T: Recorded>(message: &Message<'_>) -> anyhow::Result<Option<Box<T>>> {
     let Some(schema) = &message.channel.schema else {
         return Ok(None);
@@ -175,7 +178,7 @@ pub fn payload<T: Recorded>(message: &Message<'_>) -> anyhow::Result<Option<Box<
     Ok(Some(Box::new(read)))
 }
 
-/// The name of a type without its version.
+/// Returns the name of a type without its version.
 fn stem(name: &str) -> &str {
     name.rsplit_once(".v").map_or(name, |(stem, _)| stem)
 }
@@ -216,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_recording_is_told_as_such_and_not_to_be_repaired() {
+    fn other_file_is_rejected_without_repair_hint() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("some.file");
         let check = |bytes: &[u8], is_one: bool| {
@@ -239,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn payloads_of_other_versions_are_refused_by_name_and_never_skipped() {
+    fn payload_of_other_version_is_rejected_by_name() {
         let part = TickInputs {
             stamp: Stamp {
                 sequence: 7,
@@ -251,7 +254,7 @@ mod tests {
         let own = message(Some(TickInputs::TYPE_NAME), bytes());
         let read = payload::<TickInputs>(&own).expect("readable").expect("one");
         assert_eq!(read.stamp.sequence, 7);
-        // Of another type, or of none: for others to read.
+        // Other types, or none, are left to other readers.
         for other in [Some(Status::TYPE_NAME), Some("atas.json"), None] {
             let of_another = payload::<TickInputs>(&message(other, bytes()));
             assert!(of_another.expect("no error").is_none(), "{other:?}");

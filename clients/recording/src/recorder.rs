@@ -1,5 +1,5 @@
-//! From the bus into files. One thread only reads the bus, so that a slow disk costs nothing until the
-//! channel between the two is full; what is lost then shows in the sequence.
+//! Recorder: copies bus data into files. One thread only reads the bus, so that a slow disk loses
+//! nothing until the channel between the two threads is full. Gaps in the sequence show the loss.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -17,20 +17,23 @@ use shm_schemas::{
 use super::follower::Follower;
 use super::rotation::{Bounds, Recording, Tally};
 
-/// Pause between two looks at the bus, whose streams hold 256 payloads (ours: 5 ms of ticks at 10 kHz are 50).
-const LOOK: Duration = Duration::from_millis(1);
-/// Most payloads taken of one stream in one look.
-const AT_ONCE: usize = 256;
-/// Payloads between the threads: 4 s at 1 kHz, about 50 MiB. Ours.
-const WAITING: usize = 8192;
-/// Real-time priority of the reading thread: below every other that there is. Ours.
+/// Pause between two polls of the bus, whose streams hold 256 payloads. Design choice: at 10 kHz, 1
+/// ms adds 10 ticks.
+const POLL: Duration = Duration::from_millis(1);
+/// Largest number of payloads per stream and poll.
+const PAYLOADS_PER_POLL: usize = 256;
+/// Capacity of the channel between the threads, payloads: 4 s at 1 kHz, about 50 MiB. Design
+/// choice.
+const CHANNEL_CAPACITY: usize = 8192;
+/// Real-time priority of the reading thread: below all others. Design choice.
 const PRIORITY: i32 = 1;
-/// How long the writing thread waits before it looks whether to flush.
-const IDLE: Duration = Duration::from_millis(100);
-/// Statuses heard before a daemon counts as one that does not publish what it takes in (ours: 2 s).
+/// Longest wait of the writing thread before it checks whether to flush.
+const IDLE_WAIT: Duration = Duration::from_millis(100);
+/// Number of statuses without inputs after which the recorder warns that the daemon does not
+/// publish them: 2 s. Design choice.
 const SILENT_STATUSES: u32 = 100;
 
-/// What goes from the reading to the writing thread.
+/// Message from the reading to the writing thread.
 enum Message {
     Run(Box<RunHeader>),
     Inputs(Box<TickInputs>),
@@ -40,10 +43,12 @@ enum Message {
     Sensor(Box<SensorStatus>),
 }
 
-/// Records until `stop` is set or the bytes are used up. With a `follower`, every file of a run can be replayed by itself.
-/// `listening` is called once nothing that a daemon says can be missed: before, it should not begin.
+/// Records until `stop` is set or the byte budget is used up. With a `follower`, every file of a
+/// run can be replayed separately. Calls `listening` when the recorder misses nothing more; start
+/// the daemon after that.
 ///
 /// # Errors
+/// The bus or the files cannot be opened, read or written.
 /// The bus or the files cannot be opened, read or written.
 pub fn record(
     bus: &Bus,
@@ -58,7 +63,7 @@ pub fn record(
     let recording = Recording::create(out, bounds, notes, follower)?;
     listening();
     tracing::info!(file = %out.display(), "recording until Ctrl-C");
-    let (send, receive) = sync_channel(WAITING);
+    let (send, receive) = sync_channel(CHANNEL_CAPACITY);
     let writing = std::thread::spawn(move || write(recording, &receive));
     let read = ports.read(&send, stop);
     drop(send);
@@ -69,16 +74,16 @@ pub fn record(
     written
 }
 
-/// Until the channel closes, or the disk budget is used up.
+/// Writes until the channel closes or the disk budget is used up.
 fn write(mut recording: Recording, messages: &Receiver<Message>) -> anyhow::Result<Tally> {
     let mut silent = 0;
     loop {
-        match messages.recv_timeout(IDLE) {
+        match messages.recv_timeout(IDLE_WAIT) {
             Ok(message) => write_message(&mut recording, message, &mut silent)?,
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return recording.finish(),
         }
-        if !recording.keep_up()? {
+        if !recording.flush_and_rotate()? {
             return Ok(Tally {
                 is_full: true,
                 ..recording.finish()?
@@ -113,7 +118,7 @@ fn write_message(
                 );
             }
             recording.writer().write(&*status)?;
-            let value = json::status(&status, json::ROOM);
+            let value = json::status(&status, json::CAPACITY);
             recording
                 .writer()
                 .write_json("status", &status.stamp, &value)
@@ -121,7 +126,7 @@ fn write_message(
     }
 }
 
-/// The streams of the daemon's non-real-time side, and what sensor processes say of their devices.
+/// Streams of the daemon's supervisor, and device information of sensor processes.
 struct Ports {
     runs: Subscriber<RunHeader>,
     inputs: Subscriber<TickInputs>,
@@ -145,16 +150,17 @@ impl Ports {
         })
     }
 
-    /// Passes on until a signal comes or nobody writes any more.
+    /// Forwards payloads until a signal arrives or no writer is left.
     ///
-    /// The stream of inputs holds a quarter of a second: where it may, this thread goes before other work.
+    /// The stream of inputs holds a quarter of a second, so this thread runs with real-time
+    /// priority if permitted.
     fn read(&mut self, messages: &SyncSender<Message>, stop: &AtomicBool) -> Result<(), BusError> {
-        // Where it is refused, a busy machine may cost parts, which are counted.
+        // Without permission, a busy machine may lose parts, which are counted.
         let _ = scheduling::enter_fifo(PRIORITY);
         let mut waiting = Vec::new();
         loop {
             let last = stop.load(Ordering::Relaxed);
-            self.look(&mut waiting)?;
+            self.poll(&mut waiting)?;
             for message in waiting.drain(..) {
                 if messages.send(message).is_err() {
                     return Ok(());
@@ -163,18 +169,18 @@ impl Ports {
             if last {
                 return Ok(());
             }
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL);
         }
     }
 
-    /// A header is published before the ticks of its run, so it has arrived when they have: it is looked for after them,
-    /// and put before them.
-    fn look(&mut self, waiting: &mut Vec<Message>) -> Result<(), BusError> {
+    /// Reads all streams. A header is published before the ticks of its run and has arrived when
+    /// they have. So it is read after them and placed before them.
+    fn poll(&mut self, waiting: &mut Vec<Message>) -> Result<(), BusError> {
         take(&mut self.inputs, waiting, Message::Inputs)?;
         let mut header = Vec::new();
         take(&mut self.runs, &mut header, Message::Run)?;
         if !header.is_empty() {
-            let at = begin_of_run(waiting, self.has_run);
+            let at = first_part_of_run(waiting, self.has_run);
             waiting.splice(at..at, header);
             self.has_run = true;
         }
@@ -185,9 +191,10 @@ impl Ports {
     }
 }
 
-/// Where the new run begins among the parts that arrived together with its header: at its first part. Without that,
-/// they are the rest of the run before, or, if there was none, of a run that the recorder joined late.
-fn begin_of_run(parts: &[Message], has_run: bool) -> usize {
+/// Returns the index at which the new run begins among the parts that arrived with its header: its
+/// first part. Without a first part, all belong to the previous run or to a run that was joined
+/// late.
+fn first_part_of_run(parts: &[Message], has_run: bool) -> usize {
     let is_first =
         |message: &Message| matches!(message, Message::Inputs(part) if part.stamp.sequence == 0);
     let otherwise = if has_run { parts.len() } else { 0 };
@@ -199,7 +206,9 @@ fn take<T: Payload>(
     waiting: &mut Vec<Message>,
     message: impl Fn(Box<T>) -> Message,
 ) -> Result<(), BusError> {
-    port.drain(AT_ONCE, |payload| waiting.push(message(Box::new(*payload))))?;
+    port.drain(PAYLOADS_PER_POLL, |payload| {
+        waiting.push(message(Box::new(*payload)))
+    })?;
     Ok(())
 }
 
@@ -208,7 +217,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_header_stands_between_the_runs() {
+    fn header_is_placed_between_runs() {
         let check = |sequences: &[u64], has_run: bool, at: usize| {
             let part = |sequence: &u64| {
                 let mut part = Box::<TickInputs>::default();
@@ -216,7 +225,7 @@ mod tests {
                 Message::Inputs(part)
             };
             let parts: Vec<Message> = sequences.iter().map(part).collect();
-            assert_eq!(begin_of_run(&parts, has_run), at, "{sequences:?}");
+            assert_eq!(first_part_of_run(&parts, has_run), at, "{sequences:?}");
         };
         check(&[], false, 0);
         check(&[0, 1], false, 0);

@@ -1,4 +1,4 @@
-//! A recording over several files: one file per run and part, flushed by time, bounded in size.
+//! Rotation of recordings: one file per run and part, flushed by time, bounded in size.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -12,45 +12,45 @@ use super::follower::Follower;
 use super::origin::robot_metadata;
 use super::writer::Writer;
 
-/// Longest time that a sudden end of the recorder can lose (ours).
+/// Flush interval: the most that a sudden end of the recorder can lose. Design choice.
 const FLUSH: Duration = Duration::from_secs(1);
-/// Most bytes between two flushes, before compression: less than a second at 1 kHz, so that a run in lock-step, which is
-/// much faster, is bounded as finely (ours).
+/// Most bytes between two flushes, before compression. Design choice: less than a second at 1 kHz,
+/// so that a run in lock-step, which is much faster, has the same bound.
 const FLUSH_BYTES: u64 = 8 << 20;
-/// Name of the metadata that says where a file comes from.
+/// Name of the metadata with the origin of a file.
 pub(crate) const ORIGIN: &str = "atas.run";
-/// Name of the metadata that hold what the user noted.
+/// Name of the metadata with the user's notes.
 const NOTES: &str = "atas.notes";
 
-/// How much may be written, bytes and files; `None` without a bound.
+/// Limits of bytes and files; `None` for no limit.
 #[derive(Clone, Debug)]
 pub struct Bounds {
-    /// A file that is larger is followed by another one.
+    /// File size at which the next file begins.
     pub file_bytes: Option<u64>,
-    /// Files that are kept; the oldest is removed.
+    /// Number of files to keep; the oldest is removed.
     pub files: Option<usize>,
-    /// All files together; the recording ends when it is reached.
+    /// Size of all files at which the recording ends.
     pub total_bytes: Option<u64>,
 }
 
-/// What was recorded.
+/// Summary of a recording.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     /// Parts of ticks written.
     pub parts: u64,
-    /// Parts that the sequence says were lost.
+    /// Parts lost, by gaps in the sequence.
     pub lost: u64,
-    /// Whether each run was recorded from its first tick.
+    /// True if each run was recorded from its first tick.
     pub has_beginning: bool,
-    /// Files that remain, oldest first.
+    /// Remaining files, oldest first.
     pub files: Vec<PathBuf>,
-    /// Whether the recording ended because its bytes were used up.
+    /// True if the recording ended because the byte budget was used up.
     pub is_full: bool,
-    /// Their sizes together, bytes.
+    /// Size of all files, bytes.
     pub bytes: u64,
 }
 
-/// A recording in the making.
+/// Recording in progress.
 pub(super) struct Recording {
     out: PathBuf,
     bounds: Bounds,
@@ -61,9 +61,9 @@ pub(super) struct Recording {
     parts: u32,
     run: Option<Box<RunHeader>>,
     follower: Option<Box<dyn Follower>>,
-    /// Whether the follower could follow this run so far.
-    follows: bool,
-    /// Timestamp of the last part.
+    /// True while the follower can follow this run.
+    is_followed: bool,
+    /// Stamp of the last part.
     last: Stamp,
     next_sequence: Option<u64>,
     tally: Tally,
@@ -87,7 +87,7 @@ impl Recording {
             parts: 0,
             run: None,
             follower,
-            follows: false,
+            is_followed: false,
             last: Stamp::default(),
             next_sequence: None,
             tally: Tally {
@@ -98,29 +98,29 @@ impl Recording {
         })
     }
 
-    /// The file that is being written.
+    /// Returns the writer of the current file.
     pub(super) fn writer(&mut self) -> &mut Writer {
         &mut self.writer
     }
 
-    /// Whether the daemon of this run says what its ticks take in.
+    /// Returns true if the daemon of this run publishes its inputs.
     pub(super) fn has_inputs(&self) -> bool {
         self.next_sequence.is_some()
     }
 
-    /// A daemon began a run: another file, unless this is the first.
+    /// Begins a run in a new file, unless it is the first run.
     pub(super) fn begin_run(&mut self, header: Box<RunHeader>) -> anyhow::Result<()> {
-        self.follow(|follower| follower.begin(&header));
+        self.update_follower(|follower| follower.begin(&header));
         if self.run.replace(header).is_some() {
             self.next_file()?;
         } else {
-            self.introduce()?;
+            self.write_origin()?;
         }
         self.next_sequence = None;
         Ok(())
     }
 
-    /// A part of a tick.
+    /// Records a part of a tick.
     pub(super) fn inputs(&mut self, part: &TickInputs) -> anyhow::Result<()> {
         let sequence = part.stamp.sequence;
         match self.next_sequence {
@@ -130,19 +130,19 @@ impl Recording {
         self.next_sequence = Some(sequence + 1);
         self.tally.parts += 1;
         self.last = part.stamp;
-        if self.follows {
-            self.follow(|follower| follower.take(part));
+        if self.is_followed {
+            self.update_follower(|follower| follower.update(part));
         }
         self.writer.write(part)
     }
 
-    /// What cannot be followed is recorded all the same, and told once.
-    fn follow(&mut self, what: impl FnOnce(&mut dyn Follower) -> anyhow::Result<()>) {
+    /// Passes data to the follower. If it fails, recording continues and one warning is logged.
+    fn update_follower(&mut self, what: impl FnOnce(&mut dyn Follower) -> anyhow::Result<()>) {
         let Some(follower) = &mut self.follower else {
             return;
         };
         let followed = what(&mut **follower);
-        self.follows = followed.is_ok();
+        self.is_followed = followed.is_ok();
         if let Err(error) = followed {
             tracing::warn!(
                 "later files of this run cannot be replayed without those before them: {error:#}"
@@ -150,9 +150,9 @@ impl Recording {
         }
     }
 
-    /// Flushes when it is time, and goes on in another file when this one is large. False when the disk budget is used
-    /// up.
-    pub(super) fn keep_up(&mut self) -> anyhow::Result<bool> {
+    /// Flushes when due, and begins the next file when this one is large. Returns false when the
+    /// disk budget is used up.
+    pub(super) fn flush_and_rotate(&mut self) -> anyhow::Result<bool> {
         if self.flushed.elapsed() < FLUSH && self.writer.unflushed() < self.flush_bytes() {
             return Ok(true);
         }
@@ -167,7 +167,7 @@ impl Recording {
         Ok(self.bounds.total_bytes.is_none_or(|bytes| total < bytes))
     }
 
-    /// Small bounds are looked at as often as they can be reached.
+    /// Returns the flush size. Small limits are checked as often as they can be reached.
     fn flush_bytes(&self) -> u64 {
         let bounds = [self.bounds.file_bytes, self.bounds.total_bytes];
         bounds.into_iter().flatten().fold(FLUSH_BYTES, u64::min)
@@ -203,20 +203,20 @@ impl Recording {
             let Some((oldest, _)) = self.closed.pop_front() else {
                 break;
             };
-            // A file that someone else removed is removed as well.
+            // A file that another program removed needs no removal.
             let _ = std::fs::remove_file(oldest);
         }
-        self.introduce()
+        self.write_origin()
     }
 
     fn is_within_tick(&self) -> bool {
-        let follower = self.follower.as_ref().filter(|_| self.follows);
+        let follower = self.follower.as_ref().filter(|_| self.is_followed);
         follower.is_some_and(|follower| follower.is_within_tick())
     }
 
-    /// Writes what the run's next part goes on from.
+    /// Writes the state from which the next part continues.
     fn write_state(&mut self) -> anyhow::Result<()> {
-        let follower = self.follower.as_ref().filter(|_| self.follows);
+        let follower = self.follower.as_ref().filter(|_| self.is_followed);
         let state = follower.map(|follower| follower.state()).transpose()?;
         match state.flatten() {
             Some(state) => self.writer.write_state(&self.last, &state),
@@ -224,8 +224,8 @@ impl Recording {
         }
     }
 
-    /// Writes where the file comes from.
-    fn introduce(&mut self) -> anyhow::Result<()> {
+    /// Writes the origin of the file.
+    fn write_origin(&mut self) -> anyhow::Result<()> {
         let Some(run) = &self.run else { return Ok(()) };
         if let Some(robot) = robot_metadata(run) {
             self.writer.describe(&robot)?;
@@ -242,7 +242,7 @@ impl Recording {
     }
 }
 
-/// The name of a later file: `grasp.mcap`, `grasp-001.mcap`, …
+/// Returns the name of a later file: `grasp.mcap`, `grasp-001.mcap`, …
 fn part(out: &Path, number: u32) -> PathBuf {
     let text =
         |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();

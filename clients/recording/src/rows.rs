@@ -1,59 +1,62 @@
-//! A recording as one row per tick: what its streams have of the tick, joined.
+//! Rows of a recording: all streams joined, one row per tick.
 //!
-//! * **In:** the files of one run, in order. **Out:** rows in the order of their ticks; beside them how the run began, and
-//!   the clock that turns sensor time into wall-clock time.
-//! * **Invariants:** memory is bounded. A row has what was recorded of its tick and nothing else: a hand without a new frame
-//!   has none.
+//! * **Input:** files of one run, in order. **Outputs:** rows in the order of their ticks; the run
+//!   header; the clock that converts sensor time to wall-clock time.
+//! * **Invariants:** memory is bounded. A row contains only data recorded in its tick: a hand
+//!   without a new frame has none.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use atas_client::goal_summary::begins;
 use mcap::records::Metadata;
 use robot_model::RobotFiles;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
-    GoalRequest, HandFrame, JointCommand, JointState, ModuleEvent, OrderKind, RunHeader, Status,
-    StatusFlags, TickInputs, TickReport,
+    EventKind, GoalRequest, HandFrame, JointCommand, JointState, ModuleEvent, OrderKind, RunHeader,
+    Status, StatusFlags, Text, TickInputs, TickReport,
 };
 
 use crate::clock::Clock;
-use crate::origin::carried_robot;
+use crate::origin::robot_from_metadata;
 use crate::reader::{Entry, Reader, payload};
 
-/// Ticks that may wait for the rest of what is known of them: the recorder looks at one stream after another, a
-/// millisecond apart (ours: a second at 1 kHz).
+/// Number of ticks that wait for late data: the recorder polls one stream after another, a
+/// millisecond apart. Design choice: a second at 1 kHz.
 const WAITING: usize = 1024;
 
-/// What one tick was and did.
+/// Data of one tick.
 #[derive(Debug, Default)]
 pub struct Row {
     /// Index of the tick.
     pub tick: u64,
-    /// Its time, sensor time, ns.
+    /// Sensor time of the tick, ns.
     pub captured_ns: u64,
-    /// What it made of what came in.
+    /// Report of the tick.
     pub report: Option<Box<TickReport>>,
-    /// What came in and what went out; `None` unless the daemon ran with `--record-stream`.
+    /// Inputs and command; `None` unless the daemon ran with `--record-stream`.
     pub inputs: Option<Box<RowInputs>>,
-    /// What happened in it.
+    /// Events of the tick.
     pub events: Vec<ModuleEvent>,
+    /// Name of each hand's step during a goal, from the events so far; empty without a goal.
+    pub steps: [Text<16>; HANDS],
 }
 
-/// What came in and what went out.
+/// Inputs and command of a tick.
 #[derive(Debug, Default)]
 pub struct RowInputs {
-    /// The newest frame of each hand, if one came.
+    /// Newest frame of each hand, if one arrived.
     pub frames: [Option<HandFrame>; HANDS],
-    /// The joint state, if one came.
+    /// Joint state, if one arrived.
     pub joints: Option<JointState>,
-    /// The goal that was asked for, if one was.
+    /// Goal request, if there was one.
     pub goal: Option<GoalRequest>,
-    /// The command.
+    /// Published command.
     pub command: JointCommand,
 }
 
-/// The rows of a run.
+/// Rows of a run.
 pub struct Rows {
     files: VecDeque<PathBuf>,
     entries: Reader,
@@ -61,15 +64,18 @@ pub struct Rows {
     header: Option<Box<RunHeader>>,
     robot: Option<RobotFiles>,
     clock: Clock,
-    told_goals: Vec<Status>,
+    goal_statuses: Vec<Status>,
     has_ended: bool,
+    /// Steps after the last returned row.
+    steps: [Text<16>; HANDS],
 }
 
 impl Rows {
-    /// Opens the files of one run and reads as far as the first tick.
+    /// Opens the files of one run and reads up to the first tick.
     ///
     /// # Errors
-    /// The first file cannot be opened or is damaged before its first tick, or there is no tick in any of them.
+    /// The first file cannot be opened or is damaged before its first tick, or no file contains a
+    /// tick.
     pub fn open(files: &[PathBuf]) -> anyhow::Result<Self> {
         let mut files: VecDeque<PathBuf> = files.iter().cloned().collect();
         let first = files.pop_front().context("no recording was named")?;
@@ -80,44 +86,45 @@ impl Rows {
             header: None,
             robot: None,
             clock: Clock::default(),
-            told_goals: Vec::new(),
+            goal_statuses: Vec::new(),
             has_ended: false,
+            steps: [Text::default(); HANDS],
         };
         while rows.waiting.is_empty() && rows.take_entry()? {}
         let first_ns = rows.waiting.values().next().map(|row| row.captured_ns);
-        let first_ns = first_ns.with_context(|| nothing_in(&first))?;
+        let first_ns = first_ns.with_context(|| no_tick_error(&first))?;
         let is_virtual = rows
             .header()
             .is_some_and(|h| h.flags & StatusFlags::LOCKSTEP != 0);
-        rows.clock.settle(first_ns, is_virtual);
+        rows.clock.set_offset(first_ns, is_virtual);
         Ok(rows)
     }
 
-    /// How the run began; `None` if nobody said so.
+    /// Returns the run header, if recorded.
     #[must_use]
     pub fn header(&self) -> Option<&RunHeader> {
         self.header.as_deref()
     }
 
-    /// The robot's files, if the recording carries them.
+    /// Returns the robot's files, if the recording contains them.
     #[must_use]
     pub fn robot(&self) -> Option<&RobotFiles> {
         self.robot.as_ref()
     }
 
-    /// From sensor time to wall-clock time.
+    /// Returns the conversion from sensor time to wall-clock time.
     #[must_use]
     pub fn clock(&self) -> Clock {
         self.clock
     }
 
-    /// Of each goal that was read of so far the first status that tells of it.
+    /// Returns, for each goal read so far, the first status that contains it.
     #[must_use]
-    pub fn told_goals(&self) -> &[Status] {
-        &self.told_goals
+    pub fn goal_statuses(&self) -> &[Status] {
+        &self.goal_statuses
     }
 
-    /// Reads on by one entry; false at the end of the last file.
+    /// Reads one entry; returns false at the end of the last file.
     fn take_entry(&mut self) -> anyhow::Result<bool> {
         match self.entries.next().transpose()? {
             Some(Entry::Message(message)) => self.take_message(&message)?,
@@ -138,7 +145,7 @@ impl Rows {
             let row = self.row(report.tick, report.stamp.captured_ns);
             row.report = Some(report);
         } else if let Some(event) = payload::<ModuleEvent>(message)? {
-            // The bus keeps old events for who comes late; those of ticks that are not recorded have no row.
+            // The bus keeps old events for late readers. Events of unrecorded ticks have no row.
             if self
                 .waiting
                 .first_key_value()
@@ -151,9 +158,12 @@ impl Rows {
         } else if let Some(header) = payload::<RunHeader>(message)? {
             self.header.get_or_insert(header);
         } else if let Some(status) = payload::<Status>(message)? {
-            let last_id = self.told_goals.last().map_or(0, |told| told.goal_id);
+            let last_id = self
+                .goal_statuses
+                .last()
+                .map_or(0, |reported| reported.goal_id);
             if status.goal_id != last_id && status.goal_id != 0 {
-                self.told_goals.push(*status);
+                self.goal_statuses.push(*status);
             }
         }
         Ok(())
@@ -161,9 +171,9 @@ impl Rows {
 
     fn take_metadata(&mut self, metadata: &Metadata) {
         if metadata.name == crate::rotation::ORIGIN {
-            self.clock.learn(&metadata.metadata);
+            self.clock.read_metadata(&metadata.metadata);
         }
-        if let Some(robot) = carried_robot(metadata) {
+        if let Some(robot) = robot_from_metadata(metadata) {
             self.robot = Some(robot);
         }
     }
@@ -209,13 +219,31 @@ impl Iterator for Rows {
                 }
             }
         }
-        self.waiting.pop_first().map(|(_, row)| Ok(row))
+        let (_, mut row) = self.waiting.pop_first()?;
+        for event in &row.events {
+            update_steps(&mut self.steps, event);
+        }
+        row.steps = self.steps;
+        Some(Ok(row))
     }
 }
 
-fn nothing_in(path: &Path) -> String {
+/// Updates the step names with an event. The first step is reported before its goal runs.
+fn update_steps(steps: &mut [Text<16>; HANDS], event: &ModuleEvent) {
+    match event.kind {
+        EventKind::STEP => {
+            if let Some(step) = event.hand.index().and_then(|hand| steps.get_mut(hand)) {
+                *step = event.text;
+            }
+        }
+        EventKind::GOAL if !begins(event) => *steps = Default::default(),
+        _ => {}
+    }
+}
+
+fn no_tick_error(path: &Path) -> String {
     format!(
-        "could not find a tick in {}; record a daemon that ticks: `atas record`, then `atasd --record-stream`",
+        "could not find a tick in {}; start `atas record` first, then `atasd --record-stream`",
         path.display()
     )
 }

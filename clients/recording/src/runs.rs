@@ -1,19 +1,19 @@
-//! Which of several files belong to one run of the daemon.
+//! Assignment of files to runs of the daemon.
 
 use std::path::PathBuf;
 
 use crate::rows::Rows;
 
-/// Sorts files into runs: a file that goes on with the run of the file before it belongs to that.
+/// Groups files by run. A file that continues the run of the previous file belongs to that run.
 ///
 /// # Errors
-/// A file cannot be read as far as its first tick.
+/// A file cannot be read up to its first tick.
 pub fn runs(files: &[PathBuf]) -> anyhow::Result<Vec<Vec<PathBuf>>> {
     let mut runs: Vec<Vec<PathBuf>> = Vec::new();
     let mut before = None;
     for file in files {
         let rows = Rows::open(std::slice::from_ref(file))?;
-        // When the daemon started, and its process.
+        // Start time of the daemon, and its process.
         let begun = rows
             .header()
             .map(|header| (header.stamp.captured_ns, header.stamp.writer_epoch));
@@ -36,7 +36,7 @@ mod tests {
     use super::*;
     use crate::rotation::{Bounds, Recording};
 
-    /// A recording of one tick of a daemon that started at this time.
+    /// Creates a recording of one tick of a daemon that started at this time.
     fn recorded(out: &Path, started_ns: u64) -> PathBuf {
         let bounds = Bounds {
             file_bytes: None,
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_goes_on_with_a_run_belongs_to_it() {
+    fn continuing_file_belongs_to_its_run() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = |name: &str, started_ns| recorded(&folder.path().join(name), started_ns);
         let [first, on, other] = [file("a.mcap", 5), file("a-001.mcap", 5), file("b.mcap", 9)];

@@ -1,11 +1,11 @@
-//! What is told of a recorded payload in its file: every field's place, type, shape, unit and meaning, so that the bytes can be
-//! read where nothing of ATAS is at hand.
+//! Schemas of recorded payloads: place, type, shape, unit and meaning of every field, as text in
+//! the file. A reader can decode the bytes without ATAS.
 
 use std::collections::HashSet;
 
 use shm_schemas::schema::{CodeType, Field, PayloadType, Type};
 
-/// What a schema begins with.
+/// Header of a schema.
 const HEAD: &str = "\
 # Plain bytes, little-endian, without gaps. A payload: its name, its bytes, then a line for each field:
 #   name: offset, bytes, type, shape, unit: meaning
@@ -13,9 +13,9 @@ const HEAD: &str = "\
 # A code is a u32; its values stand below. A text is UTF-8, filled up with zeros.
 ";
 
-/// Units by what a field's name is or ends in, the longest first.
+/// Units by name or suffix of a field, the longest first.
 const UNITS: [(&str, &str); 18] = [
-    // Of joints: in metres where one slides.
+    // Joint values: in metres for a prismatic joint.
     ("stiffness_n_m_rad", "N·m/rad; N/m of a joint that slides"),
     ("velocity_rad_s", "rad/s; m/s of a joint that slides"),
     ("commanded_rad", "rad; m of a joint that slides"),
@@ -36,17 +36,17 @@ const UNITS: [(&str, &str); 18] = [
     ("bytes", "bytes"),
 ];
 
-/// The schema of a payload with those of all that is in it.
+/// Returns the schema of a payload and of all its parts.
 pub(crate) fn schema(of: &'static PayloadType) -> String {
     let mut text = HEAD.to_owned();
-    let mut told = HashSet::new();
-    describe(of, &mut text, &mut told);
+    let mut reported = HashSet::new();
+    describe(of, &mut text, &mut reported);
     text
 }
 
-/// A payload, then what it is made of, each once.
-fn describe(of: &'static PayloadType, text: &mut String, told: &mut HashSet<&'static str>) {
-    *text += &format!("\n{}: {} bytes: {}\n", of.wire, of.size, words(of.about));
+/// Describes a payload, then its parts, each once.
+fn describe(of: &'static PayloadType, text: &mut String, reported: &mut HashSet<&'static str>) {
+    *text += &format!("\n{}: {} bytes: {}\n", of.wire, of.size, words(of.doc));
     let mut parts = Vec::new();
     for field in of.fields {
         let (element, shape) = element(&field.kind);
@@ -57,32 +57,27 @@ fn describe(of: &'static PayloadType, text: &mut String, told: &mut HashSet<&'st
             field.size,
             name(element),
             unit(field),
-            words(field.about)
+            words(field.doc)
         );
         parts.push(element);
     }
     for part in parts {
         match part {
-            Type::Payload(part) if told.insert(part.name) => describe(part, text, told),
-            Type::Code(code) if told.insert(code.name) => values(code, text),
+            Type::Payload(part) if reported.insert(part.name) => describe(part, text, reported),
+            Type::Code(code) if reported.insert(code.name) => values(code, text),
             _ => {}
         }
     }
 }
 
 fn values(code: &CodeType, text: &mut String) {
-    *text += &format!("\n{}: a code: {}\n", code.name, words(code.about));
+    *text += &format!("\n{}: a code: {}\n", code.name, words(code.doc));
     for value in code.values {
-        *text += &format!(
-            "  {}: {}: {}\n",
-            value.number,
-            value.text,
-            words(value.about)
-        );
+        *text += &format!("  {}: {}: {}\n", value.number, value.text, words(value.doc));
     }
 }
 
-/// What an array is made of in the end, and how many of it in each direction.
+/// Returns the element type of an array and its dimensions.
 fn element(kind: &'static Type) -> (&'static Type, Vec<usize>) {
     let (mut kind, mut shape) = (kind, Vec::new());
     while let Type::Array(of, count) = kind {
@@ -105,7 +100,7 @@ fn name(of: &Type) -> String {
     }
 }
 
-/// The unit that a field's name says.
+/// Returns the unit from the name of a field.
 fn unit(field: &Field) -> &'static str {
     let found = UNITS
         .iter()
@@ -125,8 +120,9 @@ mod tests {
     use super::*;
     use crate::payloads::RECORDED;
 
-    /// Numbers that have no unit: shares, counts, directions, and values whose unit another field names.
-    const PLAIN: [&str; 11] = [
+    /// Numbers without a unit: fractions, counts, directions, and values whose unit another field
+    /// names.
+    const UNITLESS: [&str; 11] = [
         "utilisation",
         "utilisation_now",
         "friction",
@@ -141,7 +137,7 @@ mod tests {
     ];
 
     #[test]
-    fn a_schema_tells_types_shapes_units_and_what_is_in_it() {
+    fn schema_lists_types_shapes_units_and_meaning() {
         let schema = schema(TickInputs::SCHEMA);
         let size = size_of::<TickInputs>();
         for part in [
@@ -164,12 +160,12 @@ mod tests {
     }
 
     #[test]
-    fn every_measured_number_of_a_recording_has_its_unit() {
+    fn every_measured_number_has_a_unit() {
         fn look(of: &'static PayloadType) {
             for field in of.fields {
                 match element(&field.kind).0 {
                     Type::F32 | Type::F64 => assert!(
-                        unit(field) != "-" || PLAIN.contains(&field.name),
+                        unit(field) != "-" || UNITLESS.contains(&field.name),
                         "{}.{} has no unit in its name",
                         of.name,
                         field.name

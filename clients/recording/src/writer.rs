@@ -1,4 +1,4 @@
-//! One MCAP file being written.
+//! Writer of one MCAP file.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{File, OpenOptions};
@@ -15,18 +15,18 @@ use super::follower;
 use super::payloads::{POD, Recorded};
 use super::schema::schema;
 
-/// Bytes that are compressed together (ours: a tenth of a second at 1 kHz).
+/// Bytes per compressed chunk. Design choice: a tenth of a second at 1 kHz.
 const CHUNK_BYTES: u64 = 1 << 20;
-/// Level of zstd (ours: the fastest; frames are mostly noise, which no level compresses).
+/// Level of zstd. Design choice: the fastest; frames are mostly noise, which no level compresses.
 const LEVEL: u32 = 1;
 /// Schema of JSON messages: any object.
 const ANY_OBJECT: &[u8] = br#"{"type":"object"}"#;
 
-/// Schema of a state, for whoever wonders.
+/// Schema of a state.
 const ANY_STATE: &[u8] =
     b"a map of the controller's fields by their names, of the version in the field `version`";
 
-/// An open file. Dropping it writes the footer, as far as the disk lets it.
+/// Open file. Dropping it writes the footer if the disk permits.
 pub(super) struct Writer {
     mcap: mcap::Writer<BufWriter<File>>,
     channels: HashMap<&'static str, u16>,
@@ -36,7 +36,7 @@ pub(super) struct Writer {
 }
 
 impl Writer {
-    /// Makes a new file; never touches one that exists.
+    /// Creates a new file; never overwrites one.
     pub(super) fn create(path: &Path) -> anyhow::Result<Self> {
         let file = OpenOptions::new().write(true).create_new(true).open(path);
         let file = file.with_context(|| format!("could not make the file {}", path.display()))?;
@@ -79,7 +79,7 @@ impl Writer {
         self.message(channel, stamp, value.to_string().as_bytes())
     }
 
-    /// Writes a controller's state, encoded, that the next part goes on from.
+    /// Writes the encoded controller state from which the next part continues.
     pub(super) fn write_state(&mut self, last: &Stamp, state: &[u8]) -> anyhow::Result<()> {
         let schema = || ("atas.ControllerState", ANY_STATE.to_vec());
         let channel = self.channel(follower::TOPIC, follower::ENCODING, "text", schema)?;
@@ -96,20 +96,21 @@ impl Writer {
         self.done(|mcap| mcap.write_metadata(metadata))
     }
 
-    /// Bytes of messages since the last flush, before compression: what the file can have grown by at most.
+    /// Returns the bytes of messages since the last flush, before compression: an upper bound of
+    /// the growth of the file.
     pub(super) fn unflushed(&self) -> u64 {
         self.unflushed
     }
 
-    /// Gives everything to the operating system, such that the end of this process loses nothing of it. Returns the
-    /// size of the file.
+    /// Passes all data to the operating system, so that the end of this process loses nothing.
+    /// Returns the size of the file.
     pub(super) fn flush(&mut self) -> anyhow::Result<u64> {
         self.done(mcap::Writer::flush)?;
         self.unflushed = 0;
         self.size()
     }
 
-    /// Writes the footer, and returns the size of the file.
+    /// Writes the footer and returns the size of the file.
     pub(super) fn finish(mut self) -> anyhow::Result<u64> {
         self.done(|mcap| mcap.finish().map(|_summary| ()))?;
         self.size()
@@ -144,7 +145,7 @@ impl Writer {
         self.unflushed += data.len() as u64;
         let header = MessageHeader {
             channel_id,
-            // The format has 32 bits for it; the stamp in the message has all.
+            // The format has 32 bits; the stamp in the message has all.
             sequence: stamp.sequence as u32,
             log_time: stamp.captured_ns,
             publish_time: stamp.captured_ns,

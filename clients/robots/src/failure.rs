@@ -1,43 +1,34 @@
-//! Everything that ends a robot process early, and the exit code it ends with.
-//!
-//! | code | meaning |
-//! |---|---|
-//! | 0 | stopped by SIGINT or SIGTERM; the servos hold |
-//! | 1 | standard output could not be written; a closed pipe is no failure |
-//! | 2 | the command line makes no sense, or a file could not be written |
-//! | 3 | the servo map makes no sense |
-//! | 4 | a servo or its port does not answer as the map says |
-//! | 6 | the bus could not be used |
-//!
-//! The codes are stable: service managers and scripts may act on them. They agree with those of `atas-sensor` where both have
-//! the case.
+//! Failures of `atas-robot` and their exit codes.
 
 use std::fmt::Write as _;
 
-/// Why a robot process could not go on.
+use atas_process::exit::Exit;
+use shm_bus::BusError;
+
+/// Cause of a failure.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// Standard output failed.
     #[error("could not write to standard output: {0}")]
     Output(#[source] std::io::Error),
-    /// Arguments that contradict each other, or a file that could not be written.
+    /// Contradictory arguments, or a file that could not be written.
     #[error("{0}")]
     Usage(String),
-    /// Everything that is wrong with a servo map.
+    /// All errors of a servo map.
     #[error("could not use the servo map {file}:{}", listed(findings))]
     Map {
-        /// The file that was given.
+        /// Path of the servo map.
         file: String,
-        /// What is wrong, each with its place.
+        /// Errors, each with its location.
         findings: Vec<String>,
     },
-    /// A servo, or its port, does not answer as the map says.
+    /// A servo or port does not match the map, or does not reply.
     #[error("{0}")]
     Servos(String),
-    /// The bus refused.
+    /// Bus failure.
     #[error("{0}")]
-    Bus(#[source] shm_bus::BusError),
+    Bus(#[source] BusError),
 }
 
 fn listed(findings: &[String]) -> String {
@@ -49,18 +40,16 @@ fn listed(findings: &[String]) -> String {
 }
 
 impl Failure {
-    /// The exit code of what could not be printed.
-    pub const UNWRITTEN: u8 = 1;
-
-    /// The exit code that stands for this failure.
+    /// Returns the exit code.
     #[must_use]
-    pub fn exit_code(&self) -> u8 {
+    pub fn exit_code(&self) -> Exit {
         match self {
-            Self::Output(_) => Self::UNWRITTEN,
-            Self::Usage(_) => 2,
-            Self::Map { .. } => 3,
-            Self::Servos(_) => 4,
-            Self::Bus(_) => 6,
+            Self::Output(_) => Exit::Failed,
+            Self::Usage(_) => Exit::Usage,
+            Self::Map { .. } => Exit::Input,
+            Self::Servos(_) => Exit::Device,
+            Self::Bus(error) if error.is_in_use() => Exit::InUse,
+            Self::Bus(_) => Exit::Bus,
         }
     }
 }

@@ -1,28 +1,28 @@
-//! The joints of the robot that the daemon moves: their order in every payload, and what each may do.
+//! Joints of the daemon's robot: order and limits.
 //!
-//! The only place here that knows a robot; the servo map says which servo moves which of them.
+//! The only module here that reads the robot model. The servo map assigns a servo to each joint.
 
 use robot_model::RobotModel;
 
 /// One joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// Its name in the URDF and in the servo map.
+    /// Name in the URDF and in the servo map.
     pub name: String,
     /// Lower position limit, rad.
     pub lower_rad: f64,
     /// Upper position limit, rad.
     pub upper_rad: f64,
-    /// Top speed, rad/s.
+    /// Maximum speed, rad/s.
     pub speed_max_rad_s: f64,
 }
 
-/// The joints of a robot in the order of [`JointState`](shm_schemas::JointState): one that ships, or that of a robot file, as
-/// the daemon is told.
+/// Returns the joints of a built-in robot or of a robot file, in the order of
+/// [`JointState`](shm_schemas::JointState).
 ///
 /// # Errors
-/// If there is no such robot, or its files are not understood.
-pub fn of(robot: &str) -> Result<Vec<Joint>, String> {
+/// If the robot does not exist or its files are invalid.
+pub fn load(robot: &str) -> Result<Vec<Joint>, String> {
     Ok(RobotModel::find(robot)
         .map_err(|error| error.to_string())?
         .joints()

@@ -13,6 +13,6 @@ fn main() -> ExitCode {
         Ok(Arguments { verb }) => {
             atas_process::run(PROGRAM, || commands::run(verb), Failure::exit_code)
         }
-        Err(error) => command_line::end(PROGRAM, &error, Failure::UNWRITTEN),
+        Err(error) => command_line::exit_without_work(PROGRAM, &error),
     }
 }

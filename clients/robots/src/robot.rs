@@ -1,65 +1,66 @@
-//! The robot as the daemon sees it: commands in, joint states out, whatever its ports are doing.
+//! The robot as seen by the daemon: executes commands and reports joint states.
 //!
-//! * **In:** [`Report`]s of the ports and [`JointCommand`]s. **Out:** joint states, and the positions that the servos shall hold. No
-//!   clock, no port, no bus: time is an argument.
-//! * **A joint state says that every joint was read and holds.** While one is in doubt there are none: the daemon holds when the
-//!   newest is older than `intake.hold_age_s`. Commands move nothing meanwhile; every servo that can goes on holding.
-//! * **After trouble it is another robot:** its states have a new epoch, it holds what its servos hold, and obeys from there. The daemon
-//!   then begins anew from what is told, so that nothing jumps to where a servo was before it lost its power.
-//! * **Obeyed** is what [`Obedience`] lets pass and what lies within every joint's limits. On expiry the last positions stay, with
-//!   torque; that needs nobody to do anything.
+//! * **Input:** port [`Report`]s and [`JointCommand`]s. **Output:** joint states and servo
+//!   positions. No clock, ports or bus: time is an argument.
+//! * **A joint state implies that every joint was read and holds.** While a port fails, no states
+//!   are sent, and the daemon holds once the newest exceeds `intake.hold_age_s`. Commands are
+//!   rejected meanwhile; working servos keep holding.
+//! * **Recovery starts a new epoch:** the robot holds the servos' positions, and the daemon
+//!   restarts from them. No joint jumps to its position before the failure.
+//! * **Accepted commands** pass [`CommandValidator`] and all joint limits. When the last command
+//!   expires, the servos keep its positions with torque.
 
 use shm_schemas::capacity::JOINTS;
-use shm_schemas::{Accepted, JointCommand, JointState, Obedience, Orders, Stamp};
+use shm_schemas::{Accepted, CommandValidator, JointCommand, JointSetpoints, JointState, Stamp};
 
 use crate::joints::Joint;
 use crate::map::JointReading;
 use crate::port::Report;
 
-/// How far outside its limits a command may order a joint, rad: rounding.
+/// Tolerance of the joint limits, rad, for rounding errors.
 const LIMIT_MARGIN_RAD: f64 = 1e-6;
 
-/// What became of a report.
+/// Effect of a report.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Nothing new.
+    /// No change.
     None,
-    /// From now on all joints hold: states begin.
-    Whole,
-    /// From now on there are no states, for this reason.
-    Broken(String),
-    /// Another reason than before why there are none.
-    StillBroken(String),
+    /// All joints hold: states start.
+    Ready,
+    /// States stop, for this reason.
+    Failed(String),
+    /// States remain stopped, for a new reason.
+    FailedAgain(String),
 }
 
-/// The robot.
+/// State of the robot.
 #[derive(Debug)]
 pub struct Robot {
     joints: Vec<Joint>,
     ports: Vec<PortState>,
     readings: [JointReading; JOINTS],
     held_rad: [f64; JOINTS],
-    /// Who judges commands; nobody while a joint is in doubt.
-    obedience: Option<Obedience>,
-    obeyed: Option<Accepted>,
+    /// Validator of commands; `None` while a port fails.
+    validator: Option<CommandValidator>,
+    accepted: Option<Accepted>,
     stamp: Stamp,
     draw_epoch: fn() -> u64,
-    refused: u64,
+    rejected: u64,
 }
 
-/// What is known of one port.
+/// State of one port.
 #[derive(Clone, Debug, Default)]
 struct PortState {
-    life: u32,
-    /// Why it does not hold; at first because nothing was heard of it.
-    trouble: Option<String>,
+    session: u32,
+    /// Reason why the port does not hold; `None` before its first report.
+    failure: Option<String>,
     holds: bool,
-    /// When its readings that nobody was told of yet were taken.
+    /// Time of readings that no joint state contains yet.
     fresh_ns: Option<u64>,
 }
 
 impl Robot {
-    /// A robot of so many ports, of which nothing is known. Epochs are drawn from `draw_epoch`.
+    /// Creates a robot without reports. `draw_epoch` returns new epochs.
     #[must_use]
     pub fn new(joints: Vec<Joint>, ports: usize, draw_epoch: fn() -> u64) -> Self {
         Self {
@@ -67,27 +68,30 @@ impl Robot {
             ports: vec![PortState::default(); ports],
             readings: [JointReading::default(); JOINTS],
             held_rad: [0.0; JOINTS],
-            obedience: None,
-            obeyed: None,
+            validator: None,
+            accepted: None,
             stamp: Stamp::default(),
             draw_epoch,
-            refused: 0,
+            rejected: 0,
         }
     }
 
-    /// Takes in what a port reports.
+    /// Processes the report of a port.
     pub fn report(&mut self, port: usize, report: Report) -> Change {
         match report {
-            Report::Holding { life, held_rad } => {
+            Report::Holding {
+                session: life,
+                held_rad,
+            } => {
                 for (joint, position_rad) in held_rad {
                     self.held_rad[joint] = position_rad;
                 }
                 self.ports[port] = PortState {
-                    life,
+                    session: life,
                     holds: true,
                     ..PortState::default()
                 };
-                self.begin_if_whole()
+                self.start_if_ready()
             }
             Report::Read {
                 captured_ns,
@@ -99,11 +103,11 @@ impl Robot {
                 self.ports[port].fresh_ns = Some(captured_ns);
                 Change::None
             }
-            Report::Trouble(why) => self.break_off(port, why),
+            Report::Failure(why) => self.stop_states(port, why),
         }
     }
 
-    fn begin_if_whole(&mut self) -> Change {
+    fn start_if_ready(&mut self) -> Change {
         if !self.ports.iter().all(|port| port.holds) {
             return Change::None;
         }
@@ -113,8 +117,8 @@ impl Robot {
             .map(|joint| joint.speed_max_rad_s)
             .collect();
         let held_rad = &self.held_rad[..self.joints.len()];
-        self.obedience = Some(Obedience::at(held_rad, &speeds));
-        self.obeyed = None;
+        self.validator = Some(CommandValidator::new(held_rad, &speeds));
+        self.accepted = None;
         self.stamp = Stamp {
             writer_epoch: (self.draw_epoch)(),
             ..Stamp::default()
@@ -122,47 +126,47 @@ impl Robot {
         for port in &mut self.ports {
             port.fresh_ns = None;
         }
-        Change::Whole
+        Change::Ready
     }
 
-    fn break_off(&mut self, port: usize, why: String) -> Change {
-        let known = self.ports[port].trouble.as_ref() == Some(&why);
+    fn stop_states(&mut self, port: usize, why: String) -> Change {
+        let known = self.ports[port].failure.as_ref() == Some(&why);
         self.ports[port] = PortState {
-            trouble: Some(why.clone()),
+            failure: Some(why.clone()),
             ..PortState::default()
         };
-        if self.obedience.take().is_some() {
-            // What was ordered last is what the servos of the other ports hold.
-            return Change::Broken(why);
+        if self.validator.take().is_some() {
+            // The servos of the other ports hold the last set-points.
+            return Change::Failed(why);
         }
         if known {
             Change::None
         } else {
-            Change::StillBroken(why)
+            Change::FailedAgain(why)
         }
     }
 
-    /// Takes in a command; whether it is obeyed.
+    /// Processes a command; returns whether it is accepted.
     pub fn command(&mut self, command: &JointCommand, now_ns: u64) -> bool {
-        // Before the daemon knows the joints its commands are for none: they answer, and move nothing.
+        // Without joints, the daemon does not know the robot yet: the command is only an answer.
         if command.joint_count == 0 {
             return false;
         }
         let within = self.is_within_limits(command);
-        let accepted = match &mut self.obedience {
+        let accepted = match &mut self.validator {
             Some(obedience) if within => obedience.accept(command, now_ns),
             _ => None,
         };
         let Some(accepted) = accepted else {
-            self.refused = self.refused.saturating_add(1);
+            self.rejected = self.rejected.saturating_add(1);
             return false;
         };
-        self.held_rad = accepted.orders.position_rad;
-        self.obeyed = Some(accepted);
+        self.held_rad = accepted.setpoints.position_rad;
+        self.accepted = Some(accepted);
         true
     }
 
-    /// False for NaN.
+    /// Returns false for NaN.
     fn is_within_limits(&self, command: &JointCommand) -> bool {
         self.joints
             .iter()
@@ -173,17 +177,18 @@ impl Robot {
             })
     }
 
-    /// What a port shall hold, and in which of its lives; nothing while a joint is in doubt, or before a command was obeyed.
+    /// Returns the session of a port and the set-points; `None` while a port fails or before the
+    /// first accepted command.
     #[must_use]
-    pub fn orders(&self, port: usize) -> Option<(u32, &[f64; JOINTS])> {
-        self.obedience.as_ref()?;
-        self.obeyed.as_ref()?;
-        Some((self.ports[port].life, &self.held_rad))
+    pub fn setpoints(&self, port: usize) -> Option<(u32, &[f64; JOINTS])> {
+        self.validator.as_ref()?;
+        self.accepted.as_ref()?;
+        Some((self.ports[port].session, &self.held_rad))
     }
 
-    /// A joint state, if every port has read its joints since the last one.
+    /// Returns a joint state if every port has new readings.
     pub fn state(&mut self) -> Option<JointState> {
-        self.obedience.as_ref()?;
+        self.validator.as_ref()?;
         let fresh_ns: Option<Vec<u64>> = self.ports.iter().map(|port| port.fresh_ns).collect();
         let captured_ns = fresh_ns?.into_iter().min()?;
         for port in &mut self.ports {
@@ -197,13 +202,14 @@ impl Robot {
             },
             joint_count: count as u32,
             commanded_count: count as u32,
-            commanded_rad: Orders::holding(&self.held_rad[..count]).position_rad,
-            // Until a command is obeyed, the servos hold what an earlier process, or a taking over, told them.
+            commanded_rad: JointSetpoints::holding(&self.held_rad[..count]).position_rad,
+            // Before the first command, the servos hold positions of an earlier process or of the
+            // take-over.
             command_epoch: self.stamp.writer_epoch,
             ..JointState::default()
         };
-        if let Some(last) = &self.obeyed {
-            last.tell(&mut state);
+        if let Some(last) = &self.accepted {
+            last.write_to(&mut state);
         }
         for (joint, reading) in self.readings[..count].iter().enumerate() {
             state.position_rad[joint] = reading.position_rad;
@@ -215,9 +221,9 @@ impl Robot {
         Some(state)
     }
 
-    /// Commands that were refused.
+    /// Returns the number of rejected commands.
     #[must_use]
-    pub fn refused(&self) -> u64 {
-        self.refused
+    pub fn rejected(&self) -> u64 {
+        self.rejected
     }
 }

@@ -1,8 +1,10 @@
-//! Every sensor's decoder at full speed: frames of its emulated peer, one percent of them damaged, on one core.
+//! Throughput of every sensor's decoder on one core, with one percent damaged frames from its
+//! emulated peer.
 //!
-//! `cargo bench -p atas-sensors --bench throughput -- [counts] [FRAMES [SENSOR]]`, 1,000,000 frames by default. Fails when a valid
-//! frame is lost or read wrongly, a damaged one passes or is not accounted for, or the speed is below 50 times the
-//! sensor's real rate; with `counts` the speed, which belongs to the machine, fails nothing. Making the frames is not timed.
+//! Run: `cargo bench -p atas-sensors --bench throughput -- [counts] [FRAMES [SENSOR]]`, 1,000,000
+//! frames by default. Fails if a valid frame is lost or wrong, a damaged one is accepted or not
+//! counted, or the speed is below 50 times the real rate. `counts` disables the speed check, which
+//! depends on the computer. Frame generation is not timed.
 #![expect(clippy::print_stdout, reason = "a bench prints")]
 
 #[path = "../tests/common/peers.rs"]
@@ -11,18 +13,18 @@ mod peers;
 use std::time::{Duration, Instant};
 
 use atas_sensors::cli;
-use atas_sensors::wire::{Driver, Event, Request, SENSORS, SensorType, Way};
+use atas_sensors::wire::{Driver, Event, Interface, Request, SENSORS, SensorType};
 
-/// Different frames; more would be made anew for each pass for nothing.
-const VARIETY: u32 = 10_000;
-/// Of so many frames one is damaged.
-const DAMAGED: u32 = 100;
+/// Distinct frames, repeated by every pass.
+const DISTINCT_FRAMES: u32 = 10_000;
+/// One frame in this many is damaged.
+const DAMAGE_INTERVAL: u32 = 100;
 /// Bytes of one read.
-const READ: usize = 4096;
-/// Least speed, in multiples of the sensor's real rate.
-const LEAST: f64 = 50.0;
-/// The word after which nothing but counts is judged.
-const COUNTS: &str = "counts";
+const READ_BYTES: usize = 4096;
+/// Required speed, in multiples of the sensor's real rate.
+const SPEED_FACTOR_MIN: f64 = 50.0;
+/// Argument that disables the speed check.
+const COUNTS_ONLY: &str = "counts";
 
 fn main() {
     // Cargo passes its own options, beginning with dashes.
@@ -30,10 +32,12 @@ fn main() {
         .skip(1)
         .filter(|word| !word.starts_with('-'))
         .peekable();
-    let least = words.next_if_eq(COUNTS).map_or(LEAST, |_| 0.0);
-    let frames: u32 = words
-        .next()
-        .map_or(1_000_000, |word| word.parse().expect("a number"));
+    let least = words
+        .next_if_eq(COUNTS_ONLY)
+        .map_or(SPEED_FACTOR_MIN, |_| 0.0);
+    let frames: u32 = words.next().map_or(1_000_000, |word| {
+        word.parse().expect("an integer number of frames")
+    });
     let only = words.next();
     println!(
         "{:<12} {:>10} {:>8} {:>9} {:>10} {:>12} {:>8}",
@@ -53,33 +57,34 @@ fn main() {
 
 fn driver(sensor: &SensorType) -> Box<dyn Driver> {
     let line = ["atas-sensor", sensor.name, "--device", "-", "--dry-run"];
-    let matches = cli::command().try_get_matches_from(line).expect("sound");
+    let matches = cli::command()
+        .try_get_matches_from(line)
+        .expect("a valid command line");
     let request = Request {
-        rate_hz: sensor.rate_hz.parse().expect("a number"),
+        rate_hz: sensor.rate_hz.parse().expect("an integer rate"),
         zero: false,
     };
     (sensor.driver)(matches.subcommand().expect("a sensor").1, &request).expect("a driver")
 }
 
-/// Frames as they come, every hundredth of them damaged in one of four ways, and which those are.
+/// Frames of one pass; every hundredth is damaged in one of three ways.
 struct Traffic {
     pieces: Vec<Vec<u8>>,
-    /// Valid frames.
     valid: u64,
     damaged: u64,
 }
 
 fn traffic(sensor: &SensorType) -> Traffic {
     let (mut pieces, mut valid, mut damaged) = (Vec::new(), 0, 0);
-    for n in 0..VARIETY {
+    for n in 0..DISTINCT_FRAMES {
         let frame = peers::frame(sensor.name, n);
-        if n % DAMAGED != DAMAGED / 2 {
+        if n % DAMAGE_INTERVAL != DAMAGE_INTERVAL / 2 {
             valid += 1;
             pieces.push(frame);
             continue;
         }
         damaged += 1;
-        pieces.push(damage(frame, n / DAMAGED));
+        pieces.push(damage(frame, n / DAMAGE_INTERVAL));
     }
     Traffic {
         pieces,
@@ -88,7 +93,7 @@ fn traffic(sensor: &SensorType) -> Traffic {
     }
 }
 
-/// A frame that is no longer valid for certain: cut in the middle, begun in the middle, or with a bad byte at its end.
+/// Removes the second half or the first half of a frame, or overwrites its end with junk.
 fn damage(mut frame: Vec<u8>, way: u32) -> Vec<u8> {
     let middle = frame.len() / 2;
     match way % 3 {
@@ -102,12 +107,12 @@ fn damage(mut frame: Vec<u8>, way: u32) -> Vec<u8> {
     frame
 }
 
-/// Whether the sensor keeps what it promises, at `least` times its real rate.
+/// Measures one sensor; returns whether all checks pass at `least` times the real rate.
 fn measure(sensor: &SensorType, frames: u32, least: f64) -> bool {
     let traffic = traffic(sensor);
     let mut driver = driver(sensor);
     let stream = traffic.pieces.concat();
-    let passes = frames.div_ceil(VARIETY);
+    let passes = frames.div_ceil(DISTINCT_FRAMES);
     let (mut found, mut checksum) = (0_u64, 0.0_f64);
     let mut expected = 0.0_f64;
     let mut spent = Duration::ZERO;
@@ -119,9 +124,9 @@ fn measure(sensor: &SensorType, frames: u32, least: f64) -> bool {
             }
         };
         let begun = Instant::now();
-        match sensor.way {
-            Way::Serial { .. } => stream
-                .chunks(READ)
+        match sensor.interface {
+            Interface::Serial { .. } => stream
+                .chunks(READ_BYTES)
                 .for_each(|bytes| driver.receive(bytes, &mut note)),
             _ => traffic
                 .pieces
@@ -137,7 +142,7 @@ fn measure(sensor: &SensorType, frames: u32, least: f64) -> bool {
     let counts = driver.counts();
     let sent = traffic.valid * u64::from(passes);
     let damaged = traffic.damaged * u64::from(passes);
-    let rate: f64 = sensor.rate_hz.parse().expect("a number");
+    let rate: f64 = sensor.rate_hz.parse().expect("an integer rate");
     let per_second = found as f64 / spent.as_secs_f64();
     let lost = sent.abs_diff(found);
     println!(
@@ -159,16 +164,16 @@ fn measure(sensor: &SensorType, frames: u32, least: f64) -> bool {
         && per_second >= least * rate
 }
 
-/// Bytes of the damaged frames of one pass.
+/// Returns the damaged bytes of one pass.
 fn damage_bytes(traffic: &Traffic) -> u64 {
     let damaged = traffic.pieces.iter().enumerate();
     damaged
-        .filter(|(n, _)| *n as u32 % DAMAGED == DAMAGED / 2)
+        .filter(|(n, _)| *n as u32 % DAMAGE_INTERVAL == DAMAGE_INTERVAL / 2)
         .map(|(_, piece)| piece.len() as u64)
         .sum()
 }
 
-/// Sum of the first values of the valid frames of one pass, from the peers' own rule.
+/// Returns the sum of the valid frames' first values of one pass, from the peers' formula.
 fn first_values(sensor: &SensorType) -> f64 {
     let first = |n: u32| match sensor.name {
         "paxini" | "paxini-hand" => f64::from(peers::magnitude(n, 0)),
@@ -177,8 +182,8 @@ fn first_values(sensor: &SensorType) -> f64 {
         "uskin" => f64::from(0x8000 + peers::value(n, 0)),
         _ => f64::from(peers::value(n, 0)),
     };
-    (0..VARIETY)
-        .filter(|n| n % DAMAGED != DAMAGED / 2)
+    (0..DISTINCT_FRAMES)
+        .filter(|n| n % DAMAGE_INTERVAL != DAMAGE_INTERVAL / 2)
         .map(first)
         .sum()
 }

@@ -1,9 +1,8 @@
-//! The command line: what may be said.
-//!
-//! One subcommand per sensor, made of the options that all have in common and of the sensor's own; and the tools.
+//! Command line: one subcommand per sensor (common options and the sensor's own), and the tools.
 
 use std::path::PathBuf;
 
+use atas_process::exit::Exit;
 use clap::{ArgAction, Args, Command, Subcommand, ValueEnum};
 use shm_bus::BusName;
 use shm_schemas::Hand;
@@ -22,74 +21,72 @@ Examples:
   atas-sensor hz --hand left
   atas-sensor replay run.mcap --hand left
 
-Exit codes: 0 stopped by SIGINT or SIGTERM, or end of a recording; 1 standard output failed; \
-2 wrong arguments; 3 device or recording not opened; 4 device does not answer as configured; 5 device lost or recording damaged; \
-6 bus not usable.
 Log: standard error, filtered by RUST_LOG (default info). With --format json an error is one JSON object there: {error, exit}.";
 
-/// What all sensors' subcommands take.
+/// Options common to all sensors.
 #[derive(Debug, Args)]
 pub struct PortArgs {
-    /// Terminal of the device (a pseudo-terminal or a FIFO works too), or its address. Given several times, each further
-    /// device feels for the next fingers.
+    /// Terminal, pseudo-terminal, FIFO or address of the device; repeat for further devices on the
+    /// next fingertips.
     #[arg(long, required = true, action = ArgAction::Append, value_name = "DEVICE")]
     pub device: Vec<String>,
-    /// Hand that wears the sensor: left or right.
+    /// Hand that carries the sensor: left or right.
     #[arg(long, value_parser = parse_hand, required_unless_present = "dry_run")]
     pub hand: Option<Hand>,
-    /// Finger of that hand, counted from 0.
+    /// Index of the first fingertip, from 0.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(..FINGERS as i64))]
     pub finger: u32,
     /// Bus to publish on.
     #[arg(long, env = "ATAS_BUS", default_value = "atas")]
     pub bus: BusName,
-    /// Layout of the fingertips, as the daemon is configured: dome-41, dome-1, pad-N, flat-RxC-P or
-    /// cylinder-RxC-P-Q (`[hands.left] layout`).
+    /// Layout of the fingertips, as in the daemon's `[hands.left] layout`: dome-41, dome-1, pad-N,
+    /// flat-RxC-P or cylinder-RxC-P-Q.
     #[arg(long)]
     pub layout: Option<String>,
-    /// Scale X,Y,Z from the unit's own sheet, N per unit of the device; quotients such as 300/7925 are allowed.
+    /// Scale X,Y,Z of the unit's data sheet, N per device unit; accepts quotients such as 300/7925.
     #[arg(long, alias = "newtons-per-unit")]
     pub newtons_per_count: Option<Scale>,
-    /// Calibration of the device's fingertip, as `atas calibrate` writes it, instead of a scale and axes. Once per fingertip, in
-    /// the order of the devices.
+    /// Calibration file by `atas calibrate`, replaces scale and axes; repeat once per fingertip in
+    /// device order.
     #[arg(long, action = ArgAction::Append, value_name = "FILE")]
     pub calibration: Vec<PathBuf>,
-    /// Which of the device's axes give the normal force and the two tangential forces.
+    /// Device axes of the normal force and the two tangential forces.
     #[arg(long, allow_hyphen_values = true)]
     pub axes: Axes,
-    /// Frames per second that the device is asked for; with --no-configure what the stream has, for its time stamps.
+    /// Requested frame rate, Hz; with --no-configure the actual rate, for time stamps.
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub rate_hz: u32,
-    /// Take the load at the start as zero. Do not touch the sensor then.
+    /// Take the initial load as zero; do not touch the sensor meanwhile.
     #[arg(long, overrides_with = "no_zero", conflicts_with = "no_configure")]
     pub zero: bool,
     /// Keep the device's zero (default).
     #[arg(long, overrides_with = "zero")]
     pub no_zero: bool,
-    /// Only read: tell the device nothing.
+    /// Only read; do not configure the device.
     #[arg(long)]
     pub no_configure: bool,
-    /// Wait for a device that is missing, and again when it goes away.
+    /// Wait for a missing device, and reconnect to a lost one.
     #[arg(long)]
     pub reconnect: bool,
-    /// Print every frame as comma-separated values instead of publishing; a recording may be given as the device.
+    /// Print frames as comma-separated values instead of publishing; accepts a recording as the
+    /// device.
     #[arg(long, action = ArgAction::SetTrue)]
     pub dry_run: bool,
 }
 
-/// How a tool prints.
+/// Output format of a tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// For people.
+    /// Readable text.
     #[default]
     Text,
-    /// For programs.
+    /// JSON.
     Json,
 }
 
 const HAND_HELP: &str = r#"The file:
   hand = "left"
-  layout = "pad-31"             # as the daemon is told; by default made for the largest sensor
+  layout = "pad-31"             # as configured in the daemon; default: fits the largest sensor
 
   [[port]]
   sensor = "optoforce"          # further keys: the options of `atas-sensor optoforce`
@@ -110,21 +107,15 @@ const LIST_HELP: &str = "JSON: {sensors: [{name, about, wire, taxels, rate_hz}]}
 Example:
   atas-sensor list --format json";
 
-const PROBE_HELP: &str = "JSON: {device, found: [{name, frames, junk_bytes, rate_hz, needs}]}, best first; empty when nothing \
-was recognised. On failure {device, error}. Sensors that need other options than the default ones are named too, with \
-what they need.
+const PROBE_HELP: &str = "JSON: {device, found: [{name, frames, junk_bytes, rate_hz, needs}]}, \
+    best match first; found is empty if no sensor was recognised. On failure {device, error}. A \
+    sensor that needs non-default options is listed with these in `needs`.\n\nExamples:\n\x20 \
+    atas-sensor probe /dev/ttyUSB0\n\x20 atas-sensor probe ws://127.0.0.1:5000\n\x20 atas-sensor \
+    probe 192.168.1.1 --format json";
 
-Examples:
-  atas-sensor probe /dev/ttyUSB0
-  atas-sensor probe ws://127.0.0.1:5000
-  atas-sensor probe 192.168.1.1 --format json";
-
-const HZ_HELP: &str = "JSON, one object per second: {hand, frames, lost, rate_hz, period_ms: {min, mean, max}}; null \
-where nothing came.
-
-Examples:
-  atas-sensor hz --hand left
-  atas-sensor hz --hand right --seconds 5 --format json";
+const HZ_HELP: &str = "JSON, one object per second: {hand, frames, lost, rate_hz, period_ms: {min, \
+    mean, max}}; min, mean and max are null without two consecutive frames.\n\nExamples:\n\x20 \
+    atas-sensor hz --hand left\n\x20 atas-sensor hz --hand right --seconds 5 --format json";
 
 const ECHO_HELP: &str = "JSON, one object per frame: {hand, sequence, captured_ns, fingers: [{finger, valid, \
 force_n: [normal, tangential1, tangential2], taxels_n: [[..]]}]}; force_n is the sum over valid taxels.
@@ -133,93 +124,91 @@ Examples:
   atas-sensor echo --hand left
   atas-sensor echo --hand left --frames 100 --format json";
 
-const REPLAY_HELP: &str = "\
-A recording holds what its daemon took in if that ran with `atasd --record-stream`; its layout, forces and masks are played as \
-they were, and the daemon that feels them must be configured for them. Frames that were lost stay lost, frames that were damaged \
-or not newer than all before are left out; standard error says how many at the end. A recording that ends in damage is played as \
-far as it can be read, then ends with code 5: `atas record repair` makes a whole one. Of a table the columns in newtons are \
-played, every row as if its device had been well; --layout and --fingers are what the daemon is told.
+const REPLAY_HELP: &str = "A recording contains sensor frames if the daemon ran with `atasd \
+    --record-stream`. Its layout, forces and masks are published unchanged; configure the \
+    receiving daemon for them. Lost frames stay lost. Damaged and out-of-order frames are skipped; \
+    standard error reports their number at the end. A recording that ends in damage is played up \
+    to the damage, then the exit code is 7; repair it with `atas record repair`. Of a table, the \
+    columns in newtons are played, and every row counts as valid; set --layout and --fingers as in \
+    the daemon.\n\nExamples:\n\x20 atas-sensor replay run.mcap --hand left\n\x20 atas-sensor \
+    replay run.mcap run-001.mcap --hand right --speed 0.25\n\x20 atas-sensor replay press.csv \
+    --hand left --rate-hz 100 --loop";
 
-Examples:
-  atas-sensor replay run.mcap --hand left
-  atas-sensor replay run.mcap run-001.mcap --hand right --speed 0.25
-  atas-sensor replay press.csv --hand left --rate-hz 100 --loop";
-
-/// What is played, and how.
+/// Options of `replay`.
 #[derive(Debug, Args)]
 pub struct ReplayArgs {
-    /// Recording of `atas record`, all files of one run in order; or one table of `atas-sensor SENSOR --dry-run`.
+    /// All files of one `atas record` run in order, or one table of `atas-sensor SENSOR --dry-run`.
     #[arg(required = true, value_name = "RECORDING")]
     pub files: Vec<PathBuf>,
-    /// Hand whose frames are played: left or right. A table is played as this hand's.
+    /// Hand to replay: left or right; a table becomes this hand's.
     #[arg(long, value_parser = parse_hand)]
     pub hand: Hand,
     /// Bus to publish on.
     #[arg(long, env = "ATAS_BUS", default_value = "atas")]
     pub bus: BusName,
-    /// How many times as fast as recorded, 0.01 to 100.
+    /// Playback speed relative to the recording, 0.01 to 100.
     #[arg(long, default_value_t = 1.0, value_parser = parse_speed, conflicts_with = "rate_hz")]
     pub speed: f64,
-    /// Frames per second, evenly, whatever the recorded spacing.
+    /// Constant frame rate, Hz; replaces the recorded spacing.
     #[arg(long, value_parser = parse_rate)]
     pub rate_hz: Option<f64>,
-    /// Begin again at the end, until Ctrl-C.
+    /// Restart at the end, until Ctrl-C.
     #[arg(long = "loop")]
-    pub again: bool,
-    /// Layout of the fingertips of a table, as the daemon is configured; by default pad-N with as many elements.
+    pub repeat: bool,
+    /// Layout of a table's fingertips, as in the daemon; default: pad-N for its elements.
     #[arg(long)]
     pub layout: Option<String>,
-    /// Fingertips of a table, with equally many elements each; by default one.
+    /// Fingertips of a table, with equal element counts; default: one.
     #[arg(long, value_parser = parse_fingers)]
     pub fingers: Option<usize>,
 }
 
-/// Everything that is not a sensor.
+/// Tools.
 #[derive(Debug, Subcommand)]
 pub enum Tool {
-    /// Read several devices as one hand, of one kind or mixed.
+    /// Read several devices of one hand, of one or several sensor types.
     #[command(after_help = HAND_HELP)]
     Hand {
-        /// Which devices, in TOML.
+        /// TOML file that lists the devices.
         file: PathBuf,
     },
-    /// The sensors that can be read.
+    /// List the supported sensors.
     #[command(after_help = LIST_HELP)]
     List {
-        /// How to print.
+        /// Output format.
         #[arg(long, value_enum, default_value = "text")]
         format: Format,
     },
-    /// What is on this port? Listens, asks, and says which sensor answers.
+    /// Identify the sensor on a port.
     #[command(after_help = PROBE_HELP)]
     Probe {
         /// Terminal or address.
         device: String,
-        /// How to print.
+        /// Output format.
         #[arg(long, value_enum, default_value = "text")]
         format: Format,
     },
-    /// How fast a hand's frames come over the bus.
+    /// Measure the frame rate of a hand on the bus.
     #[command(after_help = HZ_HELP)]
     Hz {
-        /// Where to listen.
+        /// Bus and hand.
         #[command(flatten)]
-        at: Listen,
-        /// Stop after so many seconds.
+        bus_args: BusArgs,
+        /// Stop after this number of seconds.
         #[arg(long)]
         seconds: Option<u64>,
     },
-    /// What a hand feels, frame by frame, from the bus.
+    /// Print the forces of a hand, frame by frame, from the bus.
     #[command(after_help = ECHO_HELP)]
     Echo {
-        /// Where to listen.
+        /// Bus and hand.
         #[command(flatten)]
-        at: Listen,
-        /// Stop after so many frames.
+        bus_args: BusArgs,
+        /// Stop after this number of frames.
         #[arg(long)]
         frames: Option<u64>,
     },
-    /// Play the frames of a recording onto the bus, as the sensor did.
+    /// Publish the frames of a recording on the bus.
     #[command(after_help = REPLAY_HELP)]
     Replay(ReplayArgs),
     /// Print completions for a shell.
@@ -227,32 +216,32 @@ pub enum Tool {
         after_help = "Example:\n  atas-sensor completions bash > /etc/bash_completion.d/atas-sensor"
     )]
     Completions {
-        /// Which shell.
+        /// Shell.
         shell: clap_complete::Shell,
     },
     /// Write the manual pages into a folder.
     #[command(after_help = "Example:\n  atas-sensor man /usr/local/share/man/man1")]
     Man {
-        /// The folder; it is made.
+        /// Output folder; it is created if missing.
         folder: PathBuf,
     },
 }
 
-/// Where a tool listens.
+/// Bus and hand that a tool reads.
 #[derive(Debug, Args)]
-pub struct Listen {
-    /// Hand to listen to: left or right.
+pub struct BusArgs {
+    /// Hand to read: left or right.
     #[arg(long, value_parser = parse_hand)]
     pub hand: Hand,
-    /// Bus to listen on.
+    /// Bus to join.
     #[arg(long, env = "ATAS_BUS", default_value = "atas")]
     pub bus: BusName,
-    /// How to print.
+    /// Output format.
     #[arg(long, value_enum, default_value = "text")]
     pub format: Format,
 }
 
-/// The whole command line.
+/// Returns the whole command line.
 #[must_use]
 pub fn command() -> Command {
     let command = SENSORS
@@ -260,16 +249,15 @@ pub fn command() -> Command {
         .fold(Command::new("atas-sensor"), |command, sensor| {
             command.subcommand(subcommand(sensor))
         });
-    // What the program is stands after what is taken in, which brings along what it is itself.
+    // This call replaces the description, so it must precede `about`.
     Tool::augment_subcommands(command)
         .version(env!("CARGO_PKG_VERSION"))
-        .about("Reads real tactile sensors and publishes what they feel")
-        .after_help(AFTER)
+        .about("Reads real tactile sensors and publishes their frames")
+        .after_help(format!("{AFTER}\n\n{}", Exit::TABLE))
         .subcommand_required(true)
         .arg_required_else_help(true)
 }
 
-/// The subcommand of one sensor.
 fn subcommand(sensor: &SensorType) -> Command {
     let SensorType {
         name,
@@ -280,7 +268,7 @@ fn subcommand(sensor: &SensorType) -> Command {
         ..
     } = sensor;
     let after = format!("{notes}\n\nWire: {wire}.\n\nExample:\n  atas-sensor {name} {example}");
-    // As with the tools: what the sensor is stands last.
+    // This call replaces the description, so it must precede `about`.
     let common = PortArgs::augment_args(Command::new(name))
         .about(*about)
         .after_help(after.trim_start().to_owned())

@@ -1,46 +1,46 @@
-//! What a device's own frame counter says about frames that were lost, doubled or late.
+//! Detection of lost, duplicate and late frames from the device's frame counter.
 //!
-//! In: the count of every valid frame, in order of arrival. Out: an [`Arrival`] per frame, and running totals.
-//! A judgement here is information only: no frame is ever refused because of its count.
+//! Input: the count of every valid frame, in order of arrival. Output: an [`Arrival`] per frame,
+//! and running totals. The result is informative only: no frame is dropped because of its count.
 //!
-//! With `step` the signed distance from the newest count, modulo 2^bits (here for 16 bits):
+//! `step` is the signed distance from the newest count, modulo 2^bits (here for 16 bits):
 //!
 //! | step | meaning | effect |
 //! |---|---|---|
 //! | 1 | the next frame | – |
 //! | 2 … 32767 | a gap | `lost` grows by step − 1 |
-//! | 0 … −1023, not missing | the same frame again | `duplicates` grows by 1 |
-//! | −1 … −1023, missing | a frame that was overtaken | `late` grows by 1, `lost` shrinks by 1 |
-//! | −1024 … −32768 | the device began to count anew | `restarts` grows by 1, nothing is lost |
+//! | 0 … −1023, not missing | the frame again | `duplicates` grows by 1 |
+//! | −1 … −1023, missing | an overtaken frame | `late` grows by 1, `lost` shrinks by 1 |
+//! | −1024 … −32768 | the device restarted its counter | `restarts` grows by 1 |
 //!
-//! A jump by more than 1024, in either direction, is taken back and counted as a **stray** when the frame after it
-//! continues from before the jump: then one count was wrong (a damaged frame whose checksum fits by chance), and
-//! thousands of frames were not lost. So `lost` is the number of counts between the first and the newest that never came.
+//! A jump by more than 1024 is revoked if the next frame continues from before it. It then counts
+//! as a **stray**: one wrong count whose checksum matched by chance. Thus `lost` is the number of
+//! missing counts between the first and the newest.
 
-/// How far back a count is a duplicate or late frame rather than a restart, counts: one second at 1 kHz. A power of
-/// two. Ours; larger hides restarts, smaller takes a repeated chunk of the stream for a restart.
+/// Largest backward step of a duplicate or late frame, counts; a power of two. Design choice: one
+/// second at 1 kHz. Too large hides restarts; too small takes a repeated chunk for a restart.
 pub const WINDOW: u32 = 1024;
 
-/// How one frame relates to those before it.
+/// Relation of a frame to the preceding ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrival {
-    /// The first frame of all.
+    /// First frame since the start.
     First,
-    /// A newer frame after `gap` missing ones.
+    /// Newer frame after `gap` missing ones.
     Newer {
         /// Frames missing directly before this one.
         gap: u32,
     },
-    /// A frame that was here before.
+    /// Repeated frame.
     Duplicate,
-    /// A frame that a newer one overtook.
+    /// Frame overtaken by a newer one.
     Late,
-    /// The first frame of a device that began to count anew.
+    /// First frame after the device restarted its counter.
     Restart,
 }
 
 impl Arrival {
-    /// By how much the frame advances a gap-free numbering; `None` for frames that are not newer than all before.
+    /// Returns the sequence increment including gaps; `None` if the frame is not the newest.
     #[must_use]
     pub fn advance(self) -> Option<u64> {
         match self {
@@ -50,7 +50,7 @@ impl Arrival {
         }
     }
 
-    /// Its name in tables.
+    /// Returns the name used in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -67,51 +67,51 @@ impl Arrival {
 /// Totals since the first frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Totals {
-    /// Counts that never came.
+    /// Missing frames.
     pub lost: u64,
-    /// Frames that came again.
+    /// Repeated frames.
     pub duplicates: u64,
-    /// Frames that came after a newer one.
+    /// Overtaken frames.
     pub late: u64,
-    /// Times the device began to count anew.
+    /// Counter restarts.
     pub restarts: u64,
-    /// Frames whose count was wrong.
+    /// Frames with a wrong count.
     pub strays: u64,
 }
 
-/// Follows one device's counter.
+/// Tracks the frame counter of one device.
 #[derive(Clone, Debug)]
 pub struct Continuity {
-    /// Bits of a count that are not there: all arithmetic is done on counts shifted up by so many.
+    /// 32 minus the counter's width; counts are shifted up by this.
     unused_bits: u32,
-    track: Option<Track>,
-    /// The device was told to begin anew: a count that goes back is a restart, however near it is.
+    state: Option<CounterState>,
+    /// A restart was requested: the next non-increasing count is one, even within [`WINDOW`].
     restart_expected: bool,
-    /// The track before a jump, until the frame after it confirms or refutes the jump.
-    before_jump: Option<Track>,
+    /// State before a jump, until the next frame confirms or refutes it.
+    before_jump: Option<CounterState>,
 }
 
 impl Continuity {
-    /// For a counter of so many bits, 11 to 32.
+    /// Creates a tracker for 11 to 32 counter bits.
     #[must_use]
     pub fn new(bits: u32) -> Self {
         Self {
             unused_bits: 32 - bits.clamp(11, 32),
-            track: None,
+            state: None,
             restart_expected: false,
             before_jump: None,
         }
     }
 
-    /// The device was told to begin anew, so its counts may too.
+    /// Expects a counter restart after a start command.
     pub fn expect_restart(&mut self) {
         self.restart_expected = true;
     }
 
-    /// Judges the next valid frame by its count.
+    /// Classifies the next valid frame by its count.
     pub fn observe(&mut self, count: u32) -> Arrival {
-        let Some(track) = self.track.as_mut() else {
-            self.track = Some(Track::new(count, self.unused_bits));
+        let Some(track) = self.state.as_mut() else {
+            self.state = Some(CounterState::new(count, self.unused_bits));
             return Arrival::First;
         };
         if std::mem::take(&mut self.restart_expected) && track.step_to(count) <= 0 {
@@ -133,23 +133,23 @@ impl Continuity {
         arrival
     }
 
-    /// Totals since the first frame.
+    /// Returns the totals.
     #[must_use]
     pub fn totals(&self) -> Totals {
-        self.track.map(|track| track.totals).unwrap_or_default()
+        self.state.map(|track| track.totals).unwrap_or_default()
     }
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Track {
+struct CounterState {
     newest: u32,
     unused_bits: u32,
-    /// Bit `count % WINDOW` set: that count, within the window up to `newest`, is booked as lost.
+    /// Bit `count % WINDOW`: that count is missing, within the window up to `newest`.
     missing: [u64; WINDOW as usize / 64],
     totals: Totals,
 }
 
-impl Track {
+impl CounterState {
     fn new(count: u32, unused_bits: u32) -> Self {
         Self {
             newest: count,
@@ -159,12 +159,12 @@ impl Track {
         }
     }
 
-    /// Signed distance from the newest count.
+    /// Returns the signed distance from the newest count.
     fn step_to(&self, count: u32) -> i32 {
         (count.wrapping_sub(self.newest) << self.unused_bits).cast_signed() >> self.unused_bits
     }
 
-    /// Whether the count is a plausible successor.
+    /// Returns whether the count can directly follow.
     fn continues_with(&self, count: u32) -> bool {
         (1..=WINDOW.cast_signed()).contains(&self.step_to(count))
     }
@@ -176,7 +176,7 @@ impl Track {
         } else if step.unsigned_abs() >= WINDOW {
             self.restart(count)
         } else {
-            self.look_back_at(count)
+            self.classify_past(count)
         }
     }
 
@@ -202,7 +202,7 @@ impl Track {
         Arrival::Newer { gap }
     }
 
-    fn look_back_at(&mut self, count: u32) -> Arrival {
+    fn classify_past(&mut self, count: u32) -> Arrival {
         if self.mark(count, false) {
             self.totals.late += 1;
             self.totals.lost -= 1;
@@ -213,7 +213,7 @@ impl Track {
         }
     }
 
-    /// Books a count as missing or not; returns how it was booked before.
+    /// Sets whether a count is missing; returns the previous value.
     fn mark(&mut self, count: u32, missing: bool) -> bool {
         let slot = (count % WINDOW) as usize;
         let (word, bit) = (&mut self.missing[slot / 64], 1 << (slot % 64));
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn every_row_of_the_table() {
+    fn totals_match_every_table_row() {
         let none = Totals::default();
         let check = |counts: &[u16], expected: Totals| {
             assert_eq!(totals_of(counts.to_vec()), expected, "{counts:?}")
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn arrivals_number_the_frames_without_going_back() {
+    fn late_frames_do_not_advance_the_sequence() {
         let mut continuity = Continuity::new(16);
         let advances: Vec<_> = [5, 6, 9, 9, 8, 10]
             .map(|count| continuity.observe(count).advance())
@@ -340,7 +340,7 @@ mod tests {
     }
 
     #[test]
-    fn a_restart_that_was_asked_for_is_no_run_of_duplicates() {
+    fn expected_restart_is_not_counted_as_duplicates() {
         let mut continuity = Continuity::new(32);
         let arrivals = [5, 6].map(|count| continuity.observe(count));
         assert_eq!(arrivals[1], Arrival::Newer { gap: 0 });
@@ -356,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn wider_counters_wrap_at_their_own_width() {
+    fn wide_counter_wraps_at_its_width() {
         let mut continuity = Continuity::new(32);
         for count in [u32::MAX - 1, u32::MAX, 0, 70_000, 69_999, 70_001] {
             continuity.observe(count);
@@ -370,7 +370,7 @@ mod tests {
     }
 
     proptest! {
-        /// Frames of a counter of which some are dropped and some repeated at once: the totals are exact.
+        /// Drops and immediate repeats only.
         #[test]
         fn drops_and_repeats_are_counted_exactly(start: u16, fates in prop::collection::vec(0_u8..4, 1..3000)) {
             let copies = |fate: u8| match fate { 0 => 0, 1 => 2, _ => 1 };
@@ -387,9 +387,8 @@ mod tests {
             prop_assert_eq!(totals_of(counts), expected);
         }
 
-        /// No input upsets the books.
         #[test]
-        fn any_counts_are_survived(counts in prop::collection::vec(any::<u16>(), 0..2000)) {
+        fn any_counts_do_not_panic(counts in prop::collection::vec(any::<u16>(), 0..2000)) {
             totals_of(counts);
         }
     }

@@ -1,93 +1,84 @@
-//! Everything that ends a sensor process early, and the exit code it ends with.
-//!
-//! | code | meaning |
-//! |---|---|
-//! | 0 | stopped by SIGINT or SIGTERM, or a recording was decoded to its end |
-//! | 1 | standard output could not be written; a closed pipe is no failure |
-//! | 2 | the command line makes no sense |
-//! | 3 | the device, or the recording to play, could not be opened |
-//! | 4 | the device does not answer as configured |
-//! | 5 | the device went away, or a recording ended in damage |
-//! | 6 | the bus could not be used |
-//!
-//! The codes are stable: service managers and scripts may act on them.
+//! Failures that end a sensor process early, and their exit codes.
 
-/// Why a sensor process could not go on.
+use atas_process::exit::Exit;
+use shm_bus::BusError;
+
+/// Failure of a sensor process.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Failure {
     /// Standard output failed.
     #[error("could not write the table to standard output: {0}")]
     Table(#[source] std::io::Error),
-    /// Arguments that contradict each other.
+    /// Invalid or contradictory arguments.
     #[error("{0}")]
     Usage(String),
-    /// The device is missing, taken, or not what it should be.
+    /// The device is missing, in use, or of the wrong kind of file.
     #[error("could not open {device}: {reason}")]
     Open {
-        /// The path that was given.
+        /// Path or address.
         device: String,
-        /// What is wrong and what to do.
+        /// Cause and remedy.
         reason: String,
     },
-    /// The configuration could not be sent, or was not answered, or was refused.
+    /// The configuration could not be sent, or was unanswered or refused.
     #[error("could not configure {device}: {reason}")]
     Configure {
-        /// The path that was given.
+        /// Path or address.
         device: String,
-        /// What is wrong and what to do.
+        /// Cause and remedy.
         reason: String,
     },
-    /// The device is of another kind.
+    /// The device is another type of sensor.
     #[error("could not use the data of {device}: it sends {found}")]
     WrongKind {
-        /// The path that was given.
+        /// Path or address.
         device: String,
-        /// What it sends, and the option that selects it.
+        /// Type of its data, and the option that selects it.
         found: &'static str,
     },
-    /// The device was there and is gone.
+    /// The device was disconnected.
     #[error("lost {device}: {reason}; reconnect it and start again, or start with --reconnect")]
-    Gone {
-        /// The path that was given.
+    Disconnected {
+        /// Path or address.
         device: String,
-        /// What the operating system said.
+        /// Operating system error.
         reason: String,
     },
-    /// There is nothing to play.
+    /// The recording has nothing to play.
     #[error("{0}")]
     Recording(String),
-    /// A recording was played as far as it could be read.
+    /// A recording was played up to its damage.
     #[error("{0}")]
-    Torn(String),
-    /// The bus refused.
+    RecordingDamaged(String),
+    /// A bus operation failed.
     #[error("{0}")]
-    Bus(#[source] shm_bus::BusError),
+    Bus(#[source] BusError),
 }
 
 impl Failure {
-    /// The exit code of what could not be printed.
-    pub const UNWRITTEN: u8 = 1;
-
-    /// The exit code that stands for this failure.
+    /// Returns the exit code.
     #[must_use]
-    pub fn exit_code(&self) -> u8 {
+    pub fn exit_code(&self) -> Exit {
         match self {
-            Self::Table(_) => Self::UNWRITTEN,
-            Self::Usage(_) => 2,
-            Self::Open { .. } | Self::Recording(_) => 3,
-            Self::Configure { .. } | Self::WrongKind { .. } => 4,
-            Self::Gone { .. } | Self::Torn(_) => 5,
-            Self::Bus(_) => 6,
+            Self::Table(_) => Exit::Failed,
+            Self::Usage(_) => Exit::Usage,
+            Self::Recording(_) | Self::RecordingDamaged(_) => Exit::Input,
+            Self::Open { .. }
+            | Self::Configure { .. }
+            | Self::WrongKind { .. }
+            | Self::Disconnected { .. } => Exit::Device,
+            Self::Bus(error) if error.is_in_use() => Exit::InUse,
+            Self::Bus(_) => Exit::Bus,
         }
     }
 
-    /// Whether trying again later may help: what `--reconnect` waits for.
+    /// Returns whether `--reconnect` may try again.
     #[must_use]
-    pub fn may_pass(&self) -> bool {
+    pub fn is_transient(&self) -> bool {
         matches!(
             self,
-            Self::Open { .. } | Self::Configure { .. } | Self::Gone { .. }
+            Self::Open { .. } | Self::Configure { .. } | Self::Disconnected { .. }
         )
     }
 }

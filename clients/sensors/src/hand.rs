@@ -1,14 +1,16 @@
-//! One hand's frames from one or more devices: readings as [`HandFrame`]s, health as [`shm_schemas::SensorStatus`].
+//! Assembly of one hand's frames from its devices: readings become [`HandFrame`]s, health becomes
+//! [`shm_schemas::SensorStatus`].
 //!
-//! * **In:** readings of each device, as they come. **Out:** one frame per reading of the device that sets the pace, and
-//!   one status per device, all from the one writer that a hand may have.
-//! * The fastest device sets the pace (the first of equals); what the others read last stands beside it. When the pace
-//!   maker is silent for longer than it may, the next fastest that delivers takes over, until it is back.
-//! * A finger whose device has said nothing for three of its periods and [`GRACE`] is marked invalid, and so are
-//!   values of a device that reports an error. An overloaded taxel stays valid: it still says "very large". Elements of
-//!   the layout that a smaller sensor does not have feel nothing, which is valid.
-//! * Readings that are not newer than all before are counted in the status but not published: the series on the bus only
-//!   goes forward, and its gaps are those of the device that sets the pace.
+//! * **Inputs:** readings per device. **Outputs:** one frame per reading of the pacing device, one
+//!   status per device. A hand has a single publisher.
+//! * The fastest device (the first of equals) paces the frames; each frame holds the others' newest
+//!   values. If the pacing device is stale, the next to deliver replaces it until a faster one
+//!   delivers.
+//! * A fingertip is invalid if its device delivers nothing for three periods plus [`GRACE`], or
+//!   fails. An overloaded taxel stays valid, as a lower bound. Layout elements beyond a smaller
+//!   sensor are zero and valid.
+//! * Readings that are not the newest are counted but not published. Sequence numbers only
+//!   increase, with the gaps of the pacing device.
 
 use std::time::Duration;
 
@@ -21,77 +23,78 @@ use crate::newtons::Newtons;
 use crate::reading::{Batch, Condition, Health, Output, Reading, Shape};
 use crate::writer::{BURST, BURST_PAUSE, HandWriter};
 
-/// How much later than three periods a device's reading may come before its finger is invalid. Ours: a USB bridge
-/// collects for up to 16 ms, and a busy machine delays a process by as much again.
+/// Delay beyond three periods that makes fingertips invalid. Design choice: a USB bridge buffers
+/// for up to 16 ms, a busy computer delays equally long.
 pub const GRACE: Duration = Duration::from_millis(50);
-/// Where a hand's frames go.
+/// Destination of a hand's frames.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct Destination {
     /// Name of the bus.
     pub bus: BusName,
-    /// The hand.
+    /// Published hand.
     pub hand: Hand,
-    /// The layout that its fingertips follow.
+    /// Layout of its fingertips.
     pub layout: Layout,
 }
 
-/// Which part of the hand a device feels for, and how its values become newtons.
+/// Fingertips and force conversion of a device.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Seat {
-    /// Name of the driver.
+pub struct DeviceSlot {
+    /// Driver name.
     pub driver: &'static str,
-    /// Path or address of the device.
+    /// Path or address.
     pub device: String,
-    /// The finger of the device's first fingertip.
+    /// Index of its first fingertip.
     pub finger: usize,
-    /// What its frames hold.
+    /// Content of its frames.
     pub shape: Shape,
-    /// From its units to newtons.
+    /// Conversion to newtons.
     pub newtons: Newtons,
-    /// Its nominal period, ns.
+    /// Nominal period, ns.
     pub period_ns: u64,
 }
 
-impl Seat {
-    /// The fingers that it covers.
+impl DeviceSlot {
     fn fingers(&self) -> core::ops::Range<usize> {
         self.finger..self.finger + self.shape.fingers
     }
 
-    /// Age at which its reading is no longer believed, ns.
+    /// Returns the age limit of its newest reading, ns.
     fn stale_ns(&self) -> u64 {
         let grace_ns = u64::try_from(GRACE.as_nanos()).unwrap_or(u64::MAX);
         self.period_ns.saturating_mul(3).saturating_add(grace_ns)
     }
 }
 
-/// The fingers that a device covers.
+/// Fingertips of a device.
 #[derive(Clone, Copy, Debug)]
-pub struct Span<'a> {
-    /// Path or address of the device.
+pub struct FingertipRange<'a> {
+    /// Path or address.
     pub device: &'a str,
-    /// The finger of its first fingertip.
+    /// Index of its first fingertip.
     pub finger: usize,
-    /// Its fingertips.
+    /// Number of fingertips.
     pub fingers: usize,
 }
 
-/// What is wrong with a set of devices on one hand, if anything.
+/// Returns the first conflict between a hand's devices: index out of range, or overlap.
 #[must_use]
-pub fn conflict(spans: &[Span<'_>]) -> Option<String> {
+pub fn find_conflict(spans: &[FingertipRange<'_>]) -> Option<String> {
     for (n, span) in spans.iter().enumerate() {
         let end = span.finger + span.fingers;
         if end > FINGERS {
             return Some(format!(
-                "could not place {} channels from --finger {}: a hand has {FINGERS} fingers; use --finger 0",
+                "could not place {} channels from --finger {}: a hand has {FINGERS} fingertips; \
+                 use --finger 0",
                 span.fingers, span.finger
             ));
         }
-        let overlaps =
-            |other: &&Span<'_>| span.finger < other.finger + other.fingers && other.finger < end;
+        let overlaps = |other: &&FingertipRange<'_>| {
+            span.finger < other.finger + other.fingers && other.finger < end
+        };
         if let Some(other) = spans[..n].iter().find(overlaps) {
             return Some(format!(
-                "could not place {} and {} on the same finger; give each its own --finger",
+                "could not place {} and {} on the same fingertip; give each its own --finger",
                 other.device, span.device
             ));
         }
@@ -99,27 +102,27 @@ pub fn conflict(spans: &[Span<'_>]) -> Option<String> {
     None
 }
 
-/// Puts readings together, without a bus.
+/// Combines readings, without a bus.
 #[derive(Debug)]
-pub struct Assembly {
-    seats: Vec<Seat>,
-    /// When each device last delivered, ns; `None` before its first reading.
+pub struct FrameAssembler {
+    slots: Vec<DeviceSlot>,
+    /// Capture time of each device's newest reading, ns.
     last_ns: Vec<Option<u64>>,
-    pace: usize,
+    pacing_port: usize,
     next_sequence: u64,
-    /// Elements of the layout, as a mask.
+    /// Bit mask of the layout's elements.
     elements: u64,
     frame: HandFrame,
 }
 
-impl Assembly {
-    /// For the devices of one hand.
+impl FrameAssembler {
+    /// Creates the assembler of one hand.
     #[must_use]
-    pub fn new(seats: Vec<Seat>, hand: Hand, layout: &Layout, stamp: Stamp) -> Self {
-        let end = seats.iter().map(|seat| seat.fingers().end).max();
+    pub fn new(slots: Vec<DeviceSlot>, hand: Hand, layout: &Layout, stamp: Stamp) -> Self {
+        let end = slots.iter().map(|seat| seat.fingers().end).max();
         Self {
-            last_ns: vec![None; seats.len()],
-            pace: 0,
+            last_ns: vec![None; slots.len()],
+            pacing_port: 0,
             next_sequence: 0,
             elements: u64::MAX >> (64 - layout.count.clamp(1, 64)),
             frame: HandFrame {
@@ -129,35 +132,37 @@ impl Assembly {
                 finger_count: end.unwrap_or(0) as u32,
                 ..HandFrame::default()
             },
-            seats,
+            slots: slots,
         }
     }
 
-    /// Takes a reading of device `port`; returns the hand's next frame when that device sets the pace.
-    pub fn take(&mut self, port: usize, reading: &Reading, values: &[f64]) -> Option<&HandFrame> {
+    /// Accepts a reading of device `port`; returns a frame if that device is pacing.
+    pub fn update(&mut self, port: usize, reading: &Reading, values: &[f64]) -> Option<&HandFrame> {
         if reading.advance == 0 {
             return None;
         }
         self.write(port, reading, values);
         self.last_ns[port] = Some(reading.captured_ns);
-        if self.outranks(port, self.pace) || self.is_stale(self.pace, reading.captured_ns) {
-            self.pace = port;
+        if self.is_faster(port, self.pacing_port)
+            || self.is_stale(self.pacing_port, reading.captured_ns)
+        {
+            self.pacing_port = port;
         }
-        if port != self.pace {
+        if port != self.pacing_port {
             return None;
         }
         self.mark_stale(reading.captured_ns);
         self.next_sequence += reading.advance;
         let stamp = &mut self.frame.stamp;
         stamp.sequence = self.next_sequence - 1;
-        // A change of pace maker must not turn time back.
+        // Capture times increase even if the pacing device changes.
         stamp.captured_ns = reading.captured_ns.max(stamp.captured_ns + 1);
         self.frame.seal();
         Some(&self.frame)
     }
 
     fn write(&mut self, port: usize, reading: &Reading, values: &[f64]) {
-        let seat = &self.seats[port];
+        let seat = &self.slots[port];
         let quantity = seat.shape.quantity;
         let group = quantity.axes().len();
         for (tip, (finger, values)) in seat
@@ -178,38 +183,38 @@ impl Assembly {
         }
     }
 
-    fn outranks(&self, port: usize, other: usize) -> bool {
-        (self.seats[port].period_ns, port) < (self.seats[other].period_ns, other)
+    fn is_faster(&self, port: usize, other: usize) -> bool {
+        (self.slots[port].period_ns, port) < (self.slots[other].period_ns, other)
     }
 
     fn is_stale(&self, port: usize, now_ns: u64) -> bool {
-        let limit_ns = self.seats[port].stale_ns();
+        let limit_ns = self.slots[port].stale_ns();
         self.last_ns[port].is_none_or(|last_ns| now_ns.saturating_sub(last_ns) > limit_ns)
     }
 
     fn mark_stale(&mut self, now_ns: u64) {
-        for port in 0..self.seats.len() {
+        for port in 0..self.slots.len() {
             if self.is_stale(port, now_ns) {
-                self.frame.valid_mask[self.seats[port].fingers()].fill(0);
+                self.frame.valid_mask[self.slots[port].fingers()].fill(0);
             }
         }
     }
 }
 
-/// Publishes for one hand.
+/// Publisher of one hand's frames and statuses.
 #[derive(Debug)]
 pub struct HandOutput {
     writer: HandWriter,
-    assembly: Assembly,
+    assembly: FrameAssembler,
 }
 
 impl HandOutput {
-    /// Joins the bus and takes the hand's frame service, of which there is one writer.
+    /// Joins the bus and claims the hand's frame service.
     ///
     /// # Errors
-    /// [`Failure::Bus`] when the bus cannot be joined or another process feels for this hand.
-    pub fn open(place: &Place, seats: Vec<Seat>) -> Result<Self, Failure> {
-        let devices = seats.iter().map(|seat| (seat.driver, &*seat.device));
+    /// [`Failure::Bus`] if the bus cannot be joined or another process publishes for this hand.
+    pub fn open(place: &Destination, slots: Vec<DeviceSlot>) -> Result<Self, Failure> {
+        let devices = slots.iter().map(|seat| (seat.driver, &*seat.device));
         let writer = HandWriter::open(&place.bus, place.hand, devices)?;
         let stamp = Stamp {
             writer_epoch: writer.epoch(),
@@ -217,30 +222,30 @@ impl HandOutput {
         };
         Ok(Self {
             writer,
-            assembly: Assembly::new(seats, place.hand, &place.layout, stamp),
+            assembly: FrameAssembler::new(slots, place.hand, &place.layout, stamp),
         })
     }
 
-    /// Takes one device's readings.
+    /// Accepts a device's readings.
     ///
     /// # Errors
-    /// [`Failure::Bus`] when the bus is gone.
+    /// [`Failure::Bus`] if the bus has failed.
     pub fn readings(&mut self, port: usize, batch: &Batch) -> Result<(), Failure> {
         for (n, (reading, values)) in batch.iter().enumerate() {
             if n > 0 && n.is_multiple_of(BURST) {
                 std::thread::sleep(BURST_PAUSE);
             }
-            if let Some(frame) = self.assembly.take(port, reading, values) {
+            if let Some(frame) = self.assembly.update(port, reading, values) {
                 self.writer.frame(frame)?;
             }
         }
         Ok(())
     }
 
-    /// Takes one device's report.
+    /// Accepts a device's health report.
     ///
     /// # Errors
-    /// [`Failure::Bus`] when the bus is gone.
+    /// [`Failure::Bus`] if the bus has failed.
     pub fn health(&mut self, port: usize, health: &Health) -> Result<(), Failure> {
         self.writer.health(port, health)
     }

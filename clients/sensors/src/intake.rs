@@ -1,24 +1,24 @@
-//! Bytes in, numbered readings out: driver and continuity together, still without a clock or a device.
+//! Converts bytes to numbered readings: driver plus [`Continuity`], without clock or device.
 
 use crate::continuity::{Arrival, Continuity};
 use crate::reading::{Batch, Frame, Health, Reading, Shape};
 use crate::wire::{Driver, Event};
 
-/// Frames of a wrong kind, without one of the right kind, that prove a wrong device. Ours; damaged frames that look
-/// like another kind are far rarer.
+/// Wrong-type frames, without a right one, that identify a wrong device. Design choice: damaged
+/// frames rarely resemble another type.
 const FOREIGN_FRAMES: u64 = 20;
-/// Frames whose mean becomes zero, for devices that cannot take their zero themselves. Ours: half a second at 100 Hz.
+/// Frames averaged as zero, if the device cannot zero itself. Design choice: half a second at 100
+/// Hz.
 const TARE_FRAMES: u32 = 50;
 
-/// Takes one device's stream.
+/// Decoder state of one stream.
 pub struct Intake {
     driver: Box<dyn Driver>,
     series: Series,
-    /// Readings that were not delivered yet, in order of arrival, without their time. The owner takes them out.
+    /// Pending readings without capture time; the owner removes them.
     pub batch: Batch,
 }
 
-/// What the events so far amount to.
 struct Series {
     continuity: Continuity,
     tare: Option<Tare>,
@@ -32,16 +32,15 @@ struct Series {
     device_status: u32,
 }
 
-/// The zero that is taken here.
+/// Zero taken in this process.
 struct Tare {
     frames: u32,
     mean: Vec<f64>,
-    /// Room for a frame without its zero.
     tared: Vec<f64>,
 }
 
 impl Intake {
-    /// For a device with this driver. With `tare`, the mean of the first frames is subtracted from all that follow.
+    /// Creates the intake. With `tare`, subtracts the mean of the first frames from all later ones.
     #[must_use]
     pub fn new(driver: Box<dyn Driver>, tare: bool) -> Self {
         let shape = driver.shape();
@@ -68,61 +67,62 @@ impl Intake {
         }
     }
 
-    /// What every frame holds.
+    /// Returns the frame content.
     #[must_use]
     pub fn shape(&self) -> Shape {
         self.driver.shape()
     }
 
-    /// The driver, for its dialogue.
+    /// Returns the driver.
     #[must_use]
     pub fn driver(&self) -> &dyn Driver {
         self.driver.as_ref()
     }
 
-    /// A device was connected. If it was configured, its frames count only after its acknowledgement, because those
-    /// before it follow the old settings.
+    /// Begins the stream of a connected device. With `awaits_acknowledgement`, discards earlier
+    /// frames, which follow the old settings.
     pub fn begin_stream(&mut self, awaits_acknowledgement: bool) {
         self.series.awaits_acknowledgement = awaits_acknowledgement;
         self.series.refusal = None;
     }
 
-    /// The device was told to begin anew.
-    pub fn begin_anew(&mut self) {
+    /// Expects the device's counter to restart.
+    pub fn expect_restart(&mut self) {
         self.series.continuity.expect_restart();
     }
 
-    /// A request was not answered: one frame is missing.
-    pub fn miss(&mut self) {
+    /// Counts an unanswered poll as a lost frame.
+    pub fn count_unanswered(&mut self) {
         self.series.unanswered += 1;
     }
 
-    /// Takes bytes; readings gather in [`Intake::batch`].
+    /// Decodes bytes and appends readings to [`Intake::batch`].
     pub fn push(&mut self, bytes: &[u8]) {
         let (series, batch) = (&mut self.series, &mut self.batch);
         self.driver
-            .receive(bytes, &mut |event| series.sort(event, batch));
+            .receive(bytes, &mut |event| series.handle_event(event, batch));
     }
 
-    /// The device is gone or the recording at its end: what is pending is settled. All counts go on.
+    /// Classifies pending bytes at the end of the stream; counts continue.
     pub fn finish(&mut self) {
         let (series, batch) = (&mut self.series, &mut self.batch);
-        self.driver.finish(&mut |event| series.sort(event, batch));
+        self.driver
+            .finish(&mut |event| series.handle_event(event, batch));
     }
 
-    /// Whether the configuration was not answered yet.
+    /// Returns whether the configuration is still unacknowledged.
     #[must_use]
     pub fn awaits_acknowledgement(&self) -> bool {
         self.series.awaits_acknowledgement
     }
 
-    /// The status of an acknowledgement that was not "accepted".
+    /// Returns the status of a negative acknowledgement.
     #[must_use]
     pub fn refusal(&self) -> Option<u32> {
         self.series.refusal
     }
 
-    /// What the device sends, when that is clearly not what was expected.
+    /// Returns the type of the data if it is clearly a wrong one.
     #[must_use]
     pub fn foreign(&self) -> Option<&'static str> {
         let Series {
@@ -134,7 +134,7 @@ impl Intake {
         (frames == 0 && foreign >= FOREIGN_FRAMES).then_some(last_foreign)
     }
 
-    /// Everything counted so far; whether the device is alive is for the owner to say.
+    /// Returns all counts; the owner sets `alive`.
     #[must_use]
     pub fn health(&self) -> Health {
         let mut continuity = self.series.continuity.totals();
@@ -150,23 +150,23 @@ impl Intake {
 }
 
 impl Series {
-    fn sort(&mut self, event: Event<'_>, batch: &mut Batch) {
+    fn handle_event(&mut self, event: Event<'_>, batch: &mut Batch) {
         match event {
             Event::Acknowledged(status) if self.awaits_acknowledgement => {
                 self.awaits_acknowledgement = false;
                 self.refusal = (status != 0).then_some(status);
             }
             Event::Acknowledged(_) => {}
-            Event::Foreign(kind) => {
+            Event::OtherKind(kind) => {
                 self.foreign += 1;
                 self.last_foreign = kind;
             }
             Event::Frame(_) if self.awaits_acknowledgement => {}
-            Event::Frame(frame) => self.number(&frame, batch),
+            Event::Frame(frame) => self.add_frame(&frame, batch),
         }
     }
 
-    fn number(&mut self, frame: &Frame<'_>, batch: &mut Batch) {
+    fn add_frame(&mut self, frame: &Frame<'_>, batch: &mut Batch) {
         let first = self.frames == 0;
         self.frames += 1;
         self.device_status = frame.status;
@@ -198,7 +198,7 @@ impl Series {
 }
 
 impl Tare {
-    /// The values without their zero; `None` while it is being taken.
+    /// Returns values minus zero; `None` while taking the zero.
     fn subtract(&mut self, values: &[f64]) -> Option<&[f64]> {
         if self.frames < TARE_FRAMES {
             self.frames += 1;
@@ -222,13 +222,14 @@ impl Tare {
 mod tests {
     use super::Intake;
     use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
-    use crate::wire::{Dialogue, Driver, Event};
+    use crate::wire::{DeviceMessages, Driver, Event};
 
-    /// Each byte is an event: below 100 a frame with that count and value, 100 foreign, above an acknowledgement.
+    /// Driver that treats bytes as events: below 100 a frame with that count and value, 100
+    /// foreign, above an acknowledgement.
     #[derive(Default)]
-    struct Spoken(ByteCounts);
+    struct ScriptedDriver(ByteCounts);
 
-    impl Driver for Spoken {
+    impl Driver for ScriptedDriver {
         fn shape(&self) -> Shape {
             Shape {
                 quantity: Quantity::Pressure,
@@ -238,8 +239,8 @@ mod tests {
             }
         }
 
-        fn dialogue(&self) -> Dialogue {
-            Dialogue::default()
+        fn messages(&self) -> DeviceMessages {
+            DeviceMessages::default()
         }
 
         fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>)) {
@@ -251,10 +252,10 @@ mod tests {
                         count: Some(byte.into()),
                         status: 0,
                         temperature_c: None,
-                        condition: Condition::Well,
+                        condition: Condition::Normal,
                         values: &[byte.into()],
                     })),
-                    100 => report(Event::Foreign("others; pass --others")),
+                    100 => report(Event::OtherKind("others; pass --others")),
                     _ => report(Event::Acknowledged((byte - 101).into())),
                 }
             }
@@ -266,21 +267,21 @@ mod tests {
     }
 
     fn intake(tare: bool) -> Intake {
-        Intake::new(Box::new(Spoken::default()), tare)
+        Intake::new(Box::new(ScriptedDriver::default()), tare)
     }
 
     #[test]
-    fn a_reading_advances_by_the_devices_gaps_and_never_goes_back() {
+    fn reading_advance_includes_device_gaps() {
         let mut intake = intake(false);
         intake.push(&[1, 2, 5, 5, 4, 6]);
         let advances: Vec<u64> = intake.batch.readings.iter().map(|r| r.advance).collect();
         assert_eq!(advances, [1, 1, 3, 0, 0, 1]);
-        intake.miss();
+        intake.count_unanswered();
         assert_eq!(intake.health().continuity.lost, 1 + 1);
     }
 
     #[test]
-    fn frames_before_the_acknowledgement_follow_old_settings_and_are_left_out() {
+    fn frames_before_acknowledgement_are_discarded() {
         let mut intake = intake(false);
         intake.begin_stream(true);
         intake.push(&[1, 101, 9]);
@@ -292,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn a_refusal_and_a_wrong_kind_are_noticed() {
+    fn refusal_and_wrong_sensor_type_are_detected() {
         let mut intake = intake(false);
         intake.begin_stream(true);
         intake.push(&[103]);
@@ -304,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn the_load_at_the_start_becomes_zero() {
+    fn tare_subtracts_the_initial_load() {
         let mut intake = intake(true);
         for n in 0..25 {
             intake.push(&[10, 20]);

@@ -3,22 +3,26 @@
 //! One process reads the devices of one hand and publishes [`HandFrame`](shm_schemas::HandFrame)s:
 //!
 //! ```text
-//! device ─▶ transport ─bytes─▶ wire (driver: decode) ─frames─▶ intake (number) ─▶ port (stamp) ─readings─▶ hand ─▶ bus
-//! device ─▶ ...                                                                  one thread per port ─▶      └▶ table
+//! device ─▶ transport ─bytes─▶ wire (driver: decode) ─frames─▶ intake (number) ─▶ port (stamp) ─┐
+//! device ─▶ ...                                                           one thread per port ──┤
+//!                                                          bus ◀─┬─ hand ◀─────────── readings ─┘
+//!                                                        table ◀─┘
 //! ```
 //!
-//! * **In:** serial terminals, UDP peers, WebSocket servers; the command line. **Out:** frames and
-//!   [`SensorStatus`](shm_schemas::SensorStatus) on the bus, or a table on standard output; a log on standard error; an
-//!   [exit code](failure).
-//! * **Invariants:** no valid frame is lost to damage around it (`tests/decoder.rs`, `tests/peers.rs`); every byte is
-//!   accounted for (same places); stamps increase and are never in the future ([`stamping`]); sequences show the
-//!   device's own gaps ([`intake`]); nothing that a device sends makes a parser panic (`tests/any_bytes.rs`).
-//! * **Replay** ([`replay`]): recorded frames instead of a device's, on the same way to the bus.
-//! * **Calibration** ([`calibration`]) is fitted by `atas calibrate` and applied here: `--calibration FILE`.
-//! * **Absent on purpose:** filtering, thresholds and any judgement about touch: that is perception, in `atas`.
+//! * **Inputs:** serial terminals, UDP peers, WebSocket servers, the command line.
+//! * **Outputs:** frames and [`SensorStatus`](shm_schemas::SensorStatus) on the bus, or a table on
+//!   standard output; a log on standard error; an [exit code](failure).
+//! * **Invariants:** Damage never costs a valid frame, and every byte is counted
+//!   (`tests/decoder.rs`, `tests/peers.rs`). Time stamps increase and are never in the future
+//!   ([`stamping`]). Sequence numbers keep the device's gaps ([`intake`]). No input makes a parser
+//!   panic (`tests/any_bytes.rs`).
+//! * **Replay** ([`replay`]): publishes recorded frames.
+//! * **Calibration** ([`calibration`]): fitted by `atas calibrate`, applied with
+//!   `--calibration FILE`.
+//! * **Out of scope:** filtering, thresholds and contact detection (perception in `atas`).
 //!
-//! A further sensor is one file in [`wire`] with its format, one line in [`wire::SENSORS`], and one table of test vectors
-//! in `tests/vectors/`.
+//! A new sensor needs one file in [`wire`], one line in [`wire::SENSORS`], and one table in
+//! `tests/vectors/`.
 
 pub mod calibration;
 pub mod cli;

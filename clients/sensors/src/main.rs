@@ -1,4 +1,4 @@
-//! `atas-sensor`: reads real sensors, publishes what they feel. See `atas-sensor --help`.
+//! `atas-sensor`: reads real tactile sensors and publishes their frames. See `atas-sensor --help`.
 
 use std::process::ExitCode;
 
@@ -10,6 +10,6 @@ const PROGRAM: &str = "atas-sensor";
 fn main() -> ExitCode {
     match cli::command().try_get_matches() {
         Ok(matches) => atas_process::run(PROGRAM, || commands::run(&matches), Failure::exit_code),
-        Err(error) => command_line::end(PROGRAM, &error, Failure::UNWRITTEN),
+        Err(error) => command_line::exit_without_work(PROGRAM, &error),
     }
 }

@@ -1,32 +1,34 @@
-//! From a device's units to newtons along an element's axes: the scale of the unit's data sheet, and which of the
-//! device's axes is which of the element's.
+//! Scale and axis mapping of a three-axis sensor: device units to newtons.
 //!
-//! An element of a [`HandFrame`](shm_schemas::HandFrame) reads `[f_n, f_t1, f_t2]` with `f_n` positive when pressed.
-//! An OMD dome reads negative Fz when pressed along its axis, so the default mapping is `f_n = −Fz, f_t1 = +Fx,
-//! f_t2 = +Fy`, written `-z,x,y`: the element's outward normal d is the device's +z, t1 its +x and t2 its +y. A dome
-//! mounted turned by 90° about its own axis would be `-z,y,-x`.
+//! An element of a [`HandFrame`](shm_schemas::HandFrame) holds `[f_n, f_t1, f_t2]`, with `f_n`
+//! positive under pressure. An OMD dome reports negative Fz when pressed along its axis. The
+//! default mapping is therefore `f_n = −Fz, f_t1 = +Fx, f_t2 = +Fy`, written `-z,x,y`: outward
+//! normal d = device +z, t1 = +x, t2 = +y. A dome turned by 90° about its own axis needs `-z,y,-x`.
 
 use std::str::FromStr;
 
-/// Largest scale that is believed, N per count; ours: a full-scale reading would be over three million newtons.
+/// Largest accepted scale, N per count. Design choice: a full-scale reading would exceed three
+/// million newtons.
 const MAX_NEWTONS_PER_COUNT: f64 = 100.0;
 
-/// A mapping or scale that means nothing.
+/// Invalid scale or axis mapping.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MappingError {
-    /// Not a scale.
+    /// Invalid scale.
     #[error(
-        "{0:?} is no scale, needs three numbers X,Y,Z above 0 and at most 100 N per count, for example 0.038,0.035,0.33 or 300/7925,300/8641,2000/6049"
+        "invalid scale {0:?}: needs three numbers X,Y,Z above 0 and at most 100 N per count, for \
+         example 0.038,0.035,0.33 or 300/7925,300/8641,2000/6049"
     )]
     Scale(String),
-    /// Not a mapping of axes.
+    /// Invalid axis mapping.
     #[error(
-        "{0:?} is no axis mapping, needs x, y and z once each with an optional sign, in the order f_n,f_t1,f_t2, for example -z,x,y"
+        "invalid axis mapping {0:?}: needs x, y and z once each with an optional sign, in the \
+         order f_n,f_t1,f_t2, for example -z,x,y"
     )]
     Axes(String),
 }
 
-/// Newtons per unit along the device's x, y and z, from its sheet or its format.
+/// Newtons per device unit along the device's x, y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale([f64; 3]);
 
@@ -37,7 +39,7 @@ impl FromStr for Scale {
         let refuse = || MappingError::Scale(text.to_owned());
         let values: Vec<f64> = text
             .split(',')
-            .map(quotient)
+            .map(parse_quotient)
             .collect::<Option<_>>()
             .ok_or_else(refuse)?;
         let scale: [f64; 3] = values.try_into().map_err(|_| refuse())?;
@@ -50,8 +52,8 @@ impl FromStr for Scale {
     }
 }
 
-/// A number, or two with a slash between them as sheets give it: newtons / counts.
-fn quotient(text: &str) -> Option<f64> {
+/// Parses a number, or a data sheet's quotient newtons/counts.
+fn parse_quotient(text: &str) -> Option<f64> {
     let number = |part: &str| part.trim().parse::<f64>().ok();
     match text.split_once('/') {
         Some((newtons, counts)) => Some(number(newtons)? / number(counts)?),
@@ -59,7 +61,6 @@ fn quotient(text: &str) -> Option<f64> {
     }
 }
 
-/// One of the device's axes with a sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SignedAxis {
     index: usize,
@@ -80,7 +81,7 @@ impl SignedAxis {
     }
 }
 
-/// Which of the device's axes gives `f_n`, `f_t1` and `f_t2`.
+/// Device axes of `f_n`, `f_t1` and `f_t2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes([SignedAxis; 3]);
 
@@ -109,12 +110,12 @@ impl FromStr for Axes {
 pub struct Mapping {
     /// Newtons per count.
     pub scale: Scale,
-    /// Which axis is which.
+    /// Device axes of the force components.
     pub axes: Axes,
 }
 
 impl Mapping {
-    /// `[f_n, f_t1, f_t2]`, N, from `[x, y, z]` in the device's units. As finite as these are.
+    /// Returns `[f_n, f_t1, f_t2]`, N, from `[x, y, z]` in device units. Finite if the inputs are.
     #[must_use]
     pub fn force_n(&self, value: [f64; 3]) -> [f32; 3] {
         self.axes
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_are_picked_and_signed() {
+    fn axes_are_selected_with_sign() {
         let check = |axes: &str, expected: [f32; 3]| {
             let mapping = Mapping {
                 scale: "1,10,100".parse().unwrap(),
@@ -153,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_scales_and_axes_are_rejected() {
         for text in [
             "", "1,2", "1,2,3,4", "1,2,x", "0,1,1", "-1,1,1", "NaN,1,1", "inf,1,1", "1/0,1,1",
             "0/0,1,1", "1e9,1,1",

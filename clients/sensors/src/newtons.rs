@@ -1,4 +1,4 @@
-//! From the values of a fingertip to the forces of its elements: by the scale of a data sheet, or by a calibration.
+//! Conversion of a fingertip's values to element forces, by data-sheet scale or by calibration.
 
 use shm_schemas::capacity::ELEMENTS;
 
@@ -6,20 +6,20 @@ use crate::calibration::{AXES, Calibration};
 use crate::mapping::Mapping;
 use crate::reading::{Quantity, Shape};
 
-/// Taxels of one fingertip at most. Ours: more than any sensor here has; a calibration makes of them what fits a frame.
+/// Maximum taxels per fingertip. Design choice: exceeds every supported sensor.
 pub const TAXELS: usize = 256;
 
-/// How one device's values become newtons.
+/// Conversion of one device's values to newtons.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Newtons {
-    /// Scale and axes, the same for every element.
+    /// Scale and axes, common to all elements.
     Scaled(Mapping),
-    /// Fitted to presses: one calibration per fingertip of the device.
+    /// Fitted calibrations, one per fingertip of the device.
     Fitted(Vec<Calibration>),
 }
 
 impl Newtons {
-    /// Elements that each fingertip would fill; by a scale these may be more than a frame has.
+    /// Returns the elements per fingertip; with a scale, possibly more than a frame holds.
     #[must_use]
     pub fn elements(&self, shape: Shape) -> usize {
         match self {
@@ -33,8 +33,8 @@ impl Newtons {
         }
     }
 
-    /// Writes `[f_n, f_t1, f_t2]`, N, of every element of one of the device's fingertips; returns how many there are. As finite
-    /// as the values are.
+    /// Writes `[f_n, f_t1, f_t2]`, N, of every element of one fingertip; returns the element count.
+    /// Forces are finite if the values are.
     pub fn write(
         &self,
         tip: usize,

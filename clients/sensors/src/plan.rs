@@ -1,4 +1,4 @@
-//! What a command line amounts to: which ports to read, how, and where their readings go.
+//! Plan from a command line or hand file: ports, settings and destination.
 
 use std::path::Path;
 
@@ -11,37 +11,37 @@ use toml::Value;
 use crate::calibration::Calibration;
 use crate::cli::{self, PortArgs};
 use crate::failure::Failure;
-use crate::hand::{self, Place, Seat};
+use crate::hand::{self, Destination, DeviceSlot};
 use crate::mapping::Mapping;
 use crate::newtons::Newtons;
 use crate::port::Settings;
 use crate::reading::Shape;
 use crate::wire::{Driver, Request, SensorType, Zero, named};
 
-/// One device to read.
+/// Device to read.
 pub struct Port {
-    /// The kind of sensor.
+    /// Sensor type.
     pub sensor: &'static SensorType,
-    /// How to run it.
+    /// Port settings.
     pub settings: Settings,
-    /// Its driver.
+    /// Driver.
     pub driver: Box<dyn Driver>,
-    /// From its units to newtons, where that is known.
+    /// Conversion to newtons, if known.
     pub newtons: Option<Newtons>,
-    /// The finger of its first fingertip.
+    /// Index of its first fingertip.
     pub finger: usize,
 }
 
-/// Devices to read, and where to.
+/// Devices and destination.
 pub struct Plan {
-    /// The devices.
+    /// Devices.
     pub ports: Vec<Port>,
-    /// Where to publish; `None` in a dry run.
-    pub place: Option<Place>,
+    /// Bus, hand and layout; `None` in a dry run.
+    pub destination: Option<Destination>,
 }
 
 impl Port {
-    /// What its frames hold.
+    /// Returns the frame content.
     #[must_use]
     pub fn shape(&self) -> Shape {
         self.driver.shape()
@@ -49,10 +49,10 @@ impl Port {
 }
 
 impl Plan {
-    /// From the subcommand of one sensor.
+    /// Creates a plan from a sensor's subcommand.
     ///
     /// # Errors
-    /// [`Failure::Usage`] with a sentence that says what is wrong.
+    /// [`Failure::Usage`] with the cause.
     pub fn from_sensor(sensor: &'static SensorType, matches: &ArgMatches) -> Result<Self, Failure> {
         let args = PortArgs::from_arg_matches(matches)
             .map_err(|error| Failure::Usage(error.to_string()))?;
@@ -76,22 +76,25 @@ impl Plan {
                     .to_owned(),
             ));
         }
-        refuse_conflicts(&ports)?;
+        reject_conflicts(&ports)?;
         let place = match (args.dry_run, args.hand) {
-            (false, Some(hand)) => Some(Place {
+            (false, Some(hand)) => Some(Destination {
                 bus: args.bus,
                 hand,
-                layout: layout(args.layout.as_deref(), elements(&ports))?,
+                layout: layout(args.layout.as_deref(), max_elements(&ports))?,
             }),
             _ => None,
         };
-        Ok(Self { ports, place })
+        Ok(Self {
+            ports,
+            destination: place,
+        })
     }
 
-    /// From a file that describes a hand.
+    /// Reads a plan from a hand file.
     ///
     /// # Errors
-    /// [`Failure::Usage`] with the file and a sentence that says what is wrong.
+    /// [`Failure::Usage`] with file and cause.
     pub fn from_file(path: &Path) -> Result<Self, Failure> {
         let refuse =
             |reason: String| Failure::Usage(format!("could not read {}: {reason}", path.display()));
@@ -99,10 +102,10 @@ impl Plan {
         Self::from_toml(&text).map_err(|reason| refuse(reason.to_string()))
     }
 
-    /// From the text of such a file.
+    /// Parses the text of a hand file.
     ///
     /// # Errors
-    /// A sentence that says what is wrong.
+    /// [`Failure::Usage`] with the cause.
     pub fn from_toml(text: &str) -> Result<Self, Failure> {
         let mut table: toml::Table = text
             .parse()
@@ -112,7 +115,7 @@ impl Plan {
             ports.filter(|ports| !matches!(ports, Value::Array(a) if a.is_empty()))
         else {
             return Err(Failure::Usage(
-                "it names no [[port]], needs one or more".to_owned(),
+                "it names no [[port]]; add one or more".to_owned(),
             ));
         };
         if let Some(key) = table
@@ -120,32 +123,33 @@ impl Plan {
             .find(|key| !["hand", "bus", "layout"].contains(&key.as_str()))
         {
             return Err(Failure::Usage(format!(
-                "it has the key {key:?}, needs hand, bus, layout and [[port]]"
+                "it has the key {key:?}, which is unknown; use hand, bus, layout and [[port]]"
             )));
         }
         let mut plan = Self {
             ports: Vec::new(),
-            place: None,
+            destination: None,
         };
         for (n, port) in ports.iter().enumerate() {
-            let one = one_port(port, &table)
+            let one = parse_port(port, &table)
                 .map_err(|reason| Failure::Usage(format!("[[port]] {}: {reason}", n + 1)))?;
             plan.ports.extend(one.ports);
-            plan.place = plan.place.or(one.place);
+            plan.destination = plan.destination.or(one.destination);
         }
-        refuse_conflicts(&plan.ports)?;
-        if let Some(place) = &mut plan.place {
+        reject_conflicts(&plan.ports)?;
+        if let Some(place) = &mut plan.destination {
             let wanted = table.get("layout").and_then(Value::as_str);
-            place.layout = layout(wanted, elements(&plan.ports))?;
+            place.layout = layout(wanted, max_elements(&plan.ports))?;
         }
         Ok(plan)
     }
 
-    /// The seats of the ports; of all it is known how they become newtons when there is a place.
+    /// Returns the slots of the ports with a known conversion to newtons; in a dry run some may
+    /// lack it.
     #[must_use]
-    pub fn seats(&self) -> Vec<Seat> {
+    pub fn slots(&self) -> Vec<DeviceSlot> {
         let seat = |port: &Port| {
-            Some(Seat {
+            Some(DeviceSlot {
                 driver: port.sensor.name,
                 device: port.settings.device.clone(),
                 finger: port.finger,
@@ -173,10 +177,10 @@ fn make_port(
     let driver = (sensor.driver)(matches, &request).map_err(Failure::Usage)?;
     let settings = Settings {
         device: device.to_owned(),
-        way: sensor.way,
+        way: sensor.interface,
         period_ns: 1_000_000_000 / u64::from(args.rate_hz.max(1)),
         configure: !args.no_configure,
-        tare: args.zero && sensor.zero == Zero::Here,
+        tare: args.zero && sensor.zero == Zero::Host,
         recording_allowed: args.dry_run,
         reconnect: args.reconnect,
     };
@@ -190,7 +194,12 @@ fn make_port(
     let newtons = if args.calibration.is_empty() {
         scaled()
     } else {
-        Some(fitted(driver.shape(), device, calibrations, args.zero)?)
+        Some(take_calibrations(
+            driver.shape(),
+            device,
+            calibrations,
+            args.zero,
+        )?)
     };
     Ok(Port {
         sensor,
@@ -201,7 +210,7 @@ fn make_port(
     })
 }
 
-/// The calibrations that were named, one per fingertip of all devices.
+/// Reads the calibrations of the command line.
 fn calibrations(args: &PortArgs) -> Result<Vec<Calibration>, Failure> {
     args.calibration
         .iter()
@@ -209,8 +218,9 @@ fn calibrations(args: &PortArgs) -> Result<Vec<Calibration>, Failure> {
         .collect()
 }
 
-/// Takes the next device's calibrations. A device whose zero is taken at the start has no other.
-fn fitted(
+/// Removes the next device's calibrations from the list; clears their zero if the device is zeroed
+/// at the start.
+fn take_calibrations(
     shape: Shape,
     device: &str,
     calibrations: &mut Vec<Calibration>,
@@ -218,8 +228,8 @@ fn fitted(
 ) -> Result<Newtons, Failure> {
     if calibrations.len() < shape.fingers {
         return Err(Failure::Usage(format!(
-            "could not calibrate {device}: it has {} fingertips and {} calibrations are left; give --calibration once per \
-             fingertip, in the order of the devices",
+            "could not calibrate {device}: it has {} fingertips, but only {} calibrations are \
+             left; give --calibration once per fingertip, in the order of the devices",
             shape.fingers,
             calibrations.len()
         )));
@@ -227,21 +237,22 @@ fn fitted(
     let own: Vec<Calibration> = calibrations.drain(..shape.fingers).collect();
     match own.iter().find(|of| of.elements_in() != shape.taxels) {
         Some(other) => Err(Failure::Usage(format!(
-            "could not use {:?} for {device}: it is of {} elements, the sensor has {}; calibrate it",
+            "could not use the calibration {:?} for {device}: it has {} elements, the sensor has \
+             {}; calibrate this sensor",
             other.source,
             other.elements_in(),
             shape.taxels
         ))),
         None if is_zeroed => {
-            let own = own.into_iter().map(Calibration::of_zeroed);
+            let own = own.into_iter().map(Calibration::without_zero);
             Ok(Newtons::Fitted(own.collect()))
         }
         None => Ok(Newtons::Fitted(own)),
     }
 }
 
-/// One `[[port]]` of a file, by way of the command line that says the same.
-fn one_port(port: &Value, table: &toml::Table) -> Result<Plan, String> {
+/// Parses one `[[port]]` through the equivalent command line.
+fn parse_port(port: &Value, table: &toml::Table) -> Result<Plan, String> {
     let port = port.as_table().ok_or("needs a table")?;
     let name = port.get("sensor").and_then(Value::as_str);
     let sensor = name.and_then(named).ok_or_else(|| {
@@ -283,23 +294,22 @@ fn one_port(port: &Value, table: &toml::Table) -> Result<Plan, String> {
     Plan::from_sensor(sensor, matches).map_err(|failure| failure.to_string())
 }
 
-fn refuse_conflicts(ports: &[Port]) -> Result<(), Failure> {
-    let spans: Vec<hand::Span<'_>> = ports
+fn reject_conflicts(ports: &[Port]) -> Result<(), Failure> {
+    let spans: Vec<hand::FingertipRange<'_>> = ports
         .iter()
-        .map(|port| hand::Span {
+        .map(|port| hand::FingertipRange {
             device: &port.settings.device,
             finger: port.finger,
             fingers: port.shape().fingers,
         })
         .collect();
-    match hand::conflict(&spans) {
+    match hand::find_conflict(&spans) {
         Some(reason) => Err(Failure::Usage(reason)),
         None => Ok(()),
     }
 }
 
-/// Elements of the largest sensor.
-fn elements(ports: &[Port]) -> usize {
+fn max_elements(ports: &[Port]) -> usize {
     let elements = ports.iter().map(|port| {
         let newtons = port.newtons.as_ref();
         newtons.map_or(port.shape().taxels, |newtons| {
@@ -309,20 +319,21 @@ fn elements(ports: &[Port]) -> usize {
     elements.max().unwrap_or(1)
 }
 
-/// The layout that was named, or one that is made for so many elements.
+/// Returns the named layout, or a pad with `elements` elements.
 ///
 /// # Errors
-/// [`Failure::Usage`] when it has no place for them.
+/// [`Failure::Usage`] if it is unknown or too small.
 pub fn layout(wanted: Option<&str>, elements: usize) -> Result<Layout, Failure> {
     if elements > ELEMENTS {
         return Err(Failure::Usage(format!(
-            "could not publish {elements} taxels of one fingertip: a frame has {ELEMENTS} elements; make one force of them with \
-             --calibration (`atas calibrate fit --model resultant`)"
+            "could not publish {elements} taxels of one fingertip: a frame holds at most \
+             {ELEMENTS} elements; reduce them to one force with --calibration (`atas calibrate fit \
+             --model resultant`)"
         )));
     }
     let made = format!("pad-{elements}");
     let name = wanted.unwrap_or(&made);
-    match Layout::named(name) {
+    match Layout::from_name(name) {
         Some(layout) if layout.count >= elements => Ok(layout),
         _ => Err(Failure::Usage(format!(
             "could not use the layout {name}: needs one with at least {elements} elements: {made}, or {}",
@@ -336,7 +347,7 @@ mod tests {
     use super::{Newtons, Plan};
     use crate::calibration::{Calibration, Model, Quality};
     use crate::cli;
-    use crate::wire::{Dialogue, named};
+    use crate::wire::{DeviceMessages, named};
 
     fn plan(line: &str) -> Result<Plan, String> {
         let words = ["atas-sensor", "optoforce", "--device", "/dev/ttyUSB0"]
@@ -349,7 +360,6 @@ mod tests {
         Plan::from_sensor(named(name).unwrap(), matches).map_err(|error| error.to_string())
     }
 
-    /// Normal force of the first element under this z of the device, N.
     fn normal_n(newtons: &crate::newtons::Newtons, z: f64) -> f32 {
         let mut forces_n = [[0.0; 3]; shm_schemas::capacity::ELEMENTS];
         newtons.write(
@@ -364,33 +374,33 @@ mod tests {
     #[test]
     fn defaults_configure_and_publish() {
         let plan = plan("--hand left --newtons-per-count 0.1,0.1,0.1").unwrap();
-        let dialogue = plan.ports[0].driver.dialogue();
+        let dialogue = plan.ports[0].driver.messages();
         assert!(plan.ports[0].settings.configure && dialogue.acknowledged);
         assert_eq!(dialogue.start[4..7], [1, 0, 0]);
-        let seat = &plan.seats()[0];
+        let seat = &plan.slots()[0];
         assert_eq!((seat.finger, normal_n(&seat.newtons, -10.0)), (0, 1.0));
-        assert_eq!(plan.place.unwrap().layout.count, 1);
+        assert_eq!(plan.destination.unwrap().layout.count, 1);
     }
 
     #[test]
-    fn a_dry_run_needs_neither_hand_nor_scale() {
+    fn dry_run_needs_neither_hand_nor_scale() {
         let plan = plan("--dry-run --no-configure --rate-hz 100").unwrap();
-        assert!(plan.place.is_none() && !plan.ports[0].settings.configure);
+        assert!(plan.destination.is_none() && !plan.ports[0].settings.configure);
         assert_eq!(plan.ports[0].settings.period_ns, 10_000_000);
-        assert_ne!(plan.ports[0].driver.dialogue(), Dialogue::default());
+        assert_ne!(plan.ports[0].driver.messages(), DeviceMessages::default());
     }
 
     #[test]
-    fn a_further_device_feels_for_the_next_finger() {
+    fn second_device_covers_the_next_fingertip() {
         let plan = plan("--hand left --newtons-per-count 1,1,1 --finger 1 --device b").unwrap();
-        let fingers: Vec<usize> = plan.seats().iter().map(|seat| seat.finger).collect();
+        let fingers: Vec<usize> = plan.slots().iter().map(|seat| seat.finger).collect();
         assert_eq!(fingers, [1, 2]);
     }
 
-    /// Regression: with `--zero` the zero of the calibration was taken off as well.
+    /// Regression: `--zero` also subtracted the calibration's zero.
     #[test]
-    fn a_sensor_has_one_zero() {
-        let folder = tempfile::tempdir().expect("a folder");
+    fn zero_option_replaces_the_calibration_zero() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("tip.toml");
         let calibration = Calibration {
             format: 1,
@@ -405,12 +415,12 @@ mod tests {
             quality: Quality::default(),
             drift: None,
         };
-        calibration.save(&path).expect("written");
+        calibration.save(&path).expect("the calibration is written");
         let check = |more: &str, force_n: [f64; 3]| {
             let line = format!("--hand left --calibration {} {more}", path.display());
-            let plan = plan(&line).expect("it holds");
+            let plan = plan(&line).expect("valid arguments");
             let Some(Newtons::Fitted(of)) = &plan.ports[0].newtons else {
-                panic!("calibrated");
+                panic!("expected a fitted calibration");
             };
             assert_eq!(of[0].force_n(0, &[11.0, 20.0, 30.0]), force_n, "{more:?}");
         };
@@ -419,7 +429,7 @@ mod tests {
     }
 
     #[test]
-    fn contradictions_are_refused_with_a_cure() {
+    fn contradictory_options_are_rejected_with_a_remedy() {
         let check = |line: &str, cure: &str| {
             let error = plan(line).err().unwrap_or_default();
             assert!(error.contains(cure), "{line}: {error}");

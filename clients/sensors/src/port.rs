@@ -1,8 +1,8 @@
-//! One device on its port: transport → driver → continuity → stamps → output.
+//! Reader of one device: transport → driver → continuity → stamps → output.
 //!
-//! In: bytes from a [`Transport`]. Out: readings to an [`Output`], as they come, and a [`Health`] report ten times a
-//! second. One thread, no allocation per frame. A stop request ends it within [`POLL`]; the device is then told to stop
-//! sending.
+//! Inputs: bytes from a [`Transport`]. Outputs: readings to an [`Output`], and a [`Health`] report
+//! ten times a second. One thread, no allocation per frame. A stop request takes effect within
+//! [`READ_TIMEOUT`]; then the device is commanded to stop sending.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -12,48 +12,49 @@ use crate::intake::Intake;
 use crate::reading::{Health, Output};
 use crate::stamping::Stamper;
 use crate::transport::{self, Input, READ_BYTES, Transport};
-use crate::wire::{Dialogue, Driver, Way};
+use crate::wire::{DeviceMessages, Driver, Interface};
 
-/// How long one read waits, and so how soon a stop request is seen. Ours; signals also interrupt the wait.
-pub const POLL: Duration = Duration::from_millis(50);
-/// How long the device may take to acknowledge. Ours: a hundred times what a device needs at 1 MBd.
-pub const ACKNOWLEDGE_WITHIN: Duration = Duration::from_secs(1);
-/// A device that sends nothing for so long is reported as not alive. Ours: ten frames of the slowest rate.
-pub const SILENCE: Duration = Duration::from_secs(1);
-/// Time between two health reports (bus convention for sensors: about 10 Hz).
+/// Timeout of one read, and latency of a stop request. Design choice; signals interrupt the wait.
+pub const READ_TIMEOUT: Duration = Duration::from_millis(50);
+/// Acknowledgement timeout. Design choice: a hundred times the need at 1 MBd.
+pub const ACKNOWLEDGEMENT_TIMEOUT: Duration = Duration::from_secs(1);
+/// Time without data until a device is not alive. Design choice: ten frames of the slowest rate.
+pub const ALIVE_TIMEOUT: Duration = Duration::from_secs(1);
+/// Health report period (bus convention for sensors: about 10 Hz).
 pub const REPORT_EVERY: Duration = Duration::from_millis(100);
-/// Reports between two log lines about damage. Ours: at most one line a second.
+/// Reports between two log lines about damage. Design choice: at most one line a second.
 const REPORTS_PER_LOG: u32 = 10;
-/// Time between two attempts to reconnect. Ours.
+/// Reconnection period. Design choice.
 const RETRY_EVERY: Duration = Duration::from_millis(500);
-/// How long a polled device may take to answer. Ours: ten times what 171 bytes take at 921,600 baud.
-const ANSWER_WITHIN: Duration = Duration::from_millis(20);
-/// Silence after which a device that may have missed its start is told again. Ours.
-const INSIST_AFTER: Duration = Duration::from_millis(500);
+/// Answer timeout of a polled device. Design choice: ten times 171 bytes at 921,600 baud.
+const ANSWER_TIMEOUT: Duration = Duration::from_millis(20);
+/// Silence until an unanswered start command is repeated. Design choice.
+const START_REPEAT_AFTER: Duration = Duration::from_millis(500);
 
-/// What to run.
+/// Settings of one port.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Path or address of the device.
+    /// Path or address.
     pub device: String,
-    /// How it is reached.
-    pub way: Way,
-    /// Nominal time between two frames, ns.
+    /// Type of transport.
+    pub way: Interface,
+    /// Nominal frame period, ns.
     pub period_ns: u64,
-    /// Whether the device may be told anything.
+    /// True if commands may be sent to the device.
     pub configure: bool,
-    /// Whether the mean of the first frames is subtracted.
+    /// True to subtract the mean of the first frames.
     pub tare: bool,
-    /// Whether a regular file may be decoded.
+    /// True if the device may be a regular file (a recording).
     pub recording_allowed: bool,
-    /// Whether to wait for a device that is missing or goes away.
+    /// True to wait for a missing or lost device.
     pub reconnect: bool,
 }
 
-/// Runs until a stop request, the end of a recording, or a failure. The last report is sent in every case.
+/// Reads the device until a stop request, the end of a recording, or a failure. Always sends a last
+/// report.
 ///
 /// # Errors
-/// Everything that [`Failure`] names except contradictory arguments.
+/// Every [`Failure`] except contradictory arguments.
 pub fn run(
     settings: &Settings,
     driver: Box<dyn Driver>,
@@ -72,7 +73,7 @@ struct Port<'a> {
     output: &'a mut dyn Output,
     clock: fn() -> u64,
     stop: &'a AtomicBool,
-    dialogue: Dialogue,
+    messages: DeviceMessages,
     intake: Intake,
     stamper: Stamper,
     health: Health,
@@ -80,10 +81,10 @@ struct Port<'a> {
     reports: u32,
     next_report_ns: u64,
     last_data_ns: u64,
-    /// When the device was asked for the frame that has not come yet.
-    asked_ns: Option<u64>,
-    next_ask_ns: u64,
-    next_insist_ns: u64,
+    /// Time of the pending poll.
+    polled_ns: Option<u64>,
+    next_poll_ns: u64,
+    next_start_ns: u64,
 }
 
 impl<'a> Port<'a> {
@@ -94,17 +95,17 @@ impl<'a> Port<'a> {
         clock: fn() -> u64,
         stop: &'a AtomicBool,
     ) -> Self {
-        let dialogue = if settings.configure {
-            driver.dialogue()
+        let messages = if settings.configure {
+            driver.messages()
         } else {
-            Dialogue::default()
+            DeviceMessages::default()
         };
         Self {
             settings,
             output,
             clock,
             stop,
-            dialogue,
+            messages,
             intake: Intake::new(driver, settings.tare),
             stamper: Stamper::new(settings.period_ns),
             health: Health::default(),
@@ -112,16 +113,16 @@ impl<'a> Port<'a> {
             reports: 0,
             next_report_ns: 0,
             last_data_ns: 0,
-            asked_ns: None,
-            next_ask_ns: 0,
-            next_insist_ns: 0,
+            polled_ns: None,
+            next_poll_ns: 0,
+            next_start_ns: 0,
         }
     }
 
     fn run(&mut self) -> Result<(), Failure> {
         loop {
             match self.connect_and_serve() {
-                Err(failure) if self.settings.reconnect && failure.may_pass() => {
+                Err(failure) if self.settings.reconnect && failure.is_transient() => {
                     tracing::warn!("{failure}; trying again");
                     self.wait_for_retry()?;
                 }
@@ -135,14 +136,14 @@ impl<'a> Port<'a> {
 
     fn connect_and_serve(&mut self) -> Result<(), Failure> {
         let mut device = self.open()?;
-        self.intake.begin_stream(self.dialogue.acknowledged);
-        self.say_start(device.as_mut())?;
-        let once = std::mem::take(&mut self.dialogue.once);
-        self.say(device.as_mut(), &once)?;
+        self.intake.begin_stream(self.messages.acknowledged);
+        self.send_start(device.as_mut())?;
+        let once = std::mem::take(&mut self.messages.once);
+        self.send_message(device.as_mut(), &once)?;
         let outcome = self.serve(device.as_mut());
-        if !self.dialogue.stop.is_empty() && self.is_stopped() {
-            // The device may be gone already; that is no reason not to stop.
-            let _ = device.write(&self.dialogue.stop);
+        if !self.messages.stop.is_empty() && self.is_stopped() {
+            // The device may already be disconnected.
+            let _ = device.write(&self.messages.stop);
         }
         outcome
     }
@@ -159,7 +160,7 @@ impl<'a> Port<'a> {
                 "it is a regular file, needs a terminal or a FIFO; add --dry-run to decode a recording",
             ));
         }
-        if !device.takes_messages() && self.dialogue != Dialogue::default() {
+        if !device.accepts_messages() && self.messages != DeviceMessages::default() {
             return Err(refuse(
                 "only a terminal can be configured; add --no-configure to read the stream as it is",
             ));
@@ -168,81 +169,84 @@ impl<'a> Port<'a> {
         Ok(device)
     }
 
-    /// Reads until a stop request, the end or a failure.
     fn serve(&mut self, device: &mut dyn Transport) -> Result<(), Failure> {
         let mut buffer = vec![0; READ_BYTES];
         let begun_ns = (self.clock)();
-        self.asked_ns = None;
+        self.polled_ns = None;
         while !self.is_stopped() {
-            let patience = self.ask_when_due(device)?;
+            let patience = self.poll_when_due(device)?;
             let input = device.read(&mut buffer, patience);
             let now_ns = (self.clock)();
             match input {
                 Input::Bytes(length) => self.take(&buffer[..length], now_ns)?,
-                Input::Quiet => self.insist_when_due(device, now_ns)?,
+                Input::Silence => self.repeat_start_when_due(device, now_ns)?,
                 Input::End => return self.end_stream(now_ns),
                 Input::Gone(error) => {
                     self.end_stream(now_ns)?;
-                    return Err(Failure::Gone {
+                    return Err(Failure::Disconnected {
                         device: self.name(),
                         reason: error.to_string(),
                     });
                 }
             }
-            if self.is_unanswered(now_ns.saturating_sub(begun_ns)) {
-                return Err(self.unanswered());
+            if self.is_answer_overdue(now_ns.saturating_sub(begun_ns)) {
+                return Err(self.no_answer_failure());
             }
             self.report_when_due(now_ns)?;
         }
         self.end_stream((self.clock)())
     }
 
-    fn say(&self, device: &mut dyn Transport, message: &[u8]) -> Result<(), Failure> {
+    fn send_message(&self, device: &mut dyn Transport, message: &[u8]) -> Result<(), Failure> {
         if message.is_empty() {
             return Ok(());
         }
         device
             .write(message)
-            .map_err(|error| self.unconfigured(error.to_string()))
+            .map_err(|error| self.configure_failure(error.to_string()))
     }
 
-    fn say_start(&mut self, device: &mut dyn Transport) -> Result<(), Failure> {
-        self.next_insist_ns = (self.clock)() + nanos(INSIST_AFTER);
-        self.say(device, &self.dialogue.start)
+    fn send_start(&mut self, device: &mut dyn Transport) -> Result<(), Failure> {
+        self.next_start_ns = (self.clock)() + nanos(START_REPEAT_AFTER);
+        self.send_message(device, &self.messages.start)
     }
 
-    /// Asks a polled device for its next frame, and says how long to wait for something to come.
-    fn ask_when_due(&mut self, device: &mut dyn Transport) -> Result<Duration, Failure> {
-        if self.dialogue.poll.is_empty() || self.intake.awaits_acknowledgement() {
-            return Ok(POLL);
+    /// Polls the device when due; returns the next read timeout.
+    fn poll_when_due(&mut self, device: &mut dyn Transport) -> Result<Duration, Failure> {
+        if self.messages.poll.is_empty() || self.intake.awaits_acknowledgement() {
+            return Ok(READ_TIMEOUT);
         }
         let now_ns = (self.clock)();
         if self
-            .asked_ns
-            .is_some_and(|at| now_ns >= at + nanos(ANSWER_WITHIN))
+            .polled_ns
+            .is_some_and(|at| now_ns >= at + nanos(ANSWER_TIMEOUT))
         {
-            self.intake.miss();
-            self.asked_ns = None;
+            self.intake.count_unanswered();
+            self.polled_ns = None;
         }
-        if self.asked_ns.is_none() && now_ns >= self.next_ask_ns {
-            self.say(device, &self.dialogue.poll)?;
-            self.asked_ns = Some(now_ns);
-            self.next_ask_ns = now_ns + self.settings.period_ns;
+        if self.polled_ns.is_none() && now_ns >= self.next_poll_ns {
+            self.send_message(device, &self.messages.poll)?;
+            self.polled_ns = Some(now_ns);
+            self.next_poll_ns = now_ns + self.settings.period_ns;
         }
         let due_ns = self
-            .asked_ns
-            .map_or(self.next_ask_ns, |at| at + nanos(ANSWER_WITHIN));
-        Ok(Duration::from_nanos(due_ns.saturating_sub(now_ns)).min(POLL))
+            .polled_ns
+            .map_or(self.next_poll_ns, |at| at + nanos(ANSWER_TIMEOUT));
+        Ok(Duration::from_nanos(due_ns.saturating_sub(now_ns)).min(READ_TIMEOUT))
     }
 
-    /// Tells a silent device again to begin, if it may have missed it.
-    fn insist_when_due(&mut self, device: &mut dyn Transport, now_ns: u64) -> Result<(), Failure> {
-        let silent_since_ns = self.last_data_ns + nanos(INSIST_AFTER);
-        if !self.dialogue.insist || now_ns < self.next_insist_ns.max(silent_since_ns) {
+    /// Repeats the start command if a silent device may have missed it.
+    fn repeat_start_when_due(
+        &mut self,
+        device: &mut dyn Transport,
+        now_ns: u64,
+    ) -> Result<(), Failure> {
+        let silent_since_ns = self.last_data_ns + nanos(START_REPEAT_AFTER);
+        if !self.messages.repeat_start || now_ns < self.next_start_ns.max(silent_since_ns) {
             return Ok(());
         }
-        self.intake.begin_anew();
-        self.say_start(device)
+        self.intake.expect_restart();
+        self.send_start(device)
     }
 
     fn take(&mut self, bytes: &[u8], now_ns: u64) -> Result<(), Failure> {
@@ -250,7 +254,7 @@ impl<'a> Port<'a> {
         let frames = self.intake.health().bytes.frames;
         self.intake.push(bytes);
         if self.intake.health().bytes.frames > frames {
-            self.asked_ns = None;
+            self.polled_ns = None;
         }
         self.deliver(now_ns)
     }
@@ -260,10 +264,10 @@ impl<'a> Port<'a> {
         self.deliver(now_ns)
     }
 
-    /// Stamps and hands on what the intake gathered.
+    /// Stamps and outputs the pending readings.
     fn deliver(&mut self, now_ns: u64) -> Result<(), Failure> {
         if let Some(status) = self.intake.refusal() {
-            return Err(self.unconfigured(format!(
+            return Err(self.configure_failure(format!(
                 "it refused with status {status}; check rate and filter"
             )));
         }
@@ -288,9 +292,9 @@ impl<'a> Port<'a> {
         }
         self.next_report_ns = now_ns + nanos(REPORT_EVERY);
         let silent_ns = now_ns.saturating_sub(self.last_data_ns);
-        let alive = silent_ns < nanos(SILENCE);
+        let alive = silent_ns < nanos(ALIVE_TIMEOUT);
         if self.health.alive && !alive {
-            tracing::warn!("{} is silent", self.name());
+            tracing::warn!("{} sends no data", self.name());
         }
         self.report(alive)
     }
@@ -312,18 +316,18 @@ impl<'a> Port<'a> {
     fn wait_for_retry(&mut self) -> Result<(), Failure> {
         let until_ns = (self.clock)() + nanos(RETRY_EVERY);
         while (self.clock)() < until_ns && !self.is_stopped() {
-            std::thread::sleep(POLL);
+            std::thread::sleep(READ_TIMEOUT);
             self.report_when_due((self.clock)())?;
         }
         Ok(())
     }
 
-    /// Whether a device that should have answered by now did not: no acknowledgement, or no frame at all.
-    fn is_unanswered(&self, waited_ns: u64) -> bool {
-        let asked = self.dialogue.insist || !self.dialogue.poll.is_empty();
+    /// Returns whether the acknowledgement, or the first frame, is overdue.
+    fn is_answer_overdue(&self, waited_ns: u64) -> bool {
+        let asked = self.messages.repeat_start || !self.messages.poll.is_empty();
         let silent = asked && self.intake.health().bytes.frames == 0;
-        self.intake.awaits_acknowledgement() && waited_ns > nanos(ACKNOWLEDGE_WITHIN)
-            || silent && waited_ns > 2 * nanos(ACKNOWLEDGE_WITHIN)
+        self.intake.awaits_acknowledgement() && waited_ns > nanos(ACKNOWLEDGEMENT_TIMEOUT)
+            || silent && waited_ns > 2 * nanos(ACKNOWLEDGEMENT_TIMEOUT)
     }
 
     fn is_stopped(&self) -> bool {
@@ -334,23 +338,24 @@ impl<'a> Port<'a> {
         self.settings.device.clone()
     }
 
-    fn unconfigured(&self, reason: String) -> Failure {
+    fn configure_failure(&self, reason: String) -> Failure {
         Failure::Configure {
             device: self.name(),
             reason,
         }
     }
 
-    fn unanswered(&self) -> Failure {
+    fn no_answer_failure(&self) -> Failure {
         let bytes = self.intake.health().bytes;
         let (what, seconds) = if self.intake.awaits_acknowledgement() {
-            ("acknowledgement", ACKNOWLEDGE_WITHIN.as_secs())
+            ("acknowledgement", ACKNOWLEDGEMENT_TIMEOUT.as_secs())
         } else {
-            ("frame", 2 * ACKNOWLEDGE_WITHIN.as_secs())
+            ("frame", 2 * ACKNOWLEDGEMENT_TIMEOUT.as_secs())
         };
-        self.unconfigured(format!(
-            "no {what} within {seconds} s, {} bytes and {} valid frames came; check that it is such a sensor \
-             (atas-sensor probe), or add --no-configure to read a stream that cannot be configured",
+        self.configure_failure(format!(
+            "no {what} within {seconds} s ({} bytes, {} valid frames received); check the sensor \
+             type with `atas-sensor probe`, or add --no-configure to read a stream that cannot be \
+             configured",
             bytes.received, bytes.frames,
         ))
     }

@@ -1,27 +1,27 @@
-//! What every driver says, whatever its device: shapes, frames, counts.
+//! Data types common to all drivers: shapes, frames, readings and counts.
 //!
-//! A [`Frame`] holds the device's own units; [`crate::mapping`] makes newtons of them. Nothing here knows a wire format,
-//! a transport or the bus.
+//! Values are in device units; [`crate::mapping`] converts them to newtons. Independent of wire
+//! formats, transports and the bus.
 
 use core::fmt;
 
 use crate::continuity::{Arrival, Totals};
 
-/// What one value group of a frame means.
+/// Physical quantity of a value group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Force along x, y, z per taxel.
+    /// Force x, y, z per taxel.
     Force,
-    /// Force and torque along x, y, z: one six-axis sensor.
+    /// Force and torque x, y, z of a six-axis sensor.
     Wrench,
-    /// Pressure per taxel: a normal force without tangential ones.
+    /// Pressure per taxel (normal force only).
     Pressure,
-    /// Magnetic flux density along x, y, z per taxel; a calibration makes forces of it.
+    /// Magnetic flux density x, y, z per taxel; needs a calibration.
     Flux,
 }
 
 impl Quantity {
-    /// Names of the values of one taxel, in order.
+    /// Returns the value names of one taxel.
     #[must_use]
     pub const fn axes(self) -> &'static [&'static str] {
         match self {
@@ -32,13 +32,13 @@ impl Quantity {
         }
     }
 
-    /// Whether what measures it says how warm it is.
+    /// Returns whether such sensors report temperature.
     #[must_use]
     pub const fn has_temperature(self) -> bool {
         matches!(self, Self::Flux)
     }
 
-    /// Force-like x, y, z of one taxel's values. A pressure is a load along z; torques are left out.
+    /// Returns x, y, z of one taxel; pressure becomes z, torques are dropped.
     #[must_use]
     pub fn vector(self, taxel: &[f64]) -> [f64; 3] {
         match (self, taxel) {
@@ -49,94 +49,94 @@ impl Quantity {
     }
 }
 
-/// What one frame of a device holds: `fingers × taxels` groups of [`Quantity::axes`] values.
+/// Content of one device frame: `fingers × taxels` groups of [`Quantity::axes`] values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// What is measured.
+    /// Measured quantity.
     pub quantity: Quantity,
-    /// The device's own unit, as it stands in column names: `counts`, `n`, `ut`.
+    /// Device unit in column names: `counts`, `n`, `ut`.
     pub unit: &'static str,
-    /// Fingertips that one device covers.
+    /// Fingertips per device.
     pub fingers: usize,
-    /// Taxels of one fingertip.
+    /// Taxels per fingertip.
     pub taxels: usize,
 }
 
 impl Shape {
-    /// Values of one frame.
+    /// Returns the value count per frame.
     #[must_use]
     pub const fn values(self) -> usize {
         self.fingers * self.taxels * self.quantity.axes().len()
     }
 }
 
-/// What a device says of itself with a frame.
+/// Device condition reported with a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Condition {
-    /// Nothing is wrong.
+    /// No fault.
     #[default]
-    Well,
-    /// A warning or an overload: the values still say something, if only "very large".
-    Strained,
-    /// The values mean nothing.
+    Normal,
+    /// Warning or overload: the values are a lower bound ("very large").
+    Degraded,
+    /// The values are invalid.
     Failed,
 }
 
-/// One valid frame of a device, in the device's own units.
+/// One valid frame of a device, in device units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame<'a> {
-    /// Offset of its first byte from the beginning of the stream.
+    /// Stream offset of its first byte.
     pub byte_offset: u64,
-    /// The device's own frame counter, where it has one.
+    /// Device frame counter, if any.
     pub count: Option<u32>,
-    /// The device's status word, 0 where it has none.
+    /// Device status word; 0 if it has none.
     pub status: u32,
-    /// How warm the sensor is, °C, where it says so.
+    /// Sensor temperature, °C, if reported.
     pub temperature_c: Option<f64>,
-    /// What that word amounts to.
+    /// Condition decoded from the status word.
     pub condition: Condition,
-    /// As many values as [`Shape::values`] says, finger by finger, taxel by taxel.
+    /// [`Shape::values`] values, ordered by fingertip, then taxel.
     pub values: &'a [f64],
 }
 
-/// Where the bytes of a stream went: `received = data + acknowledgement + junk + pending`, always.
+/// Classification of a stream's bytes; always `received = data + acknowledgement + junk + pending`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ByteCounts {
-    /// Bytes given to the decoder.
+    /// Bytes received.
     pub received: u64,
     /// Bytes of valid data frames.
     pub data: u64,
-    /// Bytes of valid acknowledgements and other messages that carry no reading.
+    /// Bytes of valid messages without a reading, such as acknowledgements.
     pub acknowledgement: u64,
-    /// Bytes that belong to no valid message.
+    /// Bytes outside valid messages.
     pub junk: u64,
-    /// Bytes that may still become a message; 0 at the end of the stream.
+    /// Bytes of a possibly incomplete message; 0 at the end of the stream.
     pub pending: u64,
     /// Valid data frames.
     pub frames: u64,
-    /// Valid acknowledgements and other messages that carry no reading.
+    /// Valid messages without a reading.
     pub acknowledgements: u64,
-    /// Messages that were recognised, but whose checksum, length or content does not hold.
+    /// Recognised messages with an invalid checksum, length or content.
     pub checksum_failures: u64,
 }
 
-/// Everything counted so far about one device.
+/// Counts of one device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Health {
-    /// Where the bytes went.
+    /// Byte and message counts.
     pub bytes: ByteCounts,
-    /// What the counts of the frames say.
+    /// Counts from the device's frame counter.
     pub continuity: Totals,
-    /// Frames whose status reports an error or an overload.
+    /// Frames that report an error or overload.
     pub device_errors: u64,
-    /// Status word of the newest frame.
+    /// Newest status word.
     pub device_status: u32,
-    /// Whether data came lately, see [`crate::port::SILENCE`].
+    /// True if data arrived within [`crate::port::ALIVE_TIMEOUT`].
     pub alive: bool,
 }
 
 impl Health {
-    /// Whether something was lost or damaged between two reports.
+    /// Returns whether data were lost or damaged since `before`.
     #[must_use]
     pub fn is_worse_than(&self, before: &Self) -> bool {
         before.bytes.junk < self.bytes.junk
@@ -168,38 +168,38 @@ impl fmt::Display for Health {
     }
 }
 
-/// One frame and what is known about it; its values stand in the [`Batch`].
+/// Metadata of one frame; the [`Batch`] stores its values.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
-    /// Offset of its first byte from the beginning of the stream.
+    /// Stream offset of its first byte.
     pub byte_offset: u64,
-    /// The device's own frame counter, where it has one.
+    /// Device frame counter, if any.
     pub count: Option<u32>,
-    /// The device's status word.
+    /// Device status word.
     pub status: u32,
-    /// How warm the sensor is, °C, where it says so.
+    /// Sensor temperature, °C, if reported.
     pub temperature_c: Option<f64>,
-    /// What that word amounts to.
+    /// Condition decoded from the status word.
     pub condition: Condition,
-    /// How it relates to the frames before it.
+    /// Relation to the preceding frames.
     pub arrival: Arrival,
-    /// By how much it advances a numbering that has the device's gaps; 0 for frames that are not newer than all before.
+    /// Sequence increment including the device's gaps; 0 if the frame is not the newest.
     pub advance: u64,
-    /// When it was true, ns of `CLOCK_MONOTONIC`; an estimate, see [`crate::stamping`].
+    /// Estimated capture time, ns of `CLOCK_MONOTONIC`; see [`crate::stamping`].
     pub captured_ns: u64,
 }
 
-/// The readings of one read from a device, in order of arrival. Keeps its memory from batch to batch.
+/// Readings of one device read, in order of arrival; reuses its memory.
 #[derive(Clone, Debug, Default)]
 pub struct Batch {
     width: usize,
-    /// The readings.
+    /// Metadata.
     pub readings: Vec<Reading>,
     values: Vec<f64>,
 }
 
 impl Batch {
-    /// For frames of this shape.
+    /// Creates an empty batch.
     #[must_use]
     pub fn new(shape: Shape) -> Self {
         Self {
@@ -208,7 +208,7 @@ impl Batch {
         }
     }
 
-    /// Adds a reading. Values that do not fit the shape are refused, because all others would move.
+    /// Appends a reading. Ignores values of another width, which would shift all later ones.
     pub fn push(&mut self, reading: Reading, values: &[f64]) {
         if values.len() == self.width {
             self.readings.push(reading);
@@ -216,43 +216,43 @@ impl Batch {
         }
     }
 
-    /// Readings with their values.
+    /// Iterates over the readings and their values.
     pub fn iter(&self) -> impl Iterator<Item = (&Reading, &[f64])> {
         self.readings
             .iter()
             .zip(self.values.chunks_exact(self.width.max(1)))
     }
 
-    /// Number of readings.
+    /// Returns the number of readings.
     #[must_use]
     pub fn len(&self) -> usize {
         self.readings.len()
     }
 
-    /// Whether there is none.
+    /// Returns whether the batch is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.readings.is_empty()
     }
 
-    /// Forgets all readings.
+    /// Removes all readings.
     pub fn clear(&mut self) {
         self.readings.clear();
         self.values.clear();
     }
 }
 
-/// A place for readings.
+/// Destination of readings and reports.
 pub trait Output {
-    /// Takes the readings of one read from the device, in order of arrival.
+    /// Accepts readings in order of arrival.
     ///
     /// # Errors
-    /// When the place is gone.
+    /// If the destination has failed.
     fn readings(&mut self, batch: &Batch) -> Result<(), crate::failure::Failure>;
 
-    /// Takes a regular report, about ten times a second and once at the end.
+    /// Accepts a health report, about ten times a second and at the end.
     ///
     /// # Errors
-    /// When the place is gone.
+    /// If the destination has failed.
     fn health(&mut self, health: &Health) -> Result<(), crate::failure::Failure>;
 }

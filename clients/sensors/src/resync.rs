@@ -1,60 +1,62 @@
-//! Finds every message in a damaged stream.
+//! Decoder of damaged streams: finds every message.
 //!
-//! The one decoder of all serial formats: a [`Wire`] says what stands at the beginning of some bytes, and this searches.
-//! Junk, a truncated or corrupted neighbour, or a false header cannot hide a message, because after a failed candidate
-//! the search goes on at the very next byte. Every byte is accounted for in [`ByteCounts`]:
-//! * **data** or **acknowledgement**: it lies in a valid message; a byte shared by two is the first one's.
-//! * **junk**: it lies in none, also when it is part of a truncated or corrupted message.
-//! * **pending**: it may still become a message. [`Resync::finish`] settles them.
+//! All serial formats share this decoder: a [`Wire`] examines the bytes at one position, and the
+//! decoder searches. Junk, truncated or corrupted neighbours and false headers cannot hide a
+//! message, because the search continues at the next byte after a failed candidate. [`ByteCounts`]
+//! accounts for every byte:
+//! * **data** or **acknowledgement**: part of a valid message; a byte shared by two counts for the
+//!   first.
+//! * **junk**: part of no valid message, also in a truncated or corrupted message.
+//! * **pending**: may still become part of a message. [`Resync::finish`] decides.
 //!
-//! A **checksum failure** is a [`Candidate::Corrupt`] outside every valid message. A candidate that the end of the
-//! stream cuts short is junk, not a failure.
+//! A **checksum failure** is a [`Candidate::Corrupt`] outside every valid message. A candidate that
+//! the end of the stream truncates is junk, not a failure.
 
 use crate::reading::ByteCounts;
 
-/// What stands at the beginning of some bytes.
+/// Result of examining the bytes at one position.
 #[derive(Debug)]
 pub enum Candidate<M> {
-    /// No message can begin here.
+    /// No message begins here.
     None,
-    /// A message may begin here; more bytes decide.
+    /// A message may begin here; more bytes are needed.
     Undecided,
-    /// A message was announced, but it does not hold.
+    /// A header without a valid message.
     Corrupt,
-    /// A message and its length in bytes.
+    /// Message and its length in bytes.
     Valid(M, usize),
 }
 
-/// A serial wire format.
+/// Serial wire format.
 pub trait Wire {
-    /// One message from the device.
+    /// Message from the device.
     type Message;
-    /// Bytes of the longest message; with so many, `examine` decides.
-    const LONGEST: usize;
-    /// Whether the search goes on inside a valid message, because two may share bytes. Only for formats whose header
-    /// and checksum make a false message inside a true one rare.
+    /// Length of the longest message, bytes; with this many bytes `examine` decides.
+    const LENGTH_MAX: usize;
+    /// True if the search continues inside a valid message, because two may share bytes. Only for
+    /// formats whose header and checksum make a false message inside a valid one rare.
     const NESTED: bool;
 
-    /// Examines the message that may begin at the first of `bytes`, which has the offset `byte_offset`.
+    /// Examines the message that may begin at the first of `bytes`, at the offset `byte_offset`.
     fn examine(&self, bytes: &[u8], byte_offset: u64) -> Candidate<Self::Message>;
 
-    /// Whether a message carries a reading.
+    /// Returns true if a message contains a reading.
     fn is_data(message: &Self::Message) -> bool;
 }
 
-/// Bytes taken at a time.
-const PIECE: usize = 4096;
+/// Bytes per processing step.
+const CHUNK_BYTES: usize = 4096;
 
-/// A streaming decoder: any chunks in, messages out; the result does not depend on how the stream is cut into chunks.
+/// Streaming decoder: chunks in, messages out. The result does not depend on the chunk boundaries.
 ///
-/// It keeps at most one message's worth of bytes between chunks and never allocates after its making.
+/// It stores at most one message between chunks and allocates only on creation.
 #[derive(Clone, Debug)]
 pub struct Resync<W: Wire> {
     wire: W,
-    /// From `start` on, bytes that are not settled yet.
+    /// Undecided bytes, from `start` on.
     window: Vec<u8>,
     start: usize,
-    /// How many of the first unsettled bytes lie in a message that was already reported.
+    /// Number of undecided bytes at the front that belong to a reported message.
     claimed: usize,
     counts: ByteCounts,
 }
@@ -66,40 +68,40 @@ impl<W: Wire + Default> Default for Resync<W> {
 }
 
 impl<W: Wire> Resync<W> {
-    /// For one device's stream.
+    /// Creates a decoder for the stream of one device.
     #[must_use]
     pub fn new(wire: W) -> Self {
         Self {
             wire,
-            window: Vec::with_capacity(W::LONGEST + PIECE),
+            window: Vec::with_capacity(W::LENGTH_MAX + CHUNK_BYTES),
             start: 0,
             claimed: 0,
             counts: ByteCounts::default(),
         }
     }
 
-    /// The format.
+    /// Returns the format.
     #[must_use]
     pub fn wire(&self) -> &W {
         &self.wire
     }
 
-    /// Takes the next bytes of the stream and reports every message that they complete.
+    /// Processes the next bytes and reports every message that they complete.
     pub fn push(&mut self, chunk: &[u8], mut report: impl FnMut(W::Message)) {
-        for piece in chunk.chunks(PIECE) {
+        for piece in chunk.chunks(CHUNK_BYTES) {
             self.window.extend_from_slice(piece);
             self.counts.received += piece.len() as u64;
-            while self.settle_first_byte(&mut report) {}
+            while self.decide_first_byte(&mut report) {}
             self.window.drain(..self.start);
             self.start = 0;
         }
     }
 
-    /// Ends the stream: what is pending becomes messages where it can, junk where it cannot. The decoder can then be
-    /// used for another stream, whose byte offsets and counts continue.
+    /// Ends the stream: pending bytes become messages or junk. The decoder can then process another
+    /// stream; offsets and counts continue.
     pub fn finish(&mut self, mut report: impl FnMut(W::Message)) {
         while self.start < self.window.len() {
-            if !self.settle_first_byte(&mut report) {
+            if !self.decide_first_byte(&mut report) {
                 self.advance();
             }
         }
@@ -107,7 +109,7 @@ impl<W: Wire> Resync<W> {
         self.start = 0;
     }
 
-    /// What happened to the bytes so far.
+    /// Returns the byte counts so far.
     #[must_use]
     pub fn counts(&self) -> ByteCounts {
         ByteCounts {
@@ -116,9 +118,9 @@ impl<W: Wire> Resync<W> {
         }
     }
 
-    /// Decides whether a message begins at the first unsettled byte and moves on. Returns false when that cannot be
-    /// decided yet.
-    fn settle_first_byte(&mut self, report: &mut impl FnMut(W::Message)) -> bool {
+    /// Decides whether a message begins at the first undecided byte, and advances. Returns false if
+    /// more bytes are needed.
+    fn decide_first_byte(&mut self, report: &mut impl FnMut(W::Message)) -> bool {
         let bytes = &self.window[self.start..];
         if bytes.is_empty() {
             return false;
@@ -141,7 +143,7 @@ impl<W: Wire> Resync<W> {
         true
     }
 
-    /// Books the bytes of a message that begins at the first unsettled byte.
+    /// Counts the bytes of a message that begins at the first undecided byte.
     fn claim(&mut self, is_data: bool, length: usize) {
         let fresh = length.saturating_sub(self.claimed) as u64;
         if is_data {
@@ -154,7 +156,7 @@ impl<W: Wire> Resync<W> {
         self.claimed = self.claimed.max(length);
     }
 
-    /// Settles one byte; it is junk unless a message claimed it.
+    /// Advances by one byte, which is junk unless it belongs to a message.
     fn advance(&mut self) {
         if self.claimed > 0 {
             self.claimed -= 1;

@@ -1,14 +1,14 @@
-//! When was a frame true? The device sends no time, so this estimates one from when its bytes were read.
+//! Capture times of frames from devices that send no time, estimated from the time of reading.
 //!
-//! One read often returns several frames, because the operating system, or the USB bridge with its latency timer,
-//! delivers in bursts. The newest of them is stamped with the time of the read; the others are spread before it by the
-//! nominal period, and closer together where that would reach behind the last frame of the read before. Transport
-//! delay is unknown to this process and not subtracted.
+//! One read often returns several frames, because the operating system or the latency timer of a
+//! USB bridge delivers in bursts. The newest frame gets the time of the read. The others are spaced
+//! before it by the nominal period, or closer if they would overlap the previous read. The
+//! transport delay is unknown and not subtracted.
 //!
-//! Invariants: stamps strictly increase; no stamp is later than its read, provided that the clock advances by at least
-//! one nanosecond per frame between reads.
+//! Invariants: stamps strictly increase. No stamp is later than its read, if the clock advances by
+//! at least one nanosecond per frame between reads.
 
-/// Stamps the frames of one device.
+/// Assigns stamps to the frames of one device.
 #[derive(Clone, Debug)]
 pub struct Stamper {
     period_ns: u64,
@@ -16,7 +16,7 @@ pub struct Stamper {
 }
 
 impl Stamper {
-    /// For a device with this nominal period between frames, ns.
+    /// Creates a stamper for a device with this nominal frame period, ns.
     #[must_use]
     pub fn new(period_ns: u64) -> Self {
         Self {
@@ -25,7 +25,8 @@ impl Stamper {
         }
     }
 
-    /// Capture times, ns, of `frames` frames that the read at `read_ns` returned, oldest first.
+    /// Returns capture times, ns, of `frames` frames that the read at `read_ns` returned, oldest
+    /// first.
     pub fn spread(&mut self, read_ns: u64, frames: usize) -> impl Iterator<Item = u64> + use<> {
         let frames = frames as u64;
         let room_ns = read_ns.saturating_sub(self.last_ns);
@@ -33,7 +34,7 @@ impl Stamper {
             .checked_div(frames)
             .unwrap_or(0)
             .clamp(1, self.period_ns.max(1));
-        // Both are the same unless the clock stood still.
+        // Both are equal unless the clock stood still.
         let newest_ns = read_ns.max(self.last_ns + frames * spacing_ns);
         if frames > 0 {
             self.last_ns = newest_ns;
@@ -50,7 +51,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn frames_of_one_read_are_spread_by_the_period_where_there_is_room() {
+    fn frames_of_one_read_are_spaced_by_the_period() {
         let mut stamper = Stamper::new(1000);
         let mut check = |read_ns, frames, expected: &[u64]| {
             assert_eq!(

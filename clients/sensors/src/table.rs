@@ -1,8 +1,9 @@
-//! Readings as comma-separated values, one line per frame: what `--dry-run` prints.
+//! Readings as comma-separated values, one line per frame: the output of `--dry-run`.
 //!
-//! Columns: `byte_offset,count,status`, the values in the device's unit (`fx_counts,…`; with several taxels
-//! `fx0_counts,…`), `arrival`, `captured_ns`, of magnetometers their `temperature_c`, and per taxel `normal_n,tangential1_n,tangential2_n` where a scale is known.
-//! Every valid frame has a line, duplicates and late ones too. A device without a counter leaves `count` empty.
+//! Columns: `byte_offset,count,status`; the values in the device's unit (`fx_counts,…`; with
+//! several taxels `fx0_counts,…`); `arrival`, `captured_ns`; of magnetometers `temperature_c`; with
+//! a known scale, per taxel `normal_n,tangential1_n,tangential2_n`. Every valid frame has a line,
+//! including duplicates and late ones. `count` is empty for a device without a counter.
 
 use std::io::{self, BufWriter, Write};
 
@@ -12,7 +13,7 @@ use crate::failure::Failure;
 use crate::newtons::Newtons;
 use crate::reading::{Batch, Health, Output, Reading, Shape};
 
-/// Writes the table.
+/// Writer of the table.
 #[derive(Debug)]
 pub struct Table<W: Write> {
     sink: BufWriter<W>,
@@ -24,12 +25,12 @@ impl<W: Write> Table<W> {
     /// Begins a table with its header line.
     ///
     /// # Errors
-    /// When the sink is gone.
+    /// The output is closed.
     pub fn new(sink: W, shape: Shape, newtons: Option<Newtons>) -> Result<Self, Failure> {
         let mut table = Self {
             sink: BufWriter::new(sink),
             shape,
-            // More than a frame holds is printed as it came.
+            // Forces beyond the capacity of a frame are printed without conversion.
             newtons: newtons.filter(|newtons| newtons.elements(shape) <= ELEMENTS),
         };
         table
@@ -85,7 +86,7 @@ impl<W: Write> Table<W> {
         }
         write!(self.sink, ",{}", reading.status)?;
         for &value in values {
-            // What came as f32 is printed as f32, without digits that were never measured.
+            // Values from f32 are printed as f32, without unmeasured digits.
             if f64::from(value as f32) == value {
                 write!(self.sink, ",{}", value as f32)?;
             } else {

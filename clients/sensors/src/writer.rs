@@ -1,4 +1,4 @@
-//! What a process writes on the bus for one hand: its frames, and of each of its devices how it is.
+//! Bus publisher of one hand: its frames, and the health of each device.
 
 use std::time::Duration;
 
@@ -9,28 +9,28 @@ use shm_schemas::{Hand, HandFrame, SensorStatus, Stamp, Text};
 use crate::failure::Failure;
 use crate::reading::Health;
 
-/// Frames published at once at most; a backlog is handed out in such portions, one per [`BURST_PAUSE`], so that a
-/// reader on a 1 ms tick is never overrun (it buffers 64 frames). Ours.
+/// Maximum frames published at once; a backlog is split with [`BURST_PAUSE`] in between. Design
+/// choice: a reader with a 1 ms tick buffers 64 frames and must not overrun.
 pub const BURST: usize = 16;
-/// Pause between two portions of a backlog: the tick of the daemon.
+/// Pause between portions of a backlog: the daemon's tick.
 pub const BURST_PAUSE: Duration = Duration::from_millis(1);
 
-/// The one writer of a hand.
+/// Only publisher of a hand's frames.
 #[derive(Debug)]
 pub struct HandWriter {
     frames: Publisher<HandFrame>,
     statuses: Publisher<SensorStatus>,
-    /// Per device.
     status: Vec<SensorStatus>,
     epoch: u64,
     next_status: u64,
 }
 
 impl HandWriter {
-    /// Joins the bus and takes the hand's frame service. Each device has the name of its driver, and its path or address.
+    /// Joins the bus and claims the hand's frame service. `devices` yields driver name and path or
+    /// address.
     ///
     /// # Errors
-    /// [`Failure::Bus`] when the bus cannot be joined or another process feels for this hand.
+    /// [`Failure::Bus`] if the bus cannot be joined or another process publishes for this hand.
     pub fn open<'a>(
         bus: &BusName,
         hand: Hand,
@@ -58,24 +58,24 @@ impl HandWriter {
         })
     }
 
-    /// What its frames' stamps must carry.
+    /// Returns the writer epoch for frame stamps.
     #[must_use]
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
 
-    /// Publishes a frame that is stamped and sealed.
+    /// Publishes a stamped and sealed frame.
     ///
     /// # Errors
-    /// [`Failure::Bus`] when the bus is gone.
+    /// [`Failure::Bus`] if the bus has failed.
     pub fn frame(&self, frame: &HandFrame) -> Result<(), Failure> {
         self.frames.send(frame).map_err(Failure::Bus)
     }
 
-    /// Publishes one device's report.
+    /// Publishes a device's health report.
     ///
     /// # Errors
-    /// [`Failure::Bus`] when the bus is gone.
+    /// [`Failure::Bus`] if the bus has failed.
     pub fn health(&mut self, device: usize, health: &Health) -> Result<(), Failure> {
         let status = &mut self.status[device];
         status.stamp.captured_ns = now_ns();

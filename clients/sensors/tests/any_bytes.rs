@@ -1,4 +1,4 @@
-//! Whatever a device sends, no driver panics, loses count of a byte, or depends on how the bytes were cut.
+//! Any input: no driver panics, miscounts a byte, or depends on chunk boundaries.
 
 mod common;
 
@@ -6,7 +6,7 @@ use atas_sensors::wire::{SENSORS, SensorType};
 use common::vectors::{cases_of, driver, is_stream, receive};
 use proptest::prelude::*;
 
-/// Streams of a sensor: its vectors whole, cut, damaged and repeated, with junk between.
+/// Streams of a sensor: its vectors complete, truncated, damaged and repeated, with junk between.
 fn stream(sensor: &'static SensorType) -> impl Strategy<Value = Vec<u8>> {
     let known: Vec<Vec<u8>> = cases_of(sensor.name)
         .into_iter()

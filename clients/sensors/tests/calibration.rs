@@ -1,8 +1,8 @@
-//! Calibrations fitted to presses whose truth is known, saved, read, and refused when they cannot be right.
+//! Calibration: fits to presses with known forces, files, rejection of invalid ones.
 
 use atas_sensors::calibration::{
-    Calibration, Drift, FitError, Model, Point, Press, Quality, Quiet, Silence, Thresholds, fit,
-    listen, press_block, total_n,
+    Calibration, Drift, FitError, Model, Point, Press, Quality, Silence, Thresholds,
+    UnloadedRecording, fit, fit_block, measure_silence, total_n,
 };
 use atas_sensors::plan::Plan;
 use atas_sensors::reading::Quantity;
@@ -22,7 +22,7 @@ impl Draw {
     }
 }
 
-/// Counts per newton of one dome: axes that are swapped and turned, 8 % of crosstalk.
+/// Counts per newton of one dome with swapped and turned axes and 8 % crosstalk.
 const COUNTS_PER_N: [[f64; 3]; 3] = [[3.0, 25.0, 2.0], [-1.5, 2.2, 30.0], [-60.0, 3.0, 4.0]];
 const ZERO: [f64; 3] = [120.0, -35.0, 7.0];
 
@@ -33,7 +33,7 @@ fn dome(force_n: [f64; 3], noise: f64, draw: &mut Draw) -> Vec<f64> {
         .collect()
 }
 
-/// Five magnetometers: flux that bends with the force.
+/// Five magnetometers with a nonlinear flux.
 fn skin(force_n: [f64; 3], noise: f64, draw: &mut Draw) -> Vec<f64> {
     let [n, a, b] = force_n;
     let magnet = |m: usize| {
@@ -73,16 +73,16 @@ fn bench(
         }
     };
     let presses = (0..40).map(|_| press(&mut draw)).collect();
-    let silence = listen(&quiet).expect("enough frames");
+    let silence = measure_silence(&quiet).expect("enough frames");
     (presses, silence, quiet)
 }
 
 fn dome_1() -> Layout {
-    Layout::named("dome-1").expect("a layout")
+    Layout::from_name("dome-1").expect("a layout")
 }
 
 #[test]
-fn scale_axes_and_crosstalk_are_found_together() {
+fn scale_axes_and_crosstalk_are_fitted_together() {
     let (presses, silence, quiet) = bench(dome, 1.0);
     for (zero, expected) in silence.zero.iter().zip(ZERO) {
         assert!((zero - expected).abs() < 0.15, "{zero} {expected}");
@@ -102,7 +102,8 @@ fn scale_axes_and_crosstalk_are_found_together() {
         }
     }
     // Noise of ±1 count of 60 per newton is 10 mN; eight of them begin a touch.
-    let thresholds = Thresholds::of(calibration, &quiet, 4.0, 8.0).expect("enough frames");
+    let thresholds =
+        Thresholds::from_recording(calibration, &quiet, 4.0, 8.0).expect("enough frames");
     assert!(
         (0.05..0.2).contains(&thresholds.touch_on_n),
         "{thresholds:?}"
@@ -114,7 +115,7 @@ fn scale_axes_and_crosstalk_are_found_together() {
 }
 
 #[test]
-fn flux_becomes_force_and_squares_tell_it_better() {
+fn quadratic_fit_converts_flux_better() {
     let (presses, silence, _) = bench(skin, 0.5);
     let error_n = |model: Model| {
         let fitted = fit(&presses, &silence, model, &dome_1(), "a bench").expect("a fit");
@@ -134,9 +135,9 @@ fn flux_becomes_force_and_squares_tell_it_better() {
     );
 }
 
-/// Nobody presses twice at the same place: each press reads a few per cent off, each value by its own.
+/// Presses differ in position: each value of each press has a different error of a few per cent.
 #[test]
-fn presses_at_places_that_differ_are_not_followed() {
+fn fit_ignores_differences_between_press_positions() {
     let error_n = |placed: f64, ridges: core::ops::RangeInclusive<f64>| {
         let (mut presses, silence, _) = bench(skin, 0.5);
         let mut draw = Draw(31);
@@ -159,12 +160,12 @@ fn presses_at_places_that_differ_are_not_followed() {
     let exact_n = error_n(0.0, 1e-7..=1e-4);
     assert!(exact_n < 0.01, "{exact_n}");
     let placed_n = error_n(0.05, 1e-4..=1e-1);
-    // With 1e-7 whatever is pressed it is 0.08 N.
+    // With 1e-7 every press reads 0.08 N.
     assert!(placed_n < 0.06, "{placed_n}");
 }
 
 #[test]
-fn a_file_gives_the_same_calibration_or_is_refused() {
+fn calibration_file_reads_back_or_is_rejected() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("tip.toml");
     let (presses, silence, _) = bench(dome, 1.0);
@@ -192,10 +193,10 @@ fn a_file_gives_the_same_calibration_or_is_refused() {
 }
 
 #[test]
-fn presses_that_cannot_tell_are_refused_by_what_they_lack() {
+fn insufficient_presses_are_rejected_with_the_reason() {
     let (presses, silence, _) = bench(dome, 1.0);
     let check = |presses: &[Press], layout: &str, part: &str| {
-        let layout = Layout::named(layout).expect("a layout");
+        let layout = Layout::from_name(layout).expect("a layout");
         let error = fit(presses, &silence, Model::Matrix, &layout, "").expect_err(part);
         assert!(error.to_string().contains(part), "{error}");
     };
@@ -212,23 +213,23 @@ fn presses_that_cannot_tell_are_refused_by_what_they_lack() {
         }
         press
     };
-    check(&vec![still(0); 6], "dome-1", "tell all axes apart");
+    check(&vec![still(0); 6], "dome-1", "could not determine all axes");
     let mut broken = presses.clone();
     broken[7].points[0].values[1] = f64::NAN;
     check(&broken, "dome-1", "press 7");
     assert_eq!(
         fit(&[], &silence, Model::Matrix, &dome_1(), "").expect_err("none"),
-        FitError::Few(0)
+        FitError::TooFewPresses(0)
     );
 }
 
 /// Two elements in newtons: warmth moves the first, time the second, 25 frames a second.
-fn quiet(seconds: usize, n_k: f64, n_min: f64, swing_k: f64) -> Quiet {
+fn quiet(seconds: usize, n_k: f64, n_min: f64, swing_k: f64) -> UnloadedRecording {
     let mut draw = Draw(17);
-    let mut quiet = Quiet::default();
+    let mut quiet = UnloadedRecording::default();
     for frame in 0..25 * seconds {
         let at_s = frame as f64 / 25.0;
-        // Whole swings, which no drift can be taken for.
+        // Complete periods, which do not look like drift.
         let warmth_k = swing_k / 2.0 * (core::f64::consts::TAU * at_s / 20.0).cos();
         let mut noise = || 0.01 * draw.next();
         let first = [
@@ -245,7 +246,7 @@ fn quiet(seconds: usize, n_k: f64, n_min: f64, swing_k: f64) -> Quiet {
 }
 
 #[test]
-fn drift_is_told_of_every_element_and_what_a_kelvin_does() {
+fn drift_is_reported_per_element_and_per_kelvin() {
     let unit = |axis: usize| (0..3).map(|k| f64::from(k == axis)).collect();
     let mut calibration = Calibration {
         format: 1,
@@ -260,7 +261,8 @@ fn drift_is_told_of_every_element_and_what_a_kelvin_does() {
         assert!((found - expected).abs() <= by, "{found} {expected}");
     };
     for (n_k, n_min) in [(0.03, 0.05), (-0.2, 0.0), (0.0, 0.4), (0.0, 0.0)] {
-        let drift = Drift::of(&calibration, &quiet(120, n_k, n_min, 4.0)).expect("long enough");
+        let drift =
+            Drift::from_recording(&calibration, &quiet(120, n_k, n_min, 4.0)).expect("long enough");
         near(drift.watched_s, 120.0, 0.1);
         near(drift.element_n_min[0], 0.0, 2e-3 + 0.01 * n_k.abs());
         near(drift.element_n_min[1], n_min, 2e-3);
@@ -270,11 +272,11 @@ fn drift_is_told_of_every_element_and_what_a_kelvin_does() {
             near(warmth.element_n_k[0][axis], expected, 1e-3);
             near(warmth.total_n_k[axis], expected, 1e-3 + 0.01 * n_min);
         }
-        near(warmth.total_most_n_k(), n_k.abs(), 1e-3 + 0.01 * n_min);
+        near(warmth.largest_total_n_k(), n_k.abs(), 1e-3 + 0.01 * n_min);
         if n_min > 0.0 {
             assert_eq!(drift.worst().0, 1);
         }
-        // For people, beside what is computed with.
+        // Text for users, next to the numbers.
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("tip.toml");
         calibration.drift = Some(drift);
@@ -286,14 +288,14 @@ fn drift_is_told_of_every_element_and_what_a_kelvin_does() {
         let error = Calibration::open(&path).expect_err("no number").to_string();
         assert!(error.contains("not finite"), "{error}");
     }
-    let of = |quiet: &Quiet| Drift::of(&calibration, quiet);
+    let of = |quiet: &UnloadedRecording| Drift::from_recording(&calibration, quiet);
     assert!(
         of(&quiet(120, 0.1, 0.0, 0.4))
             .expect("long enough")
             .warmth
             .is_none()
     );
-    let unknown = Quiet {
+    let unknown = UnloadedRecording {
         temperatures_c: Vec::new(),
         ..quiet(120, 0.1, 0.0, 4.0)
     };
@@ -302,7 +304,7 @@ fn drift_is_told_of_every_element_and_what_a_kelvin_does() {
 }
 
 #[test]
-fn a_rigid_block_tells_how_the_tips_compress() {
+fn rigid_block_gives_fingertip_compression() {
     let mut draw = Draw(11);
     for (compression_m, exponent) in [(0.00044, 0.48), (0.0002, 1.0), (0.001, 0.33)] {
         let points: Vec<(f64, f64)> = (0..300)
@@ -314,21 +316,21 @@ fn a_rigid_block_tells_how_the_tips_compress() {
                 )
             })
             .collect();
-        let block = press_block(&points, 0.1, 2).expect("a compression");
+        let block = fit_block(&points, 0.1, 2).expect("a compression");
         assert!(
             (block.tip_compression_m / compression_m - 1.0).abs() < 0.03,
             "{block:?}"
         );
         assert!((block.tip_exponent - exponent).abs() < 0.02, "{block:?}");
     }
-    assert_eq!(press_block(&[(0.0, 1.0); 5], 0.1, 2), None);
-    assert_eq!(press_block(&[(f64::NAN, 1.0); 50], 0.1, 2), None);
-    assert_eq!(press_block(&[(0.01, 1.0); 50], 0.1, 2), None);
+    assert_eq!(fit_block(&[(0.0, 1.0); 5], 0.1, 2), None);
+    assert_eq!(fit_block(&[(f64::NAN, 1.0); 50], 0.1, 2), None);
+    assert_eq!(fit_block(&[(0.01, 1.0); 50], 0.1, 2), None);
 }
 
-/// What `atas-sensor hand FILE` would publish with such a calibration.
+/// Frames that `atas-sensor hand FILE` publishes with such a calibration.
 #[test]
-fn the_sensor_process_applies_it_and_refuses_another_sensors() {
+fn sensor_process_applies_only_its_calibration() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("tip.toml");
     let (presses, silence, _) = bench(dome, 1.0);
@@ -341,7 +343,7 @@ fn the_sensor_process_applies_it_and_refuses_another_sensors() {
         .map_err(|failure| failure.to_string())
     };
     let tip = format!("{:?}", path.display().to_string());
-    let seats = plan("optoforce", &tip).expect("a plan").seats();
+    let seats = plan("optoforce", &tip).expect("a plan").slots();
     let mut forces_n = [[0.0; 3]; ELEMENTS];
     let values = dome([2.0, 0.5, -0.3], 0.0, &mut Draw(1));
     let count = seats[0]
@@ -362,7 +364,7 @@ fn the_sensor_process_applies_it_and_refuses_another_sensors() {
 
 proptest! {
     #[test]
-    fn whatever_a_device_says_is_survived(values in prop::collection::vec(any::<f64>(), 0..20)) {
+    fn any_device_output_is_survived(values in prop::collection::vec(any::<f64>(), 0..20)) {
         let (presses, silence, _) = bench(dome, 1.0);
         let fitted = fit(&presses[..6], &silence, Model::Matrix, &dome_1(), "").expect("a fit");
         let force_n = fitted.calibration.force_n(0, &values);

@@ -1,5 +1,5 @@
-//! The decoder against a long generated stream, always, and against a real recording, where it is at hand. The recording
-//! is not part of this repository.
+//! Decoder on a long generated stream and, if present, on a real recording, which is not part of
+//! this repository.
 #![expect(clippy::print_stderr, reason = "says when the recording is absent")]
 
 mod common;
@@ -12,7 +12,7 @@ use atas_sensors::reading::ByteCounts;
 use atas_sensors::wire::optoforce::{DataFrame, Decoder, Message};
 use common::{acknowledgement, numbered_frame};
 
-/// The folder of recordings beside the workspace, if it is there.
+/// Returns the recording from the folder next to the workspace, if present.
 fn recording() -> Option<(Vec<u8>, PathBuf)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/optoforce_wire");
     let bytes = fs::read(folder.join("capture.bin")).ok();
@@ -39,9 +39,10 @@ fn frames_of(stream: &[u8], chunk: usize) -> (Vec<DataFrame>, ByteCounts) {
     (frames, decoder.counts())
 }
 
-/// As long as the recording, and like it: an acknowledgement, gap-free frames across the wrap, a cut tail.
+/// A stream like the recording: an acknowledgement, frames without gaps across the wrap, a
+/// truncated end.
 #[test]
-fn a_generated_stream_of_the_recordings_length_decodes_exactly() {
+fn long_generated_stream_decodes_exactly() {
     const FRAMES: u16 = 34_374;
     let count = |n: u16| n.wrapping_add(50_000);
     let mut stream = acknowledgement(0);
@@ -72,7 +73,7 @@ fn a_generated_stream_of_the_recordings_length_decodes_exactly() {
 }
 
 #[test]
-fn the_recording_decodes_exactly() {
+fn recording_decodes_exactly() {
     let Some((stream, folder)) = recording() else {
         return;
     };
@@ -115,15 +116,15 @@ fn the_recording_decodes_exactly() {
 }
 
 #[test]
-fn damage_to_one_frame_of_the_recording_spares_its_neighbours() {
+fn damaged_frame_leaves_neighbours_intact() {
     let Some((stream, _)) = recording() else {
         return;
     };
     assert_neighbours_survive(&stream[7..]);
 }
 
-/// One byte of every frame is deleted, or doubled, or the frame is cut off there: the frames before and after come
-/// through.
+/// One byte of every frame is deleted or doubled, or the frame is truncated there. The frames
+/// before and after remain.
 fn assert_neighbours_survive(stream: &[u8]) {
     let frames: Vec<&[u8]> = stream.chunks_exact(16).collect();
     for (n, at) in (1..frames.len() - 1).map(|n| (n, n * 7 % 16)) {

@@ -1,5 +1,5 @@
-//! What the decoder promises, hammered: nothing depends on chunking, no valid frame is lost to damage around it, every
-//! byte is accounted for, and all of it equals a naive search of the whole stream.
+//! Properties of the decoder: the result does not depend on chunks, damage loses no valid
+//! neighbour, every byte is counted, and the result equals a search of the whole stream.
 
 mod common;
 
@@ -8,7 +8,7 @@ use atas_sensors::wire::optoforce::{Decoder, Kind, Message};
 use common::{acknowledgement, data_frame, numbered_frame};
 use proptest::prelude::*;
 
-/// Everything a decoder says about a stream that comes in these chunks.
+/// Decodes a stream in these chunks; returns messages and counts.
 fn decode<'a>(chunks: impl IntoIterator<Item = &'a [u8]>) -> (Vec<Message>, ByteCounts) {
     let mut decoder = Decoder::default();
     let mut messages = Vec::new();
@@ -30,7 +30,7 @@ fn assert_balanced(counts: ByteCounts) {
     );
 }
 
-/// The counts of all data frames, in order.
+/// Returns the counts of all data frames, in order.
 fn frame_counts(messages: &[Message]) -> Vec<u16> {
     let count = |message: &Message| match message {
         Message::Data(frame) => Some(frame.count),
@@ -39,7 +39,7 @@ fn frame_counts(messages: &[Message]) -> Vec<u16> {
     messages.iter().filter_map(count).collect()
 }
 
-/// Whether each of the wanted counts occurs, in this order.
+/// Returns true if each of the expected counts occurs, in this order.
 fn contains_in_order(found: &[u16], wanted: impl IntoIterator<Item = u16>) -> bool {
     let mut found = found.iter();
     wanted
@@ -47,7 +47,7 @@ fn contains_in_order(found: &[u16], wanted: impl IntoIterator<Item = u16>) -> bo
         .all(|count| found.any(|&other| other == count))
 }
 
-/// Offset and length of every message, found without any state.
+/// Returns offset and length of every message, by a stateless search.
 fn naive_search(stream: &[u8]) -> Vec<(u64, usize)> {
     let length_at = |rest: &[u8]| match rest {
         [0xAA, 0x07, 0x08, payload @ (0x0A | 0x10 | 0x1C), ..] => Some(usize::from(*payload) + 6),
@@ -67,7 +67,7 @@ fn naive_search(stream: &[u8]) -> Vec<(u64, usize)> {
         .collect()
 }
 
-/// Pieces from which damaged streams are made: whole and cut messages, headers, junk.
+/// Pieces of damaged streams: complete and truncated messages, headers, junk.
 fn piece() -> impl Strategy<Value = Vec<u8>> {
     let values = prop_oneof![
         prop::collection::vec(any::<i16>(), 3),
@@ -102,7 +102,7 @@ fn damaged_stream() -> impl Strategy<Value = Vec<u8>> {
     prop::collection::vec(piece(), 0..30).prop_map(|pieces| pieces.concat())
 }
 
-/// Junk in which no message begins by itself, though parts of headers do.
+/// Junk without a message, but with parts of headers.
 fn junk() -> impl Strategy<Value = Vec<u8>> {
     prop::collection::vec(
         prop_oneof![
@@ -199,7 +199,7 @@ proptest! {
 }
 
 #[test]
-fn a_shared_byte_makes_two_frames() {
+fn shared_byte_gives_two_frames() {
     // Find a frame whose checksum ends in AA, and take that byte away.
     let first = (0..=u16::MAX)
         .map(numbered_frame)
@@ -215,7 +215,7 @@ fn a_shared_byte_makes_two_frames() {
 }
 
 #[test]
-fn failures_and_junk_are_counted_by_definition() {
+fn checksum_failures_and_junk_are_counted() {
     let frame = numbered_frame(1);
     let mut corrupt = frame.clone();
     corrupt[9] ^= 0x10;
@@ -232,7 +232,7 @@ fn failures_and_junk_are_counted_by_definition() {
     check(&[&frame, b"junk", &frame], 2, 4, 0);
     check(&[&frame[..10], &frame], 1, 10, 1);
     check(&[&frame, &frame[..10]], 1, 10, 0);
-    // A false header of the longest kind in front of a lone frame: the stream ends before it could fail.
+    // A false header of the longest kind before a single frame: the stream ends before it fails.
     check(&[&[0xAA, 7, 8, 0x1C], &frame], 1, 4, 0);
     check(&[&[0xAA, 7, 8, 0x1C], &frame, &frame], 2, 4, 1);
     check(&[&acknowledgement(0), &frame, &acknowledgement(1)], 1, 0, 0);

@@ -1,4 +1,4 @@
-//! Several devices make up one hand.
+//! Hands of several devices.
 
 mod common;
 #[path = "common/peers.rs"]
@@ -21,7 +21,7 @@ use shm_schemas::{Hand, Layout};
 const SCALE: &str = "--newtons-per-count 1,1,1";
 
 #[test]
-fn two_domes_of_one_hand_on_two_serial_ports() {
+fn two_domes_on_two_ports_form_one_hand() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let (first, second) = (Pty::new(), Pty::new());
@@ -34,7 +34,7 @@ fn two_domes_of_one_hand_on_two_serial_ports() {
     reader.wait_for_start();
     second.send(&data_frame(1, 0, &[10, 20, -30]));
     let mut count = 0;
-    // The second dome's word may come after the first's first ones.
+    // The second dome's data may arrive after the first frames.
     wait_until("both fingers", || {
         count += 1;
         first.send(&data_frame(count, 0, &[1, 2, -3]));
@@ -52,7 +52,8 @@ fn two_domes_of_one_hand_on_two_serial_ports() {
         [frame.force_n[0][0], frame.force_n[1][0]],
         [[3.0, 1.0, 2.0], [30.0, 10.0, 20.0]]
     );
-    // One falls silent: its finger is marked, the hand goes on at the pace of the other.
+    // One device stops sending: its fingertip becomes invalid, the hand continues at the rate of
+    // the other.
     wait_until("the silent finger is invalid", || {
         count += 1;
         first.send(&data_frame(count, 0, &[1, 2, -3]));
@@ -75,7 +76,7 @@ fn two_domes_of_one_hand_on_two_serial_ports() {
 }
 
 #[test]
-fn the_next_takes_over_when_the_pace_maker_falls_silent() {
+fn next_device_sets_the_pace_after_silence() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::RIGHT);
     let (first, second) = (Pty::new(), Pty::new());
@@ -105,7 +106,7 @@ fn the_next_takes_over_when_the_pace_maker_falls_silent() {
 }
 
 #[test]
-fn a_hand_of_mixed_sensors_is_described_by_a_file() {
+fn file_describes_a_hand_of_mixed_sensors() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let (dome, tip) = (Pty::new(), Pty::new());
@@ -138,7 +139,10 @@ fn a_hand_of_mixed_sensors_is_described_by_a_file() {
         newest.is_some_and(|frame| frame.valid_mask == [valid, valid, 0, 0])
     });
     let frame = *reader.received.last().unwrap();
-    assert_eq!(frame.layout_hash, Layout::named("pad-31").unwrap().hash());
+    assert_eq!(
+        frame.layout_hash,
+        Layout::from_name("pad-31").unwrap().hash()
+    );
     assert_eq!(frame.force_n[0][..2], [[3.0, 1.0, 2.0], [0.0; 3]]);
     let normal = peers::magnitude(3, 3 * 30 + 2) as f32 * 0.1;
     assert!((frame.force_n[1][30][0] - normal).abs() < 1e-4);
@@ -148,7 +152,7 @@ fn a_hand_of_mixed_sensors_is_described_by_a_file() {
 }
 
 #[test]
-fn what_is_wrong_with_a_hand_is_said_with_its_port() {
+fn invalid_hand_file_names_the_port() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("hand.toml");
     let check = |text: &str, sentence: &str| {

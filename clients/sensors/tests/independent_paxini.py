@@ -28,7 +28,7 @@ def read(data: bytes) -> list[str]:
         return [f"acknowledged {reply.status}"]
     taxels = [reply.data[i : i + 3] for i in range(0, len(reply.data), 3)]
     values = [value for taxel in taxels for value in protocol.split_force_xyz(taxel)]
-    condition = "well" if reply.status in (0, 1) else "failed"
+    condition = "normal" if reply.status in (0, 1) else "failed"
     return [f"frame - {reply.status} {condition}: {' '.join(map(str, values))}"]
 
 

@@ -1,5 +1,5 @@
-//! Every sensor's real peer, emulated over a pseudo-terminal or a loopback socket, with everything that goes wrong on a
-//! wire: partial reads, junk, loss, reorder, restart, a wrong rate. Real processes, real bus.
+//! Emulated peers of every sensor on pseudo-terminals and loopback sockets, with faults: partial
+//! reads, junk, loss, reordering, restart, a wrong rate. Real processes, real bus.
 
 mod common;
 #[path = "common/peers.rs"]
@@ -22,7 +22,7 @@ use shm_bus::FreshBus;
 use shm_schemas::{Hand, HandFrame, Layout};
 use tungstenite::Message;
 
-/// In pieces that respect no frame's edge, with pauses between.
+/// Sends pieces across frame boundaries, with pauses.
 fn send_in_pieces(pty: &Pty, bytes: &[u8]) {
     let mut rest = bytes;
     for size in (1..90).cycle() {
@@ -36,7 +36,7 @@ fn send_in_pieces(pty: &Pty, bytes: &[u8]) {
     }
 }
 
-/// Ends the process, reads its last words on the bus, and returns those on standard error.
+/// Ends the process, reads its last status on the bus, and returns its standard error.
 fn end(sensor: Sensor, reader: &mut Reader) -> String {
     sensor.signal(Signal::TERM);
     let (code, _, stderr) = sensor.finish();
@@ -50,7 +50,7 @@ fn sequences(frames: &[HandFrame]) -> Vec<u64> {
 }
 
 #[test]
-fn a_polled_paxini_board_that_answers_in_pieces_with_junk_and_sometimes_not_at_all() {
+fn polled_paxini_board_survives_partial_reads_junk_and_silence() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let pty = Pty::new();
@@ -76,7 +76,7 @@ fn a_polled_paxini_board_that_answers_in_pieces_with_junk_and_sometimes_not_at_a
     }
     reader.wait_for_frames(90);
     let stderr = end(sensor, &mut reader);
-    // The last request was left unanswered, and perhaps those that followed it.
+    // The last request had no answer, and perhaps those after it.
     assert!(reader.status.lost >= 9, "{stderr}");
     assert_eq!(reader.status.junk_bytes, 25 * 4, "{stderr}");
     let answered: Vec<u32> = (0..100).filter(|n| n % 10 != 9).collect();
@@ -95,12 +95,15 @@ fn a_polled_paxini_board_that_answers_in_pieces_with_junk_and_sometimes_not_at_a
             }
         }
         assert_eq!(frame.valid_mask[0], (1 << 31) - 1);
-        assert_eq!(frame.layout_hash, Layout::named("pad-31").unwrap().hash());
+        assert_eq!(
+            frame.layout_hash,
+            Layout::from_name("pad-31").unwrap().hash()
+        );
     }
 }
 
 #[test]
-fn a_paxini_hand_board_is_told_to_push_and_its_modules_are_told_apart() {
+fn paxini_hand_board_streams_and_modules_are_separated() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::RIGHT);
     let pty = Pty::new();
@@ -109,13 +112,13 @@ fn a_paxini_hand_board_is_told_to_push_and_its_modules_are_told_apart() {
         pty.path.display(),
         *bus
     ));
-    let told: [u8; 20] = pty.receive();
-    assert_eq!(told[..9], [0x55, 0xAA, 0, 0x10, 0x16, 0, 1, 0, 3]);
-    assert_eq!(told[10..19], [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 1]);
+    let output: [u8; 20] = pty.receive();
+    assert_eq!(output[..9], [0x55, 0xAA, 0, 0x10, 0x16, 0, 1, 0, 3]);
+    assert_eq!(output[10..19], [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 1]);
     let mut stream = Vec::new();
     for n in 0..100_u32 {
         if n % 10 == 0 {
-            // Another hand's frame, and one that is cut off.
+            // A frame of another hand, and a truncated one.
             stream.extend(peers::paxini_hand_frame(n, &[31, 9]));
             stream.extend(&peers::paxini_hand_frame(n, &[31, 9, 25])[..50]);
         }
@@ -153,7 +156,7 @@ fn a_paxini_hand_board_is_told_to_push_and_its_modules_are_told_apart() {
 }
 
 #[test]
-fn more_taxels_than_a_frame_has_become_one_force() {
+fn excess_taxels_become_one_force() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let folder = tempfile::tempdir().unwrap();
@@ -206,7 +209,7 @@ fn more_taxels_than_a_frame_has_become_one_force() {
 }
 
 #[test]
-fn an_anyskin_board_resynchronises_and_its_rest_field_becomes_zero() {
+fn anyskin_board_resynchronises_and_zeroes() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::RIGHT);
     let pty = Pty::new();
@@ -241,7 +244,7 @@ fn an_anyskin_board_resynchronises_and_its_rest_field_becomes_zero() {
 }
 
 #[test]
-fn a_papillarray_controller_that_loses_packets_and_restarts() {
+fn papillarray_controller_survives_loss_and_restart() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let pty = Pty::new();
@@ -251,7 +254,8 @@ fn a_papillarray_controller_that_loses_packets_and_restarts() {
         *bus
     ));
     assert_eq!(&pty.receive::<7>(), b"f250\nz\n");
-    // Two packets lost, one whose sum is wrong, and a controller that begins to count anew. It sends faster than asked.
+    // Two packets lost, one whose sum is wrong, and a controller that restarts its counter. It
+    // sends faster than requested.
     let mut corrupt = peers::papillarray_packet(5120, 2);
     corrupt[200] ^= 1;
     let mut stream = Vec::new();
@@ -281,7 +285,7 @@ fn a_papillarray_controller_that_loses_packets_and_restarts() {
 }
 
 #[test]
-fn a_net_ft_box_with_loss_reorder_duplicates_short_packets_and_a_restart() {
+fn net_ft_box_survives_loss_reordering_and_restart() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let peer = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -294,14 +298,14 @@ fn a_net_ft_box_with_loss_reorder_duplicates_short_packets_and_a_restart() {
     ));
     let mut request = [0; 16];
     let begun = [0x12, 0x34, 0, 2, 0, 0, 0, 0];
-    // The first request is lost; the driver insists.
+    // The first request is lost; the driver repeats it.
     for _ in 0..2 {
         let (length, from) = peer.recv_from(&mut request).unwrap();
         assert_eq!(request[..length], begun);
         peer.connect(from).unwrap();
     }
     let send = |sequence: u32| peer.send(&peers::netft_record(sequence)).unwrap();
-    // Across the wrap, one lost, two swapped, one twice, a short one, and two in one datagram.
+    // Across the wrap: one lost, two swapped, one duplicate, a short one, and two in one datagram.
     let start = u32::MAX - 2;
     for step in [0, 1, 2, 3, 5, 7, 6, 8, 8] {
         send(start.wrapping_add(step));
@@ -310,7 +314,7 @@ fn a_net_ft_box_with_loss_reorder_duplicates_short_packets_and_a_restart() {
     let pair = [9, 10].map(|step| peers::netft_record(start.wrapping_add(step)));
     peer.send(&pair.concat()).unwrap();
     reader.wait_for_frames(11);
-    // The box restarts: silence until it is asked again, then counts from 1.
+    // The box restarts: silence until the next request, then counts from 1.
     let (length, _) = peer.recv_from(&mut request).unwrap();
     assert_eq!(request[..length], begun);
     for sequence in 1..=5 {
@@ -337,7 +341,7 @@ fn a_net_ft_box_with_loss_reorder_duplicates_short_packets_and_a_restart() {
 }
 
 #[test]
-fn a_uskin_server_that_says_nonsense_and_comes_back() {
+fn uskin_server_survives_invalid_text_and_restart() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();

@@ -100,12 +100,15 @@ fn every_frame_reaches_a_subscriber() {
             (Hand::RIGHT, 2, [0, 1, 0, 0])
         );
         assert_eq!(frame.force_n[1][0], [-2.0 * z, 0.5 * x, 0.25 * y]);
-        assert_eq!(frame.layout_hash, Layout::named("dome-1").unwrap().hash());
+        assert_eq!(
+            frame.layout_hash,
+            Layout::from_name("dome-1").unwrap().hash()
+        );
     }
 }
 
 #[test]
-fn four_domes_feel_for_four_fingers_and_a_failed_sensor_is_masked() {
+fn four_domes_give_four_fingertips_and_mask_failures() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let pty = Pty::new();
@@ -116,7 +119,7 @@ fn four_domes_feel_for_four_fingers_and_a_failed_sensor_is_masked() {
     let sensor = Sensor::start(&pty.path, &arguments);
     reader.wait_for_start();
     let values: Vec<i16> = (1..=12).collect();
-    // Well, overloaded in Fz, sensor error.
+    // Valid, overloaded in Fz, sensor error.
     for (count, status) in [(1, 0), (2, 0x0080), (3, 0x0400)] {
         pty.send(&data_frame(count, status, &values));
         reader.wait_for_frames(u64::from(count));
@@ -147,7 +150,7 @@ fn four_domes_feel_for_four_fingers_and_a_failed_sensor_is_masked() {
 }
 
 #[test]
-fn a_device_is_configured_and_told_to_stop() {
+fn device_is_configured_and_stopped() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let pty = Pty::new();
@@ -160,7 +163,7 @@ fn a_device_is_configured_and_told_to_stop() {
         pty.receive_command(),
         [0xAA, 0x00, 0x32, 0x03, 3, 4, 255, 0x01, 0xE5]
     );
-    // A frame under the old settings, the answer, a frame under the new ones.
+    // A frame with old settings, the acknowledgement, a frame with new settings.
     pty.send(&[numbered_frame(1), acknowledgement(0), numbered_frame(2)].concat());
     reader.wait_for_frames(2);
     sensor.signal(Signal::INT);
@@ -174,7 +177,7 @@ fn a_device_is_configured_and_told_to_stop() {
 }
 
 #[test]
-fn a_device_that_comes_back_is_read_again() {
+fn returning_device_is_read_again() {
     let bus = FreshBus::new("sensor");
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let folder = tempfile::tempdir().unwrap();
@@ -202,7 +205,7 @@ fn a_device_that_comes_back_is_read_again() {
 }
 
 #[test]
-fn a_recording_becomes_a_table() {
+fn recording_converts_to_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("recording.bin");
     let frames = [data_frame(7, 0, &[1, -2, -3]), data_frame(9, 0, &[4, 5, 6])];
@@ -252,7 +255,7 @@ fn a_recording_becomes_a_table() {
 }
 
 #[test]
-fn everything_that_goes_wrong_has_its_code_and_its_sentence() {
+fn every_failure_has_exit_code_and_message() {
     let bus = FreshBus::new("sensor");
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
@@ -275,50 +278,50 @@ fn everything_that_goes_wrong_has_its_code_and_its_sentence() {
     );
     check(
         Sensor::start(&folder.path().join("none"), &publish),
-        3,
+        11,
         "check the path",
     );
-    check(Sensor::start(&file, &publish), 3, "add --dry-run");
-    check(Sensor::start(&file, "--dry-run"), 3, "add --no-configure");
+    check(Sensor::start(&file, &publish), 11, "add --dry-run");
+    check(Sensor::start(&file, "--dry-run"), 11, "add --no-configure");
     check(
         Sensor::start(folder.path(), &publish),
-        3,
-        "no terminal, FIFO or regular file",
+        11,
+        "not a terminal, FIFO or regular file",
     );
     check(
         Sensor::start("/dev/null".as_ref(), &publish),
-        3,
-        "it is no terminal",
+        11,
+        "not a terminal",
     );
 
     let pty = Pty::new();
     check(
         Sensor::start(&pty.path, &publish),
-        4,
+        11,
         "no acknowledgement within 1 s",
     );
     assert_eq!(pty.receive_command()[4], 1);
     let sensor = Sensor::start(&pty.path, &publish);
     pty.receive_command();
     pty.send(&acknowledgement(3));
-    check(sensor, 4, "refused with status 3");
+    check(sensor, 11, "refused with status 3");
     let sensor = Sensor::start(&pty.path, &format!("{publish} --no-configure"));
     pty.send(
         &(0..40)
             .flat_map(|n| data_frame(n, 0, &[0; 12]))
             .collect::<Vec<_>>(),
     );
-    check(sensor, 4, "pass --channels 4");
+    check(sensor, 11, "pass --channels 4");
 
     let mut reader = Reader::new(&bus, Hand::LEFT);
     let sensor = Sensor::start(&pty.path, &format!("{publish} --no-configure"));
     reader.wait_for_start();
     check(
         Sensor::start(&pty.path, "--dry-run --no-configure"),
-        3,
-        "another process holds it",
+        11,
+        "another process uses it",
     );
-    check(Sensor::start(&Pty::new().path, &publish), 6, "sensor-left");
+    check(Sensor::start(&Pty::new().path, &publish), 8, "sensor-left");
     drop(pty);
-    check(sensor, 5, "start with --reconnect");
+    check(sensor, 11, "start with --reconnect");
 }

@@ -1,4 +1,4 @@
-//! Recordings played onto the bus: written by the real recorder, played by the real program, read by a real reader.
+//! Replay of recordings onto the bus: real recorder, program and reader.
 
 mod common;
 #[path = "common/process.rs"]
@@ -27,7 +27,7 @@ const TICKS: u64 = 600;
 /// Recorded time between two frames, ns: the first frames come slower than the others.
 const SPACING_NS: [u64; 2] = [3_000_000, 1_000_000];
 
-/// The left hand's frame of a tick, as a sensor process would send it.
+/// Returns the left hand's frame of a tick, as a sensor process would send it.
 fn frame(tick: u64) -> HandFrame {
     let slow = tick.min(20);
     let mut frame = HandFrame {
@@ -56,7 +56,7 @@ fn frame(tick: u64) -> HandFrame {
     frame
 }
 
-/// A run of which the recorder wrote what the tick takes in; `frame` says what that is.
+/// Records a run with inputs; `frame` returns the frame of a tick.
 fn recorded(out: &Path, started_ns: u64, frame: impl Fn(u64) -> Option<HandFrame>) -> PathBuf {
     let bus = FreshBus::new("tape");
     let node = |name| Bus::open(&bus, name, Realtime::No).unwrap();
@@ -113,14 +113,14 @@ fn recorded(out: &Path, started_ns: u64, frame: impl Fn(u64) -> Option<HandFrame
     out.to_owned()
 }
 
-/// What reached a reader of that hand, and how the program ended.
-struct Heard {
+/// Frames that a reader of the hand received, and the end of the program.
+struct Received {
     reader: Reader,
     code: Option<i32>,
     stderr: String,
 }
 
-impl Heard {
+impl Received {
     fn frames(&self) -> &[HandFrame] {
         &self.reader.received
     }
@@ -131,8 +131,8 @@ impl Heard {
     }
 }
 
-/// Plays until its end, or until so many frames were heard.
-fn hear(words: &str, hand: Hand, until: Option<(usize, Signal)>) -> Heard {
+/// Plays to the end, or until the reader has received this many frames.
+fn receive(words: &str, hand: Hand, until: Option<(usize, Signal)>) -> Received {
     let bus = FreshBus::new("replay");
     let mut reader = Reader::new(&bus, hand);
     let sensor = Sensor::start_line(&format!("replay {words} --hand {hand} --bus {}", *bus));
@@ -157,7 +157,7 @@ fn hear(words: &str, hand: Hand, until: Option<(usize, Signal)>) -> Heard {
             }
             if let Ok((code, _, stderr)) = finished.try_recv() {
                 reader.poll();
-                return Heard {
+                return Received {
                     reader,
                     code,
                     stderr,
@@ -168,10 +168,10 @@ fn hear(words: &str, hand: Hand, until: Option<(usize, Signal)>) -> Heard {
     })
 }
 
-/// Stamps keep the spacing; a machine that did not keep up has stretched it.
-fn check_spacing(heard: &Heard, expected_ns: impl Fn(&HandFrame) -> u64) {
-    let kept_up = heard.stderr.contains("0 delays");
-    for pair in heard.frames().windows(2) {
+/// Checks that stamps keep the spacing; a slow machine may have stretched it.
+fn check_spacing(received: &Received, expected_ns: impl Fn(&HandFrame) -> u64) {
+    let kept_up = received.stderr.contains("0 delays");
+    for pair in received.frames().windows(2) {
         let (after_ns, wanted_ns) = (
             pair[1].stamp.captured_ns - pair[0].stamp.captured_ns,
             expected_ns(&pair[1]),
@@ -184,7 +184,7 @@ fn check_spacing(heard: &Heard, expected_ns: impl Fn(&HandFrame) -> u64) {
 }
 
 #[test]
-fn what_was_recorded_is_played_bit_for_bit_with_fresh_stamps() {
+fn recording_replays_bit_for_bit_with_new_stamps() {
     let folder = tempfile::tempdir().unwrap();
     // A duplicate, and a frame that was damaged on its way.
     let fate = |tick: u64| match tick {
@@ -198,34 +198,34 @@ fn what_was_recorded_is_played_bit_for_bit_with_fresh_stamps() {
     };
     let file = recorded(&folder.path().join("run.mcap"), 5, fate);
     let begun_ns = now_ns();
-    let heard = hear(&format!("{} --speed 0.5", file.display()), Hand::LEFT, None);
-    assert_eq!(heard.code, Some(0), "{}", heard.stderr);
+    let received = receive(&format!("{} --speed 0.5", file.display()), Hand::LEFT, None);
+    assert_eq!(received.code, Some(0), "{}", received.stderr);
     let played: Vec<u64> = (0..TICKS)
         .filter(|tick| ![100, 200, 400].contains(tick))
         .collect();
-    // Also lost: the frames of the three ticks that were left out, or had none.
+    // Also lost: the frames of the three skipped ticks, or ticks without a frame.
     let sentence = format!(
-        "{} frames played, 6 lost when recorded, 2 left out",
+        "{} frames played, 6 lost when recorded, 2 skipped",
         played.len()
     );
-    assert!(heard.stderr.contains(&sentence), "{}", heard.stderr);
-    assert_eq!(heard.frames().len(), played.len());
-    let epoch = heard.frames()[0].stamp.writer_epoch;
+    assert!(received.stderr.contains(&sentence), "{}", received.stderr);
+    assert_eq!(received.frames().len(), played.len());
+    let epoch = received.frames()[0].stamp.writer_epoch;
     assert_ne!(epoch, 77);
-    for (heard, &tick) in heard.frames().iter().zip(&played) {
+    for (received, &tick) in received.frames().iter().zip(&played) {
         let expected = frame(tick);
-        assert!(heard.is_intact() && heard.stamp.captured_ns >= begun_ns);
-        assert_eq!(heard.stamp.writer_epoch, epoch);
-        assert_eq!(heard.stamp.sequence, expected.stamp.sequence - 70);
+        assert!(received.is_intact() && received.stamp.captured_ns >= begun_ns);
+        assert_eq!(received.stamp.writer_epoch, epoch);
+        assert_eq!(received.stamp.sequence, expected.stamp.sequence - 70);
         let as_recorded = HandFrame {
             stamp: expected.stamp,
             crc32: expected.crc32,
-            ..*heard
+            ..*received
         };
         assert_eq!(as_recorded, expected);
     }
-    check_spacing(&heard, |later| {
-        let before = heard
+    check_spacing(&received, |later| {
+        let before = received
             .frames()
             .iter()
             .rev()
@@ -237,7 +237,7 @@ fn what_was_recorded_is_played_bit_for_bit_with_fresh_stamps() {
         };
         2 * (recorded_ns(later.stamp.sequence) - recorded_ns(before.unwrap().stamp.sequence))
     });
-    let status = heard.reader.status;
+    let status = received.reader.status;
     assert_eq!(
         (
             status.driver.as_str(),
@@ -252,50 +252,54 @@ fn what_was_recorded_is_played_bit_for_bit_with_fresh_stamps() {
 }
 
 #[test]
-fn round_follows_round_at_the_rate_that_was_asked_for_until_a_signal() {
+fn loop_repeats_at_requested_rate_until_signal() {
     let folder = tempfile::tempdir().unwrap();
     let file = recorded(&folder.path().join("run.mcap"), 5, |tick| {
         (tick < 40).then(|| frame(tick))
     });
     let words = format!("{} --rate-hz 500 --loop", file.display());
     for signal in [Signal::INT, Signal::TERM] {
-        let heard = hear(&words, Hand::LEFT, Some((100, signal)));
-        assert_eq!(heard.code, Some(0), "{}", heard.stderr);
-        let expected: Vec<u64> = (0..heard.frames().len() as u64).collect();
-        assert_eq!(heard.sequences(), expected);
-        for (n, heard) in heard.frames().iter().enumerate() {
-            assert_eq!(heard.force_n, frame(n as u64 % 40).force_n);
+        let received = receive(&words, Hand::LEFT, Some((100, signal)));
+        assert_eq!(received.code, Some(0), "{}", received.stderr);
+        let expected: Vec<u64> = (0..received.frames().len() as u64).collect();
+        assert_eq!(received.sequences(), expected);
+        for (n, received) in received.frames().iter().enumerate() {
+            assert_eq!(received.force_n, frame(n as u64 % 40).force_n);
         }
-        check_spacing(&heard, |_| 2_000_000);
-        let sentence = format!("{} frames played, 0 lost", heard.frames().len());
-        assert!(heard.stderr.contains(&sentence), "{}", heard.stderr);
+        check_spacing(&received, |_| 2_000_000);
+        let sentence = format!("{} frames played, 0 lost", received.frames().len());
+        assert!(received.stderr.contains(&sentence), "{}", received.stderr);
     }
 }
 
 #[test]
-fn a_torn_recording_is_played_as_far_as_it_can_be_read() {
+fn damaged_recording_is_played_up_to_the_damage() {
     let folder = tempfile::tempdir().unwrap();
     let file = recorded(&folder.path().join("run.mcap"), 5, |tick| Some(frame(tick)));
     let bytes = fs::read(&file).unwrap();
     fs::write(&file, &bytes[..bytes.len() * 3 / 4]).unwrap();
     let words = format!("{} --rate-hz 2000 --loop", file.display());
-    let heard = hear(&words, Hand::LEFT, None);
-    assert_eq!(heard.code, Some(5), "{}", heard.stderr);
-    let count = heard.frames().len();
+    let received = receive(&words, Hand::LEFT, None);
+    assert_eq!(received.code, Some(7), "{}", received.stderr);
+    let count = received.frames().len();
     assert!(count > 0 && count < TICKS as usize, "{count}");
     for part in [
         format!("{count} frames played"),
         format!("atas record repair {}", file.display()),
     ] {
-        assert!(heard.stderr.contains(&part), "{part}: {}", heard.stderr);
+        assert!(
+            received.stderr.contains(&part),
+            "{part}: {}",
+            received.stderr
+        );
     }
 }
 
 #[test]
-fn a_table_in_newtons_is_played_too() {
+fn table_in_newtons_is_played() {
     let folder = tempfile::tempdir().unwrap();
     let [capture, table] = ["capture.bin", "table.csv"].map(|name| folder.path().join(name));
-    // The third comes twice.
+    // The third is a duplicate.
     let counts = [1, 2, 3, 3, 4, 5];
     fs::write(&capture, counts.map(numbered_frame).concat()).unwrap();
     let scale = "--newtons-per-count 0.5,0.25,2";
@@ -304,21 +308,24 @@ fn a_table_in_newtons_is_played_too() {
     assert_eq!(code, Some(0), "{stderr}");
     fs::write(&table, &printed).unwrap();
     let words = format!("{} --rate-hz 100 --layout dome-1", table.display());
-    let heard = hear(&words, Hand::RIGHT, None);
-    assert_eq!(heard.code, Some(0), "{}", heard.stderr);
-    assert_eq!(heard.sequences(), [0, 1, 2, 3, 4]);
-    for (heard, count) in heard.frames().iter().zip(1..) {
+    let received = receive(&words, Hand::RIGHT, None);
+    assert_eq!(received.code, Some(0), "{}", received.stderr);
+    assert_eq!(received.sequences(), [0, 1, 2, 3, 4]);
+    for (received, count) in received.frames().iter().zip(1..) {
         let [x, y, z] = common::forces_of(count).map(f32::from);
-        assert_eq!(heard.force_n[0][0], [-2.0 * z, 0.5 * x, 0.25 * y]);
+        assert_eq!(received.force_n[0][0], [-2.0 * z, 0.5 * x, 0.25 * y]);
         assert_eq!(
-            (heard.hand, heard.finger_count, heard.valid_mask),
+            (received.hand, received.finger_count, received.valid_mask),
             (Hand::RIGHT, 1, [1, 0, 0, 0])
         );
-        assert_eq!(heard.layout_hash, Layout::named("dome-1").unwrap().hash());
+        assert_eq!(
+            received.layout_hash,
+            Layout::from_name("dome-1").unwrap().hash()
+        );
     }
-    check_spacing(&heard, |_| 10_000_000);
+    check_spacing(&received, |_| 10_000_000);
 
-    // Two fingers with two elements each, of which one was not felt once.
+    // Two fingertips with two elements each; one element is invalid once.
     let header = "captured_ns".to_owned()
         + &[0, 1, 2, 3]
             .map(|e| format!(",normal{e}_n,tangential1{e}_n,tangential2{e}_n"))
@@ -328,27 +335,27 @@ fn a_table_in_newtons_is_played_too() {
         "1001000,1,2,3,nan,5,6,7,8,9,10,11,12",
     ];
     fs::write(&table, format!("{header}\n{}\n", lines.join("\n"))).unwrap();
-    let heard = hear(
+    let received = receive(
         &format!("{} --fingers 2", table.display()),
         Hand::LEFT,
         None,
     );
-    let masks: Vec<_> = heard
+    let masks: Vec<_> = received
         .frames()
         .iter()
         .map(|frame| frame.valid_mask)
         .collect();
-    assert_eq!(masks, [[3, 3, 0, 0], [1, 3, 0, 0]], "{}", heard.stderr);
-    assert_eq!(heard.frames()[1].force_n[1][1], [10.0, 11.0, 12.0]);
+    assert_eq!(masks, [[3, 3, 0, 0], [1, 3, 0, 0]], "{}", received.stderr);
+    assert_eq!(received.frames()[1].force_n[1][1], [10.0, 11.0, 12.0]);
     assert_eq!(
-        heard.frames()[1].layout_hash,
-        Layout::named("pad-2").unwrap().hash()
+        received.frames()[1].layout_hash,
+        Layout::from_name("pad-2").unwrap().hash()
     );
-    check_spacing(&heard, |_| 1_000_000);
+    check_spacing(&received, |_| 1_000_000);
 }
 
 #[test]
-fn what_cannot_be_played_is_refused_with_its_reason() {
+fn unplayable_source_is_rejected_with_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let run = recorded(&path("run.mcap"), 5, |tick| Some(frame(tick)));
@@ -376,28 +383,32 @@ fn what_cannot_be_played_is_refused_with_its_reason() {
     let [run, other, cut, empty, counts, none, wrong] =
         [run, other, cut, empty, counts, none, wrong].map(|path| path.display().to_string());
     let check = |words: &str, hand: Hand, code: i32, part: &str| {
-        let heard = hear(words, hand, None);
-        assert_eq!(heard.code, Some(code), "{words}: {}", heard.stderr);
-        assert!(heard.stderr.contains(part), "{words}: {}", heard.stderr);
-        assert!(heard.frames().is_empty());
+        let received = receive(words, hand, None);
+        assert_eq!(received.code, Some(code), "{words}: {}", received.stderr);
+        assert!(
+            received.stderr.contains(part),
+            "{words}: {}",
+            received.stderr
+        );
+        assert!(received.frames().is_empty());
     };
-    check(&run, Hand::RIGHT, 3, "only the other hand has frames");
-    check(&other, Hand::LEFT, 3, "no sensor was there");
-    check(&cut, Hand::LEFT, 3, "atas record repair");
-    check(&empty, Hand::LEFT, 3, "neither a recording");
-    check(&counts, Hand::LEFT, 3, "--newtons-per-count");
-    check(&none, Hand::LEFT, 3, "it has no frames");
+    check(&run, Hand::RIGHT, 7, "only the other hand has frames");
+    check(&other, Hand::LEFT, 7, "recorded without a sensor");
+    check(&cut, Hand::LEFT, 7, "atas record repair");
+    check(&empty, Hand::LEFT, 7, "neither a recording");
+    check(&counts, Hand::LEFT, 7, "--newtons-per-count");
+    check(&none, Hand::LEFT, 7, "it has no frames");
     check(
         &wrong,
         Hand::LEFT,
-        3,
-        "beyond row 1: its captured_ns is \"soon\"",
+        7,
+        "after row 1: its captured_ns is \"soon\"",
     );
-    check("nowhere.mcap", Hand::LEFT, 3, "could not open nowhere.mcap");
+    check("nowhere.mcap", Hand::LEFT, 7, "could not open nowhere.mcap");
     check(
         &format!("{run} {other}"),
         Hand::LEFT,
-        3,
+        7,
         "2 runs of the daemon",
     );
     check(&format!("{none} {none}"), Hand::LEFT, 2, "several tables");
@@ -405,18 +416,18 @@ fn what_cannot_be_played_is_refused_with_its_reason() {
         &format!("{run} --fingers 2"),
         Hand::LEFT,
         2,
-        "a recording has its own",
+        "a recording contains its layout",
     );
     check(
         &format!("{none} --fingers 2"),
         Hand::LEFT,
-        3,
-        "say how many with --fingers",
+        7,
+        "set their number with --fingers",
     );
     check(
         &format!("{none} --layout dome"),
         Hand::LEFT,
-        3,
+        7,
         "pad-1, or dome-41",
     );
     check(
@@ -438,7 +449,7 @@ fn what_cannot_be_played_is_refused_with_its_reason() {
     let first = Sensor::start_line(&words);
     reader.wait_for_start();
     let (code, _, stderr) = Sensor::start_line(&words).finish();
-    assert_eq!(code, Some(6), "{stderr}");
+    assert_eq!(code, Some(8), "{stderr}");
     first.signal(Signal::TERM);
     assert_eq!(first.finish().0, Some(0));
 }

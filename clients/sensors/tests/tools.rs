@@ -1,4 +1,4 @@
-//! The tools around the sensors: what there is, what is on a port, what arrives, completions, manual pages, help.
+//! Tools of `atas-sensor`: list, probe, echo, hz, completions, manual pages, help.
 
 mod common;
 #[path = "common/peers.rs"]
@@ -26,9 +26,9 @@ fn json_of(arguments: &str) -> Value {
     serde_json::from_str(&stdout).unwrap_or_else(|error| panic!("{arguments}: {error}: {stdout}"))
 }
 
-/// What a program is made of says what it is itself; that must not stand for the program.
+/// Help and manual pages begin with the description of the program, not of its argument types.
 #[test]
-fn every_help_and_page_opens_with_what_it_is_about() {
+fn help_and_manual_begin_with_a_description() {
     let folder = tempfile::tempdir().unwrap();
     clap_mangen::generate_to(cli::command(), folder.path()).unwrap();
     let check = |words: &str, about: &str| {
@@ -41,11 +41,14 @@ fn every_help_and_page_opens_with_what_it_is_about() {
         let page = fs::read_to_string(page).unwrap();
         let page = page.replace(r"\*(Aq", "'").replace('\\', "");
         assert!(page.contains(about), "{words}: {page}");
-        assert!(!page.contains("Everything that") && !page.contains("What all"));
+        assert!(
+            !page.contains("Options of every subcommand"),
+            "{words}: {page}"
+        );
     };
     check(
         "atas-sensor",
-        "Reads real tactile sensors and publishes what they feel",
+        "Reads real tactile sensors and publishes their frames",
     );
     for sensor in &SENSORS {
         check(&format!("atas-sensor {}", sensor.name), sensor.about);
@@ -53,7 +56,7 @@ fn every_help_and_page_opens_with_what_it_is_about() {
 }
 
 #[test]
-fn the_definition_is_sound_and_every_help_has_an_example() {
+fn definition_is_valid_and_help_has_examples() {
     cli::command().debug_assert();
     let mut command = cli::command();
     assert!(command.render_help().to_string().contains("Example"));
@@ -70,7 +73,7 @@ fn the_definition_is_sound_and_every_help_has_an_example() {
 }
 
 #[test]
-fn the_example_of_every_sensor_can_be_said() {
+fn example_of_every_sensor_parses() {
     for sensor in &SENSORS {
         let line = format!("atas-sensor {} {}", sensor.name, sensor.example);
         let parsed = cli::command().try_get_matches_from(line.split_whitespace());
@@ -88,7 +91,7 @@ fn the_example_of_every_sensor_can_be_said() {
 }
 
 #[test]
-fn the_list_names_every_sensor() {
+fn list_names_every_sensor() {
     let list = json_of("list --format json");
     let rows = list["sensors"].as_array().unwrap();
     let names: Vec<&str> = rows
@@ -104,7 +107,7 @@ fn the_list_names_every_sensor() {
 }
 
 #[test]
-fn a_probe_recognises_every_sensor() {
+fn probe_recognises_every_sensor() {
     let done = AtomicBool::new(false);
     for sensor in [
         "optoforce",
@@ -121,7 +124,8 @@ fn a_probe_recognises_every_sensor() {
                     if done.load(Ordering::Relaxed) {
                         break;
                     }
-                    // A board that is only read from its answers: it is played as one that pushes them.
+                    // The driver only reads the board's answers, so the emulated board sends them
+                    // unasked.
                     pty.send(&peers::frame(sensor, n));
                     thread::sleep(Duration::from_millis(4));
                 }
@@ -139,7 +143,7 @@ fn a_probe_recognises_every_sensor() {
 }
 
 #[test]
-fn a_probe_asks_a_box_and_says_what_fails() {
+fn probe_queries_a_box_and_reports_failures() {
     let peer = UdpSocket::bind("127.0.0.1:0").unwrap();
     let address = peer.local_addr().unwrap();
     let found = thread::scope(|scope| {
@@ -153,11 +157,14 @@ fn a_probe_asks_a_box_and_says_what_fails() {
     });
     assert_eq!(found["found"][0]["name"], "netft", "{found}");
     let (code, stdout, stderr) = Sensor::start_line("probe /dev/none --format json").finish();
-    assert_eq!(code, Some(3), "{stderr}");
-    let said: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(code, Some(11), "{stderr}");
+    let message: Value = serde_json::from_str(&stdout).unwrap();
     assert!(
-        said["error"].as_str().unwrap().contains("check the path"),
-        "{said}"
+        message["error"]
+            .as_str()
+            .unwrap()
+            .contains("check the path"),
+        "{message}"
     );
 }
 
@@ -174,7 +181,7 @@ fn rate_and_frames_of_a_hand_are_shown() {
         thread::sleep(Duration::from_millis(1));
         Bus::find(&bus).is_ok()
     });
-    assert!(made, "the sensor's process makes the bus");
+    assert!(made, "the sensor process creates the bus");
     let echo = Sensor::start_line(&format!("echo {at} --frames 5 --format json"));
     let hz = Sensor::start_line(&format!("hz {at} --seconds 2 --format json"));
     let done = AtomicBool::new(false);
@@ -191,9 +198,9 @@ fn rate_and_frames_of_a_hand_are_shown() {
                 thread::sleep(Duration::from_millis(2));
             }
         });
-        let said = (echo.finish(), hz.finish());
+        let message = (echo.finish(), hz.finish());
         done.store(true, Ordering::Relaxed);
-        said
+        message
     });
     assert_eq!(
         (echoed.0, rates.0),
@@ -226,12 +233,12 @@ fn rate_and_frames_of_a_hand_are_shown() {
 }
 
 #[test]
-fn a_bus_that_nobody_made_is_told_and_not_made() {
+fn missing_bus_is_reported_and_not_created() {
     for line in ["hz", "hz --seconds 1 --format json", "echo --frames 1"] {
         let bus = FreshBus::new("typo");
         let line = format!("{line} --hand left --bus {}", *bus);
         let (code, stdout, stderr) = Sensor::start_line(&line).finish();
-        assert_eq!((code, stdout.as_str()), (Some(6), ""), "{line}: {stderr}");
+        assert_eq!((code, stdout.as_str()), (Some(9), ""), "{line}: {stderr}");
         assert!(
             stderr.contains("could not find the bus"),
             "{line}: {stderr}"
@@ -254,7 +261,7 @@ fn completions_and_manual_pages() {
 }
 
 #[test]
-fn a_closed_pipe_and_a_full_disk_are_no_panic() {
+fn closed_pipe_and_full_disk_cause_no_panic() {
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("recording.bin");
     let frames: Vec<u8> = (0..20_000).flat_map(peers::optoforce_frame).collect();

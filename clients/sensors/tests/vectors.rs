@@ -1,4 +1,4 @@
-//! Every sensor has its table of test vectors, and keeps it: bytes as they come, and what they mean.
+//! Test vectors of every sensor: received bytes and their meaning.
 
 mod common;
 
@@ -8,13 +8,13 @@ use atas_sensors::wire::SENSORS;
 use common::vectors::{cases_of, driver, names, receive};
 
 #[test]
-fn every_sensor_has_its_table_and_every_table_its_sensor() {
+fn sensors_and_vector_tables_match() {
     let sensors: BTreeSet<String> = SENSORS.iter().map(|s| s.name.to_owned()).collect();
     assert_eq!(sensors, names());
 }
 
 #[test]
-fn every_vector_means_what_its_table_says_however_it_is_cut() {
+fn vectors_decode_as_listed_for_any_chunks() {
     for sensor in &SENSORS {
         let cases = cases_of(sensor.name);
         assert!(

@@ -10,10 +10,7 @@
 //!
 //! `cargo bench -p ebts --bench bus`; with `chrt -f 50` in front, both processes run with real-time
 //! priority.
-#![expect(
-    clippy::print_stdout,
-    reason = "the figures are this program's product"
-)]
+#![expect(clippy::print_stdout, reason = "output of the benchmark")]
 
 use std::process::{Child, Command, Stdio};
 

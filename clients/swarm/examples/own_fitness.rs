@@ -9,7 +9,7 @@ use ebts::error::{Error, Result};
 use ebts::ga::Settings;
 use ebts::islands::IslandSettings;
 use ebts::run::{Run, evolve};
-use ebts::scoring::{Fitness, Judged};
+use ebts::scoring::{Fitness, TrialResult};
 use ebts::table_file::TableFile;
 use field::{Engine, FitnessRule, Model, Preset, TRIAL_FRAMES, TeamSize};
 
@@ -19,7 +19,7 @@ use field::{Engine, FitnessRule, Model, Preset, TRIAL_FRAMES, TeamSize};
 pub(crate) struct Quick;
 
 impl Fitness for Quick {
-    fn points(&self, trial: &Judged<'_>) -> f32 {
+    fn points(&self, trial: &TrialResult<'_>) -> f32 {
         if trial.delivered() {
             let frames_left = TRIAL_FRAMES - trial.outcome.reached_frame;
             return 50.0 + 50.0 * frames_left as f32 / TRIAL_FRAMES as f32;
@@ -34,16 +34,16 @@ pub(crate) fn evolved(seed: u64) -> Result<TableFile> {
     let model = Model::new(Preset::R3).map_err(Error::from_part)?;
     let team = TeamSize::new(2).map_err(Error::from_part)?;
     let condition =
-        Condition::new(Arc::new(model), team, FitnessRule::AntiAccident).judged_by(Quick);
+        Condition::new(Arc::new(model), team, FitnessRule::AntiAccident).with_fitness(Quick);
     let (settings, islands) = (Settings::default(), IslandSettings::default());
     let mut runs = [Run::new(&condition, settings, islands, seed).map_err(Error::from_part)?];
     let go_on = |_: &[Run]| ControlFlow::Continue(());
     let _ = evolve(&condition, Engine::fastest(), &mut runs, GENERATIONS, go_on);
-    let record = runs[0].record(&condition).expect("a run that is over");
+    let record = runs[0].record(&condition).expect("a finished run");
     TableFile::from_record(&condition, &record, GENERATIONS)
 }
 
-#[expect(clippy::print_stdout, reason = "what the example has to say")]
+#[expect(clippy::print_stdout, reason = "output of the example")]
 fn main() -> Result<()> {
     let out = std::env::args().nth(1).unwrap_or("quick.toml".to_owned());
     let file = evolved(1)?;

@@ -25,7 +25,7 @@ pub fn table(name: &str) -> Result<TableFile> {
         None if Path::new(name).exists() => TableFile::read(Path::new(name)),
         None => Err(Error::refused(
             "choose a table",
-            format_args!("{name:?} is neither a table that ships nor a file"),
+            format_args!("{name:?} is neither a built-in table nor a file"),
             format_args!(
                 "{} or a table file",
                 TABLES.map(|(ours, _)| ours).join(", ")
@@ -41,7 +41,7 @@ mod tests {
     use crate::evaluate::Evaluator;
 
     #[test]
-    fn every_table_that_ships_is_worth_what_it_says() {
+    fn built_in_tables_reproduce_stored_points() {
         for (name, _) in TABLES {
             let file = table(name).expect(name);
             let points = Evaluator::points_of(&file.condition, &file.individual.genome);

@@ -13,7 +13,7 @@ use crate::genome::Genome;
 use crate::islands::{Archipelago, IslandSettings};
 use crate::rng::SplitMix64;
 use crate::run::{Rise, Run};
-use crate::training::of_generation;
+use crate::training::generation_sets;
 
 const FORMAT: &str = "ebts-checkpoint-1";
 
@@ -34,7 +34,7 @@ pub struct Checkpoint {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Sealed {
+struct HashedContent {
     sha256: String,
     content: Content,
 }
@@ -116,7 +116,7 @@ impl Checkpoint {
             routes: archipelago.routes().clone(),
             populations: archipelago.islands().iter().map(island).collect(),
         };
-        let sealed = Sealed {
+        let sealed = HashedContent {
             sha256: hash(&content),
             content,
         };
@@ -133,29 +133,29 @@ impl Checkpoint {
     pub fn read(path: &Path) -> Result<Self> {
         if !path.exists() {
             return Err(Error::refused(
-                format_args!("continue from {}", path.display()),
-                "there is no such file",
+                format_args!("resume from {}", path.display()),
+                "the file does not exist",
                 "the checkpoint of an interrupted run",
                 "start the run without --resume",
             ));
         }
-        Self::examine(path).map_err(|why| {
+        Self::read_or_fault(path).map_err(|why| {
             Error::refused(
-                format_args!("continue from {}", path.display()),
+                format_args!("resume from {}", path.display()),
                 format_args!("it {why}"),
                 "an intact checkpoint of this version",
-                "start the run again with --overwrite in place of --resume",
+                "start the run again with --overwrite instead of --resume",
             )
         })
     }
 
-    pub(crate) fn examine(path: &Path) -> std::result::Result<Self, String> {
-        let text = std::fs::read(path).map_err(|error| format!("could not be read ({error})"))?;
-        let sealed: Sealed =
-            serde_json::from_slice(&text).map_err(|error| format!("was damaged ({error})"))?;
+    pub(crate) fn read_or_fault(path: &Path) -> std::result::Result<Self, String> {
+        let text = std::fs::read(path).map_err(|error| format!("cannot be read ({error})"))?;
+        let sealed: HashedContent =
+            serde_json::from_slice(&text).map_err(|error| format!("is damaged ({error})"))?;
         let content = sealed.content;
         if sealed.sha256 != hash(&content) {
-            return Err("was damaged (its hash did not match its content)".to_owned());
+            return Err("is damaged (its hash does not match its content)".to_owned());
         }
         let version = env!("CARGO_PKG_VERSION");
         if (content.format.as_str(), content.code_version.as_str()) != (FORMAT, version) {
@@ -164,11 +164,11 @@ impl Checkpoint {
                 code_version,
                 ..
             } = content;
-            return Err(format!("was {format} of version {code_version}"));
+            return Err(format!("is {format} of version {code_version}"));
         }
         content
             .restore()
-            .ok_or_else(|| "had a genome, points or a setting out of range".to_owned())
+            .ok_or_else(|| "has a genome, points or a setting out of range".to_owned())
     }
 }
 
@@ -176,7 +176,7 @@ impl Content {
     fn restore(self) -> Option<Checkpoint> {
         // Points of a rule that this program does not have cannot be verified.
         let condition = self.condition.build().ok()?;
-        condition.fitness.is_here().then_some(())?;
+        condition.fitness.is_available().then_some(())?;
         let bits = condition.genome_bits();
         let member = |member: Member| {
             Some(Individual {
@@ -197,7 +197,7 @@ impl Content {
             .into_iter()
             .map(population)
             .collect::<Option<Vec<_>>>()?;
-        let sets = of_generation(&condition, self.seed, self.generation);
+        let sets = generation_sets(&condition, self.seed, self.generation);
         let whole = |population: &Population| {
             let mut members = population.members().iter();
             let evaluated = |member: &Individual| {

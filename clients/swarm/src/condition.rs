@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use field::{Layout, MAX_AGENTS, Model, Point, Preset, Responses, TeamSize, Training};
 
 use crate::genome::Genome;
-use crate::scoring::{Fitness, Judged, Scoring};
+use crate::scoring::{Fitness, Scoring, TrialResult};
 use crate::sensors::SensorOrder;
 use crate::table::{Shape, Table};
 
@@ -82,9 +82,9 @@ impl Condition {
 
     /// Replaces the scoring by a custom fitness.
     #[must_use]
-    pub fn judged_by(self, fitness: impl Fitness + 'static) -> Self {
+    pub fn with_fitness(self, fitness: impl Fitness + 'static) -> Self {
         Self {
-            fitness: Scoring::Own(Arc::new(fitness)),
+            fitness: Scoring::Custom(Arc::new(fitness)),
             ..self
         }
     }
@@ -145,7 +145,7 @@ impl Condition {
     /// Returns the points of one outcome.
     #[must_use]
     pub fn points(&self, outcome: &field::Outcome) -> f32 {
-        self.fitness.points(&Judged {
+        self.fitness.points(&TrialResult {
             preset: self.model.preset(),
             team: self.team,
             outcome,

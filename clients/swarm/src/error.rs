@@ -4,6 +4,8 @@ use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use atas_process::exit::Exit;
+
 /// Error of a command.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -12,12 +14,14 @@ pub enum Error {
     Refused(String),
     /// Another process works on the same folder.
     #[error(
-        "could not use folder {0} because another ebts works on it, needs a folder of its own; wait for it or name another --out"
+        "could not use folder {0}: another ebts process uses it; wait until it ends or choose \
+         another --out"
     )]
     Busy(PathBuf),
     /// The operating system reported an error; finished runs are safe.
     #[error(
-        "could not {doing} {path} because {source}, needs a writable place with room; free some and run the same command again"
+        "could not {doing} {path}: {source}; check permissions and free disk space, then run the \
+         same command again"
     )]
     Io {
         /// Attempted operation.
@@ -36,19 +40,14 @@ pub enum Error {
 }
 
 impl Error {
-    /// Exit code of an operating system error, for example a full disk.
-    pub const SYSTEM: u8 = 5;
-
     /// Builds a rejection: "could not WHAT: CAUSE, needs LIMIT; CURE".
     pub fn refused(
         what: impl Display,
-        was: impl Display,
+        cause: impl Display,
         needs: impl Display,
         cure: impl Display,
     ) -> Self {
-        Self::Refused(format!(
-            "could not {what} because {was}, needs {needs}; {cure}"
-        ))
+        Self::Refused(format!("could not {what}: {cause}, needs {needs}; {cure}"))
     }
 
     /// Wraps an error that already has this form.
@@ -66,16 +65,16 @@ impl Error {
         }
     }
 
-    /// Returns the exit code of the process: 3 rejected, 4 busy, 5 system, 6 bus, 130 interrupted.
-    /// Clap uses 2 for wrong usage.
+    /// Returns the exit code of the process.
     #[must_use]
-    pub fn exit_code(&self) -> u8 {
+    pub fn exit_code(&self) -> Exit {
         match self {
-            Self::Refused(_) => 3,
-            Self::Busy(_) => 4,
-            Self::Io { .. } => Self::SYSTEM,
-            Self::Bus(_) => 6,
-            Self::Interrupted(_) => 130,
+            Self::Refused(_) => Exit::Input,
+            Self::Busy(_) => Exit::InUse,
+            Self::Io { .. } => Exit::Failed,
+            Self::Bus(error) if error.is_in_use() => Exit::InUse,
+            Self::Bus(_) => Exit::Bus,
+            Self::Interrupted(_) => Exit::Interrupted,
         }
     }
 }

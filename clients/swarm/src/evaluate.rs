@@ -9,7 +9,7 @@ use field::{Engine, MAX_AGENTS, Outcome, Responses, Trial};
 use crate::condition::{Condition, GOALS};
 use crate::genome::Genome;
 use crate::memo::Memo;
-use crate::training::{Set, of_choice};
+use crate::training::{Set, choice_sets};
 use crate::workers::Workers;
 
 /// Points per goal, goal 1 first.
@@ -37,25 +37,25 @@ impl Individual {
 pub struct Evaluator {
     condition: Condition,
     workers: Workers,
-    tests: Vec<Test>,
+    runs: Vec<RunTrials>,
     pending: Vec<Pending>,
     trials: Vec<Trial>,
     outcomes: Vec<Outcome>,
 }
 
 #[derive(Debug)]
-struct Test {
+struct RunTrials {
     sets: Vec<Set>,
     memo: Memo<MAX_AGENTS>,
 }
 
-impl Test {
-    fn on(sets: Vec<Set>) -> Self {
-        let memo = Memo::of(GOALS * sets.len());
+impl RunTrials {
+    fn new(sets: Vec<Set>) -> Self {
+        let memo = Memo::with_goals(GOALS * sets.len());
         Self { sets, memo }
     }
 
-    fn places(&self) -> usize {
+    fn trials_per_genome(&self) -> usize {
         GOALS * self.sets.len()
     }
 }
@@ -66,7 +66,7 @@ struct Pending {
     /// Index in the points of the run.
     index: usize,
     /// Index in the trials of the run: set · 8 + goal.
-    place: usize,
+    trial: usize,
     tables: Tables,
 }
 
@@ -77,12 +77,12 @@ impl Evaluator {
     /// table.
     #[must_use]
     pub fn new(condition: Condition, workers: impl Into<Workers>, runs: usize) -> Self {
-        let sets = of_choice(&condition);
-        let tests = (0..runs).map(|_| Test::on(sets.clone())).collect();
+        let sets = choice_sets(&condition);
+        let tests = (0..runs).map(|_| RunTrials::new(sets.clone())).collect();
         Self {
             condition,
             workers: workers.into(),
-            tests,
+            runs: tests,
             pending: Vec::new(),
             trials: Vec::new(),
             outcomes: Vec::new(),
@@ -98,19 +98,19 @@ impl Evaluator {
     /// Returns the largest number of trials per genome.
     #[must_use]
     pub fn trials_per_genome(&self) -> usize {
-        self.tests.first().map_or(0, Test::places)
+        self.runs.first().map_or(0, RunTrials::trials_per_genome)
     }
 
     /// Replaces the trials of a run.
-    pub fn try_on(&mut self, run: usize, sets: Vec<Set>) {
-        self.tests[run] = Test::on(sets);
+    pub fn set_trials(&mut self, run: usize, sets: Vec<Set>) {
+        self.runs[run] = RunTrials::new(sets);
     }
 
     /// Evaluates the genomes of every run, `batches[run]`; `None` if the workers were stopped.
     pub fn evaluate(&mut self, batches: Vec<Vec<Genome>>) -> Option<Vec<Vec<Individual>>> {
         let mut points: Vec<Vec<f32>> = Vec::with_capacity(batches.len());
         for (run, batch) in batches.iter().enumerate() {
-            points.push(vec![0.0; batch.len() * self.tests[run].places()]);
+            points.push(vec![0.0; batch.len() * self.runs[run].trials_per_genome()]);
             for (genome, bits) in batch.iter().enumerate() {
                 self.recall(run, genome, bits, &mut points[run]);
             }
@@ -120,18 +120,18 @@ impl Evaluator {
             genome,
             points: mean_per_goal(points),
         };
-        let of_run = |((batch, points), test): ((Vec<Genome>, Vec<f32>), &Test)| {
-            let each = points.chunks_exact(test.places());
+        let of_run = |((batch, points), test): ((Vec<Genome>, Vec<f32>), &RunTrials)| {
+            let each = points.chunks_exact(test.trials_per_genome());
             batch.into_iter().zip(each).map(judged).collect()
         };
-        let runs = batches.into_iter().zip(points).zip(&self.tests);
+        let runs = batches.into_iter().zip(points).zip(&self.runs);
         Some(runs.map(of_run).collect())
     }
 
     /// Returns the points of one genome.
     #[must_use]
     pub fn points_of(condition: &Condition, genome: &Genome) -> GoalPoints {
-        Self::points_on(condition, of_choice(condition), genome)
+        Self::points_on(condition, choice_sets(condition), genome)
     }
 
     /// Returns the points of one genome on these trials.
@@ -140,7 +140,7 @@ impl Evaluator {
         let mut evaluator = Self {
             condition: condition.clone(),
             workers: Engine::fastest().into(),
-            tests: vec![Test::on(sets)],
+            runs: vec![RunTrials::new(sets)],
             pending: Vec::new(),
             trials: Vec::new(),
             outcomes: Vec::new(),
@@ -153,8 +153,8 @@ impl Evaluator {
     fn recall(&mut self, run: usize, genome: usize, bits: &Genome, points: &mut [f32]) {
         let responses = self.condition.responses(bits);
         let tables = responses.map(Responses::bits);
-        let Test { sets, memo } = &self.tests[run];
-        let first = genome * self.tests[run].places();
+        let RunTrials { sets, memo } = &self.runs[run];
+        let first = genome * self.runs[run].trials_per_genome();
         for (place, &layout) in sets.as_flattened().iter().enumerate() {
             let index = first + place;
             match memo.recall(place, &tables) {
@@ -163,7 +163,7 @@ impl Evaluator {
                     self.pending.push(Pending {
                         run,
                         index,
-                        place,
+                        trial: place,
                         tables,
                     });
                     self.trials.push(Trial {
@@ -189,13 +189,13 @@ impl Evaluator {
             let Pending {
                 run,
                 index,
-                place,
+                trial: place,
                 tables,
             } = pending;
             let earned = self.condition.points(outcome);
             points[run][index] = earned;
             let mask = Responses::row_mask(outcome.rows_read);
-            self.tests[run].memo.learn(place, &tables, mask, earned);
+            self.runs[run].memo.store(place, &tables, mask, earned);
         }
         Some(())
     }

@@ -77,7 +77,7 @@ pub fn read_text(path: &Path) -> Result<String> {
     std::fs::read_to_string(path).map_err(|error| {
         Error::refused(
             format_args!("read {}", path.display()),
-            format_args!("the system said {error}"),
+            format_args!("{error}"),
             "a readable text file",
             "check the path",
         )
@@ -85,7 +85,7 @@ pub fn read_text(path: &Path) -> Result<String> {
 }
 
 /// Removes a file if it exists.
-pub fn remove_if_there(path: &Path) -> Result<()> {
+pub fn remove_if_exists(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(error)),
         _ => Ok(()),
@@ -94,9 +94,9 @@ pub fn remove_if_there(path: &Path) -> Result<()> {
 
 /// Renames an unusable file to `.damaged`, replacing an older one of that name; returns the new
 /// path.
-pub(crate) fn set_aside(path: &Path) -> Result<PathBuf> {
+pub(crate) fn rename_damaged(path: &Path) -> Result<PathBuf> {
     let kept = sibling(path, ".damaged");
-    std::fs::rename(path, &kept).map_err(Error::io("set aside", path))?;
+    std::fs::rename(path, &kept).map_err(Error::io("rename", path))?;
     Ok(kept)
 }
 
@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plain_name_stays_in_its_folder() {
+    fn plain_name_stays_in_its_folder() {
         for (text, expected) in [
             ("R3", "R3"),
             ("../../etc/passwd", "_._.._etc_passwd"),

@@ -36,7 +36,7 @@ impl Default for Settings {
 
 /// Invalid settings.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("could not use {key} because it was {value}, needs {needs}; correct it")]
+#[error("could not use {key}: it is {value}, needs {needs}; correct it")]
 pub struct SettingsError {
     key: &'static str,
     value: f64,
@@ -189,13 +189,13 @@ impl Population {
 
     /// Step 8 for the proposals of [`Population::propose_with_elites`]: elites count with their new
     /// fitness.
-    pub fn select_among(&mut self, judged: Vec<Individual>) {
+    pub fn select_among(&mut self, evaluated: Vec<Individual>) {
         self.members.clear();
-        self.keep_best(judged);
+        self.keep_best(evaluated);
     }
 
-    fn keep_best(&mut self, judged: Vec<Individual>) {
-        self.members.extend(judged);
+    fn keep_best(&mut self, evaluated: Vec<Individual>) {
+        self.members.extend(evaluated);
         self.members
             .sort_by(|a, b| b.fitness().total_cmp(&a.fitness()));
         self.members.truncate(self.settings.population);

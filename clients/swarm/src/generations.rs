@@ -19,7 +19,7 @@ pub(crate) fn evolve(
     settings: Settings,
     (bits, rng): (usize, SplitMix64),
     generations: u32,
-    kept: &str,
+    saved_text: &str,
     mut evaluate: impl FnMut(Vec<Genome>) -> Vec<Individual>,
     mut watch: impl FnMut(u32, f32) -> ControlFlow<()>,
 ) -> Result<(Individual, Vec<Rise>)> {
@@ -29,9 +29,9 @@ pub(crate) fn evolve(
         let children = evaluate(population.propose());
         population.select(children);
         let best = population.members()[0].fitness();
-        Rise::note(&mut rises, generation, best);
+        Rise::record(&mut rises, generation, best);
         if watch(generation, best).is_break() {
-            let sentence = format!("interrupted at generation {generation}; {kept}");
+            let sentence = format!("interrupted at generation {generation}; {saved_text}");
             return Err(Error::Interrupted(sentence));
         }
     }

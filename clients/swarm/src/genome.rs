@@ -5,6 +5,15 @@ use crate::rng::{Probability, SplitMix64};
 const WORD: usize = u128::BITS as usize;
 
 /// Genotype array. Bit g is in word g / 128, lowest bit first; bits beyond the length are zero.
+///
+/// ```
+/// use ebts::genome::Genome;
+///
+/// let mut genome = Genome::zero(128);
+/// genome.set(5, true);
+/// let text = genome.to_hex();
+/// assert_eq!(Genome::from_hex(128, &text), Some(genome));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Genome {
     words: Box<[u128]>,
@@ -149,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn hex_reads_back_and_refuses_what_is_not_a_genome() {
+    fn hex_round_trips_and_rejects_invalid_text() {
         let mut rng = SplitMix64::stream(&[1]);
         for bits in [4, 64, 127, 128, 129, 512] {
             let genome = Genome::random(bits, &mut rng);
@@ -177,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn diversity_is_the_part_of_bits_that_differ() {
+    fn diversity_is_the_share_of_differing_bits() {
         let genome =
             |digits: &str| Genome::from_hex(4, &format!("{digits:0>32}")).expect("a genome");
         for (digits, expected) in [
@@ -198,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn children_share_out_the_parents_bits() {
+    fn crossover_distributes_parent_bits_to_both_children() {
         let mut rng = SplitMix64::stream(&[2]);
         let (a, b) = (Genome::random(300, &mut rng), Genome::random(300, &mut rng));
         let [c, d] = a.crossover(&b, &mut rng);
@@ -212,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn mutation_flips_about_its_rate_and_nothing_beyond_the_length() {
+    fn mutation_respects_rate_and_length() {
         let mut rng = SplitMix64::stream(&[3]);
         let rate = Probability::new(0.01).expect("a probability");
         let mut flipped = 0;

@@ -29,11 +29,11 @@ impl Default for IslandSettings {
 
 /// Validity of the elites' fitness in the next generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Elites {
+pub enum EliteFitness {
     /// Valid: every generation has the same trials.
     Known,
     /// Invalid: every generation has other trials, so elites are evaluated again.
-    JudgedAgain,
+    Reevaluated,
 }
 
 /// The populations of one run.
@@ -116,20 +116,20 @@ impl Archipelago {
     }
 
     /// Returns the genomes of all islands to evaluate next, island by island.
-    pub fn propose(&mut self, elites: Elites) -> Vec<Genome> {
+    pub fn propose(&mut self, elites: EliteFitness) -> Vec<Genome> {
         let propose = match elites {
-            Elites::Known => Population::propose,
-            Elites::JudgedAgain => Population::propose_with_elites,
+            EliteFitness::Known => Population::propose,
+            EliteFitness::Reevaluated => Population::propose_with_elites,
         };
         self.islands.iter_mut().flat_map(propose).collect()
     }
 
     /// Completes generation `generation` with the evaluated proposals, in the order of
     /// [`Archipelago::propose`].
-    pub fn select(&mut self, evaluated: Vec<Individual>, generation: u32, elites: Elites) {
+    pub fn select(&mut self, evaluated: Vec<Individual>, generation: u32, elites: EliteFitness) {
         let select = match elites {
-            Elites::Known => Population::select,
-            Elites::JudgedAgain => Population::select_among,
+            EliteFitness::Known => Population::select,
+            EliteFitness::Reevaluated => Population::select_among,
         };
         let share = evaluated.len() / self.islands.len().max(1);
         let mut evaluated = evaluated.into_iter();

@@ -28,6 +28,14 @@
 //!
 //! Not part of this crate: unseeded randomness, clocks (except for save intervals), the field
 //! itself, and any state that agents share other than their table.
+//!
+//! ```
+//! use ebts::built_in;
+//!
+//! let team = built_in::table("r3-two-agents")?;
+//! assert!(team.individual.fitness() > 600.0, "of 800 points");
+//! # Ok::<(), ebts::error::Error>(())
+//! ```
 
 pub mod agents;
 pub mod analysis;

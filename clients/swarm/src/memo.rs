@@ -16,12 +16,12 @@ pub(crate) struct Memo<const N: usize>(Vec<Ring<N>>);
 
 #[derive(Debug)]
 struct Ring<const N: usize> {
-    known: Vec<Known<N>>,
+    entries: Vec<Entry<N>>,
     oldest: usize,
 }
 
 #[derive(Debug)]
-struct Known<const N: usize> {
+struct Entry<const N: usize> {
     /// Bits of the rows that the trial read.
     mask: u128,
     /// Values of those bits, per agent.
@@ -31,14 +31,14 @@ struct Known<const N: usize> {
 
 impl<const N: usize> Default for Memo<N> {
     fn default() -> Self {
-        Self::of(GOALS)
+        Self::with_goals(GOALS)
     }
 }
 
 impl<const N: usize> Memo<N> {
-    pub(crate) fn of(goals: usize) -> Self {
+    pub(crate) fn with_goals(goals: usize) -> Self {
         let empty = || Ring {
-            known: Vec::new(),
+            entries: Vec::new(),
             oldest: 0,
         };
         Self((0..goals).map(|_| empty()).collect())
@@ -46,7 +46,7 @@ impl<const N: usize> Memo<N> {
 
     /// Returns the points of a matching trial.
     pub(crate) fn recall(&self, goal: usize, tables: &[u128; N]) -> Option<f32> {
-        let agrees = |known: &&Known<N>| {
+        let agrees = |known: &&Entry<N>| {
             known
                 .tables
                 .iter()
@@ -54,23 +54,23 @@ impl<const N: usize> Memo<N> {
                 .all(|(known_bits, bits)| bits & known.mask == *known_bits)
         };
         self.0[goal]
-            .known
+            .entries
             .iter()
             .find(agrees)
             .map(|known| known.points)
     }
 
-    pub(crate) fn learn(&mut self, goal: usize, tables: &[u128; N], mask: u128, points: f32) {
-        let known = Known {
+    pub(crate) fn store(&mut self, goal: usize, tables: &[u128; N], mask: u128, points: f32) {
+        let known = Entry {
             mask,
             tables: tables.map(|bits| bits & mask),
             points,
         };
         let ring = &mut self.0[goal];
-        if ring.known.len() < MEMO_TRIALS {
-            ring.known.push(known);
+        if ring.entries.len() < MEMO_TRIALS {
+            ring.entries.push(known);
         } else {
-            ring.known[ring.oldest] = known;
+            ring.entries[ring.oldest] = known;
             ring.oldest = (ring.oldest + 1) % MEMO_TRIALS;
         }
     }

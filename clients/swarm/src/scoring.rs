@@ -1,7 +1,7 @@
 //! Scoring of trials: a built-in rule, or a custom type.
 //!
 //! A custom rule implements [`Fitness`] and is set with
-//! [`crate::condition::Condition::judged_by`]; evolution and table files work unchanged
+//! [`crate::condition::Condition::with_fitness`]; evolution and table files work unchanged
 //! (`examples/own_fitness.rs`). Files store its name. A program without the type can drive robots
 //! with such tables and show their stored points, but cannot evaluate them.
 
@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 
 /// Result of a trial, the input of a fitness.
 #[derive(Clone, Copy, Debug)]
-pub struct Judged<'a> {
+pub struct TrialResult<'a> {
     /// Parameters of the field.
     pub preset: &'a Preset,
     /// Number of agents.
@@ -26,7 +26,7 @@ pub struct Judged<'a> {
     pub outcome: &'a Outcome,
 }
 
-impl Judged<'_> {
+impl TrialResult<'_> {
     /// Returns E1 of the final distance, see [`field::accuracy`].
     #[must_use]
     pub fn accuracy(&self) -> f32 {
@@ -56,7 +56,7 @@ impl Judged<'_> {
 pub trait Fitness: fmt::Debug + Send + Sync {
     /// Returns the points of one trial, clamped to 0–100; NaN counts as 0. Must depend on `trial`
     /// only, because the memo reuses points.
-    fn points(&self, trial: &Judged<'_>) -> f32;
+    fn points(&self, trial: &TrialResult<'_>) -> f32;
 
     /// Returns the name for files and reports; by default the name of the type.
     fn name(&self) -> String {
@@ -71,34 +71,34 @@ pub enum Scoring {
     /// A built-in rule.
     Rule(FitnessRule),
     /// A custom rule.
-    Own(Arc<dyn Fitness>),
+    Custom(Arc<dyn Fitness>),
     /// A custom rule that a file names and this program does not have.
-    Elsewhere(String),
+    Unavailable(String),
 }
 
 impl Scoring {
     /// Returns the points of one trial, 0 to 100; 0 for a missing rule.
     #[must_use]
-    pub fn points(&self, trial: &Judged<'_>) -> f32 {
-        let Judged {
+    pub fn points(&self, trial: &TrialResult<'_>) -> f32 {
+        let TrialResult {
             preset,
             team,
             outcome,
         } = *trial;
         match self {
             Self::Rule(rule) => rule.points(preset, team, outcome),
-            Self::Own(own) => match own.points(trial) {
+            Self::Custom(own) => match own.points(trial) {
                 points if points > 0.0 => points.min(GOAL_POINTS),
                 // Includes NaN.
                 _ => 0.0,
             },
-            Self::Elsewhere(_) => 0.0,
+            Self::Unavailable(_) => 0.0,
         }
     }
 
     /// Returns the short name, without parameters.
     #[must_use]
-    pub fn word(&self) -> String {
+    pub fn short_name(&self) -> String {
         match self {
             Self::Rule(FitnessRule::Weighted(_)) => "weighted".to_owned(),
             other => other.to_string(),
@@ -107,19 +107,19 @@ impl Scoring {
 
     /// Returns whether this program has the rule.
     #[must_use]
-    pub fn is_here(&self) -> bool {
-        !matches!(self, Self::Elsewhere(_))
+    pub fn is_available(&self) -> bool {
+        !matches!(self, Self::Unavailable(_))
     }
 
     /// Rejects the evaluation of a table whose rule this program does not have.
-    pub fn check_here(&self, table: &Path, cure: &str) -> Result<()> {
-        if self.is_here() {
+    pub fn check_available(&self, table: &Path, cure: &str) -> Result<()> {
+        if self.is_available() {
             return Ok(());
         }
         Err(Error::refused(
-            format_args!("judge {}", table.display()),
-            format_args!("its rule {self} is of a type of somebody's own"),
-            "a rule that ships",
+            format_args!("evaluate {}", table.display()),
+            format_args!("its custom rule {self} is not part of this program"),
+            "a built-in rule",
             cure,
         ))
     }
@@ -146,8 +146,8 @@ impl fmt::Display for Scoring {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Rule(rule) => rule.fmt(f),
-            Self::Own(own) => f.write_str(&own.name()),
-            Self::Elsewhere(name) => f.write_str(name),
+            Self::Custom(own) => f.write_str(&own.name()),
+            Self::Unavailable(name) => f.write_str(name),
         }
     }
 }
@@ -155,7 +155,7 @@ impl fmt::Display for Scoring {
 /// Stored form of a scoring: the form of the built-in rule, or `{ own = "NAME" }`.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Written {
+enum StoredScoring {
     AntiAccident,
     Literal,
     Compared,
@@ -167,19 +167,19 @@ impl Serialize for Scoring {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
             Self::Rule(rule) => rule.serialize(serializer),
-            own => Written::Own(own.to_string()).serialize(serializer),
+            own => StoredScoring::Own(own.to_string()).serialize(serializer),
         }
     }
 }
 
 impl<'de> Deserialize<'de> for Scoring {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        Ok(match Written::deserialize(deserializer)? {
-            Written::AntiAccident => Self::Rule(FitnessRule::AntiAccident),
-            Written::Literal => Self::Rule(FitnessRule::Literal),
-            Written::Compared => Self::Rule(FitnessRule::Compared),
-            Written::Weighted(weights) => Self::Rule(FitnessRule::Weighted(weights)),
-            Written::Own(name) => Self::Elsewhere(name),
+        Ok(match StoredScoring::deserialize(deserializer)? {
+            StoredScoring::AntiAccident => Self::Rule(FitnessRule::AntiAccident),
+            StoredScoring::Literal => Self::Rule(FitnessRule::Literal),
+            StoredScoring::Compared => Self::Rule(FitnessRule::Compared),
+            StoredScoring::Weighted(weights) => Self::Rule(FitnessRule::Weighted(weights)),
+            StoredScoring::Own(name) => Self::Unavailable(name),
         })
     }
 }

@@ -11,7 +11,7 @@ use field::{ROWS, Responses, SENSORS};
 /// Sensor of the mobile robot (paper Fig. 10). The number is its bit in a row of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[expect(missing_docs, reason = "the names say it")]
+#[expect(missing_docs, reason = "the names are self-explanatory")]
 pub enum Sensor {
     IrLeft = 0,
     IrFront = 1,
@@ -41,8 +41,8 @@ impl Default for SensorOrder {
 /// Error: the order omits or repeats a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "could not use the sensor order because it was not a permutation, needs each of ir-left, ir-front, ir-right, photo-left, \
-     photo-right once; name every sensor once"
+    "could not use the sensor order: it is not a permutation, needs each of ir-left, ir-front, \
+     ir-right, photo-left, photo-right once; name every sensor once"
 )]
 pub struct SensorOrderError;
 
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_order_reads_back_and_permutes_rows() {
+    fn order_round_trips_and_permutes_rows() {
         let order: SensorOrder = "photo-left,ir-front,ir-right,ir-left,photo-right"
             .parse()
             .expect("an order");
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn orders_that_are_no_permutation_are_refused() {
+    fn non_permutation_is_rejected() {
         for text in [
             "",
             "ir-left",

@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bootstrap_brackets_the_mean_and_repeats() {
+    fn bootstrap_interval_contains_mean_and_is_deterministic() {
         let values: Vec<f32> = (0..100).map(|k| k as f32).collect();
         let estimate = || bootstrap(&[&values[..]], |groups| f64::from(mean(&groups[0])));
         let Estimate { value, low, high } = estimate();

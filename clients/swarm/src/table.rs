@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_reads_back_its_levels_in_any_shape() {
+    fn levels_round_trip_in_any_shape() {
         for shape in [
             Shape::MOBILE_ROBOT,
             Shape {

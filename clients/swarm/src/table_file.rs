@@ -65,7 +65,7 @@ struct Rows {
 }
 
 #[derive(Deserialize)]
-struct Sealed {
+struct HashedContent {
     #[serde(flatten)]
     content: toml::Table,
     integrity: Option<Integrity>,
@@ -134,23 +134,23 @@ impl TableFile {
 
     /// Parses the text of a file.
     pub fn parse(text: &str, hash: Hash) -> std::result::Result<Self, String> {
-        let sealed: Sealed = toml::from_str(text)
-            .map_err(|error| format!("it is no table file: {}", error.message()))?;
+        let sealed: HashedContent = toml::from_str(text)
+            .map_err(|error| format!("it is not a table file: {}", error.message()))?;
         let content: Content =
             toml::Value::Table(sealed.content)
                 .try_into()
                 .map_err(|error: toml::de::Error| {
-                    format!("it is no table file: {}", error.message())
+                    format!("it is not a table file: {}", error.message())
                 })?;
         let file = content.check()?;
         if let Hash::Required = hash {
             let found = sealed
                 .integrity
-                .ok_or("integrity.sha256 was missing, as in a truncated file, needs the hash")?
+                .ok_or("integrity.sha256 is missing (the file may be truncated), needs the hash")?
                 .sha256;
             if found != file.hash() {
                 return Err(format!(
-                    "integrity.sha256 was {found}, needs {} for this content",
+                    "integrity.sha256 is {found}, needs {} for this content",
                     file.hash()
                 ));
             }
@@ -261,19 +261,19 @@ pub enum Hash {
 impl Content {
     fn check(self) -> std::result::Result<TableFile, String> {
         if self.format != FORMAT {
-            return Err(format!("format was {:?}, needs {FORMAT:?}", self.format));
+            return Err(format!("format is {:?}, needs {FORMAT:?}", self.format));
         }
         if let Some(points) = self
             .points
             .iter()
             .find(|points| !(0.0..=100.0).contains(*points))
         {
-            return Err(format!("points had {points}, needs 0 to 100 per goal"));
+            return Err(format!("points has {points}, needs 0 to 100 per goal"));
         }
         let condition = self.condition.build().map_err(|error| error.to_string())?;
         if self.table.len() != condition.tables() {
             return Err(format!(
-                "it had {} [[table]], needs {}",
+                "it has {} [[table]], needs {}",
                 self.table.len(),
                 condition.tables()
             ));
@@ -337,7 +337,7 @@ fn read_rows(
 ) -> std::result::Result<(), String> {
     if rows.len() != shape.rows() {
         return Err(format!(
-            "a table had {} rows, needs {}",
+            "a table has {} rows, needs {}",
             rows.len(),
             shape.rows()
         ));
@@ -352,7 +352,8 @@ fn read_rows(
         let plain = text.chars().all(|c| matches!(c, '0' | '1' | ' '));
         if !plain || bits.len() != shape.sensors + shape.row_bits() {
             return Err(format!(
-                "row {text:?} was not of the form \"00000 00 00\", needs S1-S5, L1L2 and R1R2 as 0 or 1"
+                "row {text:?} does not have the form \"00000 00 00\", needs S1-S5, L1L2 and R1R2 \
+                 as 0 or 1"
             ));
         }
         let (sensors, output) = bits.split_at(shape.sensors);
@@ -362,7 +363,7 @@ fn read_rows(
             .fold(0, |row, (s, &bit)| row | usize::from(bit) << s);
         if std::mem::replace(&mut seen[row], true) {
             return Err(format!(
-                "row {text:?} was there twice, needs every combination of S1-S5 once"
+                "row {text:?} is duplicated, needs every combination of S1-S5 once"
             ));
         }
         for (bit, &value) in output.iter().enumerate() {
@@ -374,11 +375,11 @@ fn read_rows(
 
 fn refuse(path: &Path, why: &str) -> Error {
     let cure = format!(
-        "if you edited its rows run: ebts show {} --rehash; else take an intact copy",
+        "if you edited its rows run: ebts show {} --rehash; otherwise use an intact copy",
         path.display()
     );
     Error::Refused(format!(
-        "could not use table file {} because {why}; {cure}",
+        "could not use table file {}: {why}; {cure}",
         path.display()
     ))
 }

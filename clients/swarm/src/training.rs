@@ -28,7 +28,7 @@ const ATTEMPTS: usize = 1000;
 
 /// Returns the sets for all individuals of a run in this generation.
 #[must_use]
-pub fn of_generation(condition: &Condition, seed: u64, generation: u32) -> Vec<Set> {
+pub fn generation_sets(condition: &Condition, seed: u64, generation: u32) -> Vec<Set> {
     let name = [GENERATION, seed, u64::from(generation)];
     sets(condition, |training| training.draws.into(), &name)
 }
@@ -36,32 +36,37 @@ pub fn of_generation(condition: &Condition, seed: u64, generation: u32) -> Vec<S
 /// Returns the sets that decide the final table of a run. The points of a table refer to these
 /// sets.
 #[must_use]
-pub fn of_choice(condition: &Condition) -> Vec<Set> {
+pub fn choice_sets(condition: &Condition) -> Vec<Set> {
     sets(condition, |_| CHOICE_SETS, &[CHOICE])
 }
 
 fn sets(condition: &Condition, count: impl Fn(Training) -> usize, name: &[u64]) -> Vec<Set> {
     condition.training().map_or_else(
         || vec![condition.layouts()],
-        |training| drawn(condition, training, count(training), name),
+        |training| draw_sets(condition, training, count(training), name),
     )
 }
 
 /// Returns held-out sets: no table was evolved or chosen on them.
 #[must_use]
-pub fn unseen(condition: &Condition, starts: Places, goals: Places, count: usize) -> Vec<Set> {
+pub fn held_out_sets(
+    condition: &Condition,
+    starts: Places,
+    goals: Places,
+    count: usize,
+) -> Vec<Set> {
     let training = Training {
         starts,
         goals,
         ..Training::default()
     };
-    drawn(condition, training, count, &[UNSEEN])
+    draw_sets(condition, training, count, &[UNSEEN])
 }
 
-fn drawn(condition: &Condition, training: Training, count: usize, name: &[u64]) -> Vec<Set> {
+fn draw_sets(condition: &Condition, training: Training, count: usize, name: &[u64]) -> Vec<Set> {
     let mut rng = SplitMix64::stream(name);
     (0..count)
-        .map(|_| set(condition, training, &mut rng))
+        .map(|_| draw_set(condition, training, &mut rng))
         .collect()
 }
 
@@ -75,12 +80,12 @@ pub fn check(condition: &Condition) -> Result<()> {
         return Ok(());
     };
     let mut rng = SplitMix64::stream(&[CHOICE]);
-    let room = (0..GOALS).all(|_| starts(&condition.model, &mut rng).is_some());
+    let room = (0..GOALS).all(|_| draw_starts(&condition.model, &mut rng).is_some());
     room.then_some(()).ok_or_else(|| {
         Error::refused(
             "draw starts",
-            "the field was too crowded for four agents and the object",
-            "room where nothing touches",
+            "the field is too crowded for four agents and the object",
+            "enough room that nothing touches",
             "make half_side_px larger or the radii smaller",
         )
     })
@@ -88,10 +93,10 @@ pub fn check(condition: &Condition) -> Result<()> {
 
 /// Draws one set of eight. A start without room on a crowded field falls back to that of the
 /// preset.
-fn set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
+fn draw_set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
     let model = &condition.model;
     let mut layout = |preset: Layout, eighth: usize| {
-        let (starts_at, goal_at) = (starts(model, rng), goal(model, eighth, rng));
+        let (starts_at, goal_at) = (draw_starts(model, rng), draw_goal(model, eighth, rng));
         let starts = match training.starts {
             Places::Preset => *preset.starts(),
             Places::Drawn => starts_at.unwrap_or(*preset.starts()),
@@ -112,10 +117,10 @@ fn set(condition: &Condition, training: Training, rng: &mut SplitMix64) -> Set {
 
 /// Draws a goal in an eighth of the circle or square around the preset's goal, without an obstacle
 /// in the object's way.
-fn goal(model: &Model, eighth: usize, rng: &mut SplitMix64) -> Point {
+fn draw_goal(model: &Model, eighth: usize, rng: &mut SplitMix64) -> Point {
     let mut anywhere = || {
         let steps = 8 * eighth + 60 + rng.below(8);
-        model.goal_beyond((steps % field::HEADINGS) as u8, rng.unit() as f32)
+        model.goal_between((steps % field::HEADINGS) as u8, rng.unit() as f32)
     };
     let object_px = model.preset().object_radius_px;
     let free = (0..ATTEMPTS).map(|_| anywhere());
@@ -125,7 +130,7 @@ fn goal(model: &Model, eighth: usize, rng: &mut SplitMix64) -> Point {
 
 /// Draws four starts on the field with random headings. They touch neither the object nor an
 /// obstacle nor each other.
-fn starts(model: &Model, rng: &mut SplitMix64) -> Option<[Pose; MAX_AGENTS]> {
+fn draw_starts(model: &Model, rng: &mut SplitMix64) -> Option<[Pose; MAX_AGENTS]> {
     let preset = model.preset();
     let limit = f64::from(preset.half_side_px - preset.agent_radius_px);
     let touch = preset.agent_radius_px + preset.object_radius_px;
@@ -172,29 +177,29 @@ mod tests {
         Condition::new(Arc::new(model), team, FitnessRule::AntiAccident)
     }
 
-    fn drawn(preset: Preset) -> Condition {
+    fn draw_sets(preset: Preset) -> Condition {
         let training = Some(Training::default());
         condition(Preset { training, ..preset })
     }
 
     #[test]
-    fn without_training_everybody_gets_the_presets_eight() {
+    fn without_training_preset_layouts_are_used() {
         let condition = condition(Preset::R3);
         let eight = vec![condition.layouts()];
-        assert_eq!(of_generation(&condition, 7, 3), eight);
-        assert_eq!(of_choice(&condition), eight);
+        assert_eq!(generation_sets(&condition, 7, 3), eight);
+        assert_eq!(choice_sets(&condition), eight);
     }
 
     #[test]
-    fn every_asker_has_trials_of_its_own_and_the_same_again() {
-        let condition = drawn(Preset::N);
-        let both = |count| unseen(&condition, Places::Drawn, Places::Drawn, count);
+    fn purposes_have_disjoint_repeatable_trials() {
+        let condition = draw_sets(Preset::N);
+        let both = |count| held_out_sets(&condition, Places::Drawn, Places::Drawn, count);
         let asked = || {
             [
-                of_generation(&condition, 1, 0),
-                of_generation(&condition, 1, 1),
-                of_generation(&condition, 2, 0),
-                of_choice(&condition),
+                generation_sets(&condition, 1, 0),
+                generation_sets(&condition, 1, 1),
+                generation_sets(&condition, 2, 0),
+                choice_sets(&condition),
                 both(8),
             ]
         };
@@ -212,11 +217,11 @@ mod tests {
 
     /// Starts are valid, and every goal is in its own eighth of the preset's circle or square.
     #[test]
-    fn what_is_drawn_can_be_simulated() {
+    fn drawn_layouts_are_valid() {
         for preset in Preset::ALL {
-            let condition = drawn(preset);
+            let condition = draw_sets(preset);
             check(&condition).expect("room for starts");
-            for set in of_choice(&condition) {
+            for set in choice_sets(&condition) {
                 for (layout, preset) in set.iter().zip(condition.layouts()) {
                     let model = &condition.model;
                     assert!(model.layout(*layout.starts(), layout.goal()).is_ok());
@@ -230,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn a_field_without_room_is_refused() {
+    fn crowded_field_is_rejected() {
         let crowded = Preset {
             agent_radius_px: 90.0,
             object_radius_px: 20.0,
@@ -243,7 +248,7 @@ mod tests {
             goals: field::Goals::CirclePx(100.0),
             ..Preset::R3
         };
-        let error = check(&drawn(crowded)).expect_err("no room");
+        let error = check(&draw_sets(crowded)).expect_err("no room");
         assert!(error.to_string().contains("too crowded"), "{error}");
     }
 }

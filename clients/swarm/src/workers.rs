@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 
 /// Trials between two checks of the stop flag: 0.1 s on the slowest SIMD engine, less than 1 s
 /// without SIMD.
-const TRIALS_UNTIL_LOOK: usize = 16_384;
+const TRIALS_PER_STOP_CHECK: usize = 16_384;
 /// Trials below which the hand-over to another thread costs more than the simulation (measured; a
 /// generation of the paper has 80).
 const TRIALS_PER_THREAD: usize = 256;
@@ -49,7 +49,7 @@ impl Workers {
 
     /// Returns workers with the same engine and flag on the calling thread only.
     #[must_use]
-    pub fn alone(&self) -> Self {
+    pub fn single_threaded(&self) -> Self {
         Self {
             pool: None,
             ..self.clone()
@@ -58,7 +58,7 @@ impl Workers {
 
     /// Returns whether the stop flag is set.
     #[must_use]
-    pub fn stopped(&self) -> bool {
+    pub fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
@@ -69,8 +69,8 @@ impl Workers {
 
     /// Returns whether the simulation of this number of trials can be interrupted.
     #[must_use]
-    pub fn may_break_off(&self, trials: usize) -> bool {
-        trials > TRIALS_UNTIL_LOOK
+    pub fn is_interruptible(&self, trials: usize) -> bool {
+        trials > TRIALS_PER_STOP_CHECK
     }
 
     /// Simulates the trials in order. Breaks when stopped; `outcomes` is then incomplete.
@@ -86,16 +86,16 @@ impl Workers {
             return ControlFlow::Continue(());
         }
         outcomes.clear();
-        for some in trials.chunks(TRIALS_UNTIL_LOOK) {
-            if self.may_break_off(trials.len()) && self.stopped() {
+        for some in trials.chunks(TRIALS_PER_STOP_CHECK) {
+            if self.is_interruptible(trials.len()) && self.is_stopped() {
                 return ControlFlow::Break(());
             }
-            outcomes.extend(self.simulate_some(model, team, some));
+            outcomes.extend(self.simulate_chunk(model, team, some));
         }
         ControlFlow::Continue(())
     }
 
-    fn simulate_some(&self, model: &Model, team: TeamSize, trials: &[Trial]) -> Vec<Outcome> {
+    fn simulate_chunk(&self, model: &Model, team: TeamSize, trials: &[Trial]) -> Vec<Outcome> {
         let run = |trials: &[Trial]| {
             let mut outcomes = Vec::new();
             self.engine.run(model, team, trials, &mut outcomes);

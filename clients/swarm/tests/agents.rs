@@ -19,24 +19,27 @@ fn agents(bus: &BusName, tables: &[&str]) -> Command {
 
 struct Running {
     child: Child,
-    said: Lines<BufReader<ChildStdout>>,
+    lines: Lines<BufReader<ChildStdout>>,
 }
 
 impl Running {
     fn start(bus: &BusName, tables: &[&str]) -> Self {
         let mut child = agents(bus, tables).spawn().expect("ebts starts");
-        let said = BufReader::new(child.stdout.take().expect("piped")).lines();
-        Self { child, said }
+        let message = BufReader::new(child.stdout.take().expect("piped")).lines();
+        Self {
+            child,
+            lines: message,
+        }
     }
 
     fn next(&mut self) -> serde_json::Value {
-        let line = self.said.next().expect("another line").expect("text");
+        let line = self.lines.next().expect("another line").expect("text");
         serde_json::from_str(&line).expect("JSON")
     }
 
     fn signal(&self, signal: rustix::process::Signal) {
         let pid = rustix::process::Pid::from_child(&self.child);
-        rustix::process::kill_process(pid, signal).expect("it lives");
+        rustix::process::kill_process(pid, signal).expect("a running process");
     }
 }
 
@@ -50,21 +53,21 @@ impl Drop for Running {
 
 fn refused(bus: &BusName, tables: &[&str], code: i32) -> String {
     let output: Output = agents(bus, tables).output().expect("ebts starts");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{tables:?}: {said}");
-    said
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{tables:?}: {message}");
+    message
 }
 
 #[test]
-fn it_does_not_begin_without_intact_tables() {
+fn agents_reject_invalid_tables() {
     let (bus, folder) = (
         FreshBus::new("agents"),
         tempfile::tempdir().expect("a folder"),
     );
     let spoilt = folder.path().join("spoilt.toml");
     std::fs::write(&spoilt, "format = \"ebts-table-1\"").expect("writable");
-    let said = refused(&bus, &[TABLE, spoilt.to_str().expect("UTF-8")], 3);
-    assert!(said.contains("spoilt.toml"), "{said}");
+    let message = refused(&bus, &[TABLE, spoilt.to_str().expect("UTF-8")], 7);
+    assert!(message.contains("spoilt.toml"), "{message}");
     let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/table.toml");
     let other = folder.path().join("other.toml");
     let evolve = ["evolve", "--preset", "N", "--generations", "2", "--out"];
@@ -78,28 +81,34 @@ fn it_does_not_begin_without_intact_tables() {
             .status
             .success()
     );
-    let said = refused(&bus, &[golden, other.to_str().expect("UTF-8")], 3);
-    assert!(said.contains("its preset N was another field"), "{said}");
-    let said = refused(&bus, &["no/such.toml"], 3);
-    assert!(said.contains(TABLE) && said.contains("--table"), "{said}");
-    let said = refused(&bus, &[], 2);
-    assert!(said.contains("--table"), "{said}");
+    let message = refused(&bus, &[golden, other.to_str().expect("UTF-8")], 7);
+    assert!(
+        message.contains("its preset N is another field"),
+        "{message}"
+    );
+    let message = refused(&bus, &["no/such.toml"], 7);
+    assert!(
+        message.contains(TABLE) && message.contains("--table"),
+        "{message}"
+    );
+    let message = refused(&bus, &[], 2);
+    assert!(message.contains("--table"), "{message}");
 }
 
 #[test]
-fn one_process_answers_on_a_bus() {
+fn second_agents_process_is_rejected() {
     let bus = FreshBus::new("agents");
     let mut first = Running::start(&bus, &[TABLE]);
     assert_eq!(first.next()["event"], "ready");
-    let said = refused(&bus, &[TABLE], 6);
+    let message = refused(&bus, &[TABLE], 8);
     assert!(
-        said.contains(&first.child.id().to_string()),
-        "the owner is named: {said}"
+        message.contains(&first.child.id().to_string()),
+        "the error contains the process id of the owner: {message}"
     );
 }
 
 #[test]
-fn sighup_reads_the_tables_again_and_sigterm_ends_it_in_good_order() {
+fn sighup_reloads_tables_and_sigterm_ends() {
     let (bus, folder) = (
         FreshBus::new("agents"),
         tempfile::tempdir().expect("a folder"),
@@ -132,5 +141,5 @@ fn sighup_reads_the_tables_again_and_sigterm_ends_it_in_good_order() {
     );
     running.signal(rustix::process::Signal::TERM);
     assert_eq!(running.next()["event"], "ended");
-    assert!(running.child.wait().expect("it ends").success());
+    assert!(running.child.wait().expect("a finished process").success());
 }

@@ -2,21 +2,21 @@
 //! exchanged. Lookup never allocates.
 
 use allocation_counter::measure;
-use ebts::agents::{Exchange, Fields, Lookup, TeamController, field_hash};
+use ebts::agents::{Exchange, FieldPolicy, Lookup, TeamController, field_hash};
 use ebts::built_in;
 use shm_bus::{Bus, FreshBus, Realtime, now_ns};
 use shm_schemas::capacity::AGENTS;
 use shm_schemas::{AgentSensors, WheelCommands, service};
 
 #[test]
-fn a_frame_costs_the_transports_one_allocation_and_no_other() {
+fn answering_a_frame_allocates_once() {
     const FRAMES: u64 = 500;
     let file = built_in::table("r3-two-agents").expect("built in");
     let [first, second] = [1, 2].map(|n| Lookup::new(&vec![file.clone(); n]));
     let bus = FreshBus::new("allocation");
     let (controllers, hosts) = (open(&bus, "controller"), open(&bus, "host"));
     let mut controller =
-        TeamController::open(&controllers, first, Fields::TheirOwn).expect("a controller");
+        TeamController::open(&controllers, first, FieldPolicy::SameField).expect("a controller");
     let publisher = hosts
         .publisher::<AgentSensors>(service::AGENT_SENSORS)
         .expect("a publisher");
@@ -56,7 +56,7 @@ fn a_frame_costs_the_transports_one_allocation_and_no_other() {
     assert_eq!(
         (allocations, kept),
         (FRAMES - 1, 0),
-        "one allocation and one release a frame"
+        "one allocation and one release per frame"
     );
     assert_eq!(
         (controller.counts().answered, hashes.len()),

@@ -7,15 +7,15 @@ use atas_core::thresholds::Thresholds;
 use ebts::ga;
 use ebts::genome::Genome;
 use ebts::grasp::course::{GENOME_BITS, families, genome, table};
+use ebts::grasp::description::{describe_row, match_modules};
 use ebts::grasp::evolve::{Evaluator, Evolved, evaluate_table, evolve};
 use ebts::grasp::rules::Rules;
 use ebts::grasp::table_file::GraspFile;
-use ebts::grasp::words::{found_again, sentence};
 use ebts::rng::SplitMix64;
 use pinch::Engine;
 
 #[test]
-fn the_reduced_law_of_f1_and_f2_is_the_controllers() {
+fn reduced_thresholds_match_the_controller() {
     let settings = Settings::default().grasp;
     for stiffness_n_m in [100.0, 412.0, 1620.0, 5000.0, 36_543.0, 1e6] {
         let law = Thresholds::for_stiffness(stiffness_n_m, &settings);
@@ -26,7 +26,7 @@ fn the_reduced_law_of_f1_and_f2_is_the_controllers() {
 }
 
 #[test]
-fn a_genome_is_a_table_and_back() {
+fn genome_round_trips_through_a_table() {
     let mut rng = SplitMix64::stream(&[5]);
     for _ in 0..20 {
         let drawn = Genome::random(GENOME_BITS, &mut rng);
@@ -42,7 +42,7 @@ fn run(seed: u64, engine: Engine) -> Evolved {
 }
 
 #[test]
-fn runs_repeat_on_every_engine_and_what_is_remembered_changes_no_point() {
+fn runs_match_on_every_engine_with_memo() {
     let families = families().expect("built in");
     let expected = run(3, Engine::fastest());
     for engine in Engine::all() {
@@ -51,17 +51,21 @@ fn runs_repeat_on_every_engine_and_what_is_remembered_changes_no_point() {
     assert_ne!(run(4, Engine::fastest()).best, expected.best);
     let (points, ..) = evaluate_table(&families, &expected.best.genome, false);
     assert_eq!(points, expected.best.points);
-    assert!(expected.rises.len() > 3, "it learns: {:?}", expected.rises);
+    assert!(
+        expected.rises.len() > 3,
+        "fitness rises: {:?}",
+        expected.rises
+    );
 }
 
 #[test]
-fn the_papers_rules_earn_most_points_and_are_found_in_themselves() {
+fn paper_rules_score_high_and_match_modules() {
     let families = families().expect("built in");
     let rules = Rules::PAPER.table();
     let (points, read, _) =
         evaluate_table(&families, &genome(&rules).expect("of the course"), false);
     assert!(points.iter().all(|points| *points > 60.0), "{points:?}");
-    let again = found_again(&rules, read);
+    let again = match_modules(&rules, read);
     for found in [
         again.module_1,
         again.module_2,
@@ -76,7 +80,7 @@ fn the_papers_rules_earn_most_points_and_are_found_in_themselves() {
     assert_eq!(again.giving_back.answered, 0);
     let row = 0b0_0111;
     let expected = "touching, above-f1, slipping: fingers close slowly, hand on slowly";
-    assert_eq!(sentence(&rules, row), expected);
+    assert_eq!(describe_row(&rules, row), expected);
     let nothing = Rules::all()
         .into_iter()
         .find(|rules| rules.name() == "nothing");
@@ -86,20 +90,20 @@ fn the_papers_rules_earn_most_points_and_are_found_in_themselves() {
 }
 
 #[test]
-fn a_file_that_was_changed_is_not_believed() {
+fn changed_grasp_file_is_rejected() {
     let families = families().expect("built in");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("table.toml");
     let rules = Rules::PAPER.table();
     let (points, ..) = evaluate_table(&families, &genome(&rules).expect("of the course"), false);
-    let file = GraspFile::of(&rules, (1, 0), false, points);
+    let file = GraspFile::new(&rules, (1, 0), false, points);
     file.write(&path).expect("written");
     assert_eq!(
         GraspFile::read(&path, &families).expect("whole"),
         (file, rules)
     );
     let text = std::fs::read_to_string(&path).expect("text");
-    assert!(GraspFile::is_one(&text) && !GraspFile::is_one("kind = \"other\""));
+    assert!(GraspFile::is_grasp_file(&text) && !GraspFile::is_grasp_file("kind = \"other\""));
     for (from, to, part) in [
         (
             "\"touching\"",
@@ -109,7 +113,7 @@ fn a_file_that_was_changed_is_not_believed() {
         (
             "rows = \"20",
             "rows = \"21",
-            "its hash is not that of its rows",
+            "its hash does not match its rows",
         ),
         ("rows = \"20", "rows = \"2", "is no row of two digits"),
         ("rows = \"20 ", "rows = \"", "has 31 rows, needs 32"),

@@ -5,17 +5,17 @@
 mod example;
 
 use ebts::evaluate::Evaluator;
-use ebts::scoring::{Fitness, Judged, Scoring};
+use ebts::scoring::{Fitness, Scoring, TrialResult};
 use ebts::table_file::{Hash, TableFile};
 use field::{FitnessRule, GOAL_POINTS, Outcome, Preset, TeamSize, Weights};
 
 #[test]
-fn the_example_evolves_the_same_table_again_and_its_file_names_the_rule() {
+fn example_is_deterministic_and_file_names_rule() {
     let file = example::evolved(1).expect("a table");
     assert_eq!(file.hash(), example::evolved(1).expect("a table").hash());
     let fitness = file.individual.fitness();
     // An object that is not moved earns about 30.
-    assert!(fitness > 100.0, "nothing was learned: {fitness}");
+    assert!(fitness > 100.0, "no improvement by evolution: {fitness}");
     let points = Evaluator::points_of(&file.condition, &file.individual.genome);
     assert_eq!(points, file.individual.points);
 
@@ -28,13 +28,13 @@ fn the_example_evolves_the_same_table_again_and_its_file_names_the_rule() {
     assert_eq!(read.individual, file.individual);
     assert_eq!(
         read.condition.fitness,
-        Scoring::Elsewhere("Quick".to_owned())
+        Scoring::Unavailable("Quick".to_owned())
     );
     assert_eq!(read.to_text(), text);
 }
 
 #[test]
-fn scorings_read_back_and_are_called_what_they_are() {
+fn scorings_round_trip_with_their_names() {
     let weights = Weights {
         delivered: 60.0,
         efficiency: 2.0,
@@ -54,7 +54,7 @@ fn scorings_read_back_and_are_called_what_they_are() {
             "{\"weighted\":{\"delivered\":60.0,\"reached\":0.0,\"accompanied\":0.0,\"each_companion\":0.0,\"accuracy\":0.0,\"efficiency\":2.0}}",
         ),
         (
-            Scoring::Elsewhere("Mine".to_owned()),
+            Scoring::Unavailable("Mine".to_owned()),
             "Mine",
             "{\"own\":\"Mine\"}",
         ),
@@ -67,11 +67,11 @@ fn scorings_read_back_and_are_called_what_they_are() {
 }
 
 #[test]
-fn points_stay_inside_their_range() {
+fn custom_points_are_clamped() {
     #[derive(Debug)]
-    struct Says(f32);
-    impl Fitness for Says {
-        fn points(&self, _: &Judged<'_>) -> f32 {
+    struct Constant(f32);
+    impl Fitness for Constant {
+        fn points(&self, _: &TrialResult<'_>) -> f32 {
             self.0
         }
         fn name(&self) -> String {
@@ -79,7 +79,7 @@ fn points_stay_inside_their_range() {
         }
     }
     let outcome = Outcome::default();
-    let trial = Judged {
+    let trial = TrialResult {
         preset: &Preset::R3,
         team: TeamSize::ALL[0],
         outcome: &outcome,
@@ -91,9 +91,9 @@ fn points_stay_inside_their_range() {
         (7.5, 7.5),
         (f32::INFINITY, GOAL_POINTS),
     ];
-    for (said, expected) in rows {
-        let own = Scoring::Own(std::sync::Arc::new(Says(said)));
-        assert_eq!(own.points(&trial), expected, "{said}");
-        assert_eq!(own.to_string(), format!("says {said}"));
+    for (message, expected) in rows {
+        let own = Scoring::Custom(std::sync::Arc::new(Constant(message)));
+        assert_eq!(own.points(&trial), expected, "{message}");
+        assert_eq!(own.to_string(), format!("says {message}"));
     }
 }

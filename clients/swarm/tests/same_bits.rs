@@ -12,7 +12,7 @@ use ebts::islands::IslandSettings;
 use ebts::rng::SplitMix64;
 use ebts::run::{Record, Run, evolve};
 use ebts::sensors::SensorOrder;
-use ebts::training::of_choice;
+use ebts::training::choice_sets;
 use ebts::workers::Workers;
 use ebts::{genome::Genome, run};
 use field::{
@@ -130,7 +130,7 @@ fn evolved(condition: &Condition, engine: Engine, mut runs: Vec<Run>) -> Vec<Rec
 }
 
 #[test]
-fn every_engine_and_any_company_give_the_same_run() {
+fn runs_match_on_every_engine_and_batch() {
     for condition in conditions() {
         let runs = || {
             (1..=3)
@@ -156,7 +156,7 @@ fn every_engine_and_any_company_give_the_same_run() {
 }
 
 #[test]
-fn an_interrupted_run_resumes_to_the_same_bits() {
+fn resumed_run_gives_the_same_bits() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("run.checkpoint");
     for condition in conditions() {
@@ -199,7 +199,7 @@ fn an_interrupted_run_resumes_to_the_same_bits() {
 /// A population so large that its trials are distributed over threads and interrupted within a
 /// generation.
 #[test]
-fn threads_and_stopping_half_way_change_no_bit() {
+fn threads_and_interruption_give_the_same_bits() {
     let condition = conditions().remove(7);
     let settings = Settings {
         population: 4000,
@@ -222,7 +222,7 @@ fn threads_and_stopping_half_way_change_no_bit() {
     assert_eq!(
         runs[0].generation(),
         Some(1),
-        "whole, as after its last generation"
+        "the state after the last complete generation"
     );
     stop.store(false, Ordering::Relaxed);
     assert!(evolve(&condition, workers, &mut runs, 2, go_on).is_continue());
@@ -232,17 +232,17 @@ fn threads_and_stopping_half_way_change_no_bit() {
 #[test]
 fn the_memo_changes_no_points() {
     for condition in conditions() {
-        let (mut rng, mut sets) = (SplitMix64::stream(&[4]), of_choice(&condition));
+        let (mut rng, mut sets) = (SplitMix64::stream(&[4]), choice_sets(&condition));
         sets.truncate(4);
         let mut evaluator = Evaluator::new(condition.clone(), Engine::fastest(), 1);
-        evaluator.try_on(0, sets.clone());
+        evaluator.set_trials(0, sets.clone());
         let rate = ebts::rng::Probability::new(0.01).expect("a probability");
         let mut genome = Genome::random(condition.genome_bits(), &mut rng);
         for _ in 0..60 {
             genome.mutate(rate, &mut rng);
             let evaluated = evaluator
                 .evaluate(vec![vec![genome.clone(); 2]])
-                .expect("nobody stops it")
+                .expect("not stopped")
                 .remove(0)
                 .remove(1);
             let tables = condition.responses(&genome);
@@ -260,7 +260,7 @@ fn the_memo_changes_no_points() {
 }
 
 #[test]
-fn fitness_only_rises_and_islands_hold_their_populations() {
+fn fitness_never_falls_and_islands_keep_size() {
     let condition = conditions().remove(1);
     let mut runs = [start(&condition, ISLANDS, 9)];
     let watch = |runs: &[Run]| {

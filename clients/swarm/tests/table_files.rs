@@ -42,7 +42,7 @@ fn table_file(sharing: Sharing) -> TableFile {
 }
 
 #[test]
-fn a_file_reads_back_whatever_its_comments_and_row_order() {
+fn file_round_trips_without_comments_and_reordered() {
     for sharing in [Sharing::Shared, Sharing::PerAgent] {
         let file = table_file(sharing);
         let text = file.to_text();
@@ -61,18 +61,18 @@ fn a_file_reads_back_whatever_its_comments_and_row_order() {
 }
 
 #[test]
-fn the_layout_is_the_one_on_record() {
+fn layout_matches_golden_file() {
     let text = table_file(Sharing::Shared).to_text();
     let golden = include_str!("golden/table.toml");
     assert_eq!(
         text, golden,
-        "if the layout changed on purpose, change its version and this record"
+        "after an intended change of the layout, change its version and this golden file"
     );
     TableFile::parse(golden, Hash::Required).expect("files of this version stay readable");
 }
 
 #[test]
-fn a_file_cut_off_anywhere_is_refused() {
+fn truncated_file_is_rejected() {
     let text = table_file(Sharing::Shared).to_text();
     let end = text.trim_end().len();
     for cut in (0..end).filter(|&cut| text.is_char_boundary(cut)) {
@@ -84,7 +84,7 @@ fn a_file_cut_off_anywhere_is_refused() {
 }
 
 #[test]
-fn damage_is_named() {
+fn errors_name_the_damage() {
     let text = table_file(Sharing::Shared).to_text();
     let row = text
         .lines()
@@ -95,7 +95,7 @@ fn damage_is_named() {
     let output = &row[row.find(' ').map_or(0, |_| 11)..16];
     let flipped = if output.starts_with("00") { "01" } else { "00" };
     let rows = [
-        (spoil("ebts-table-1", "ebts-table-2"), "format was"),
+        (spoil("ebts-table-1", "ebts-table-2"), "format is"),
         (
             spoil("agents = 2", "agents = 5"),
             "could not place 5 agents",
@@ -117,20 +117,17 @@ fn damage_is_named() {
         ),
         (
             spoil("points = [", "points = [nan, "),
-            "it is no table file",
+            "it is not a table file",
         ),
-        (spoil(&row, ""), "a table had 31 rows"),
-        (
-            spoil(&row, &row.replace("00000", "00001")),
-            "was there twice",
-        ),
+        (spoil(&row, ""), "a table has 31 rows"),
+        (spoil(&row, &row.replace("00000", "00001")), "is duplicated"),
         (
             spoil(&row, &row.replace("00000", "0000x")),
-            "was not of the form",
+            "does not have the form",
         ),
         (
             spoil(&row, &row.replace("00000", "000000")),
-            "was not of the form",
+            "does not have the form",
         ),
         (
             spoil(
@@ -141,17 +138,20 @@ fn damage_is_named() {
                     1,
                 ),
             ),
-            "integrity.sha256 was",
+            "integrity.sha256 is",
         ),
-        (spoil("seed = 7", "seed = 8"), "integrity.sha256 was"),
-        (spoil("seed = 7", "seed = -7"), "it is no table file"),
-        (spoil("sha256 = \"", "sha256 = \"0"), "integrity.sha256 was"),
+        (spoil("seed = 7", "seed = 8"), "integrity.sha256 is"),
+        (spoil("seed = 7", "seed = -7"), "it is not a table file"),
+        (spoil("sha256 = \"", "sha256 = \"0"), "integrity.sha256 is"),
         (spoil("[integrity]", "[integrityx]"), "unknown field"),
-        (String::new(), "it is no table file"),
-        ("\u{0}\u{1}garbage".to_owned(), "it is no table file"),
+        (String::new(), "it is not a table file"),
+        ("\u{0}\u{1}garbage".to_owned(), "it is not a table file"),
     ];
     for (text, expected) in rows {
         let why = TableFile::parse(&text, Hash::Required).expect_err(expected);
-        assert!(why.contains(expected), "{why:?} does not say {expected:?}");
+        assert!(
+            why.contains(expected),
+            "{why:?} does not contain {expected:?}"
+        );
     }
 }

@@ -11,7 +11,7 @@
 
 use crate::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
 use crate::modules::{Finding, PoseCommand, Proposal, Verdict};
-use robot_model::VIRTUAL_FINGERS;
+use robot_model::GRASP_SIDES;
 
 /// Merged command for one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Intent {
     /// Target pose; `None` keeps the current one.
     pub pose: Option<PoseCommand>,
     /// Closing speed per grasp side, m/s, negative opens; ignored while the path moves the fingers.
-    pub closing_m_s: [f64; VIRTUAL_FINGERS],
+    pub closing_m_s: [f64; GRASP_SIDES],
     /// Highest-ranked verdict.
     pub verdict: Verdict,
     /// Union of all findings.
@@ -31,14 +31,14 @@ pub struct Intent {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arbiter {
-    closing_m_s: [f64; VIRTUAL_FINGERS],
+    closing_m_s: [f64; GRASP_SIDES],
     carry_scale: f64,
 }
 
 impl Default for Arbiter {
     fn default() -> Self {
         Self {
-            closing_m_s: [0.0; VIRTUAL_FINGERS],
+            closing_m_s: [0.0; GRASP_SIDES],
             carry_scale: 1.0,
         }
     }
@@ -46,8 +46,21 @@ impl Default for Arbiter {
 
 impl Arbiter {
     /// Merges the proposals of one tick.
+    ///
+    /// ```
+    /// use atas_core::arbitration::Arbiter;
+    /// use atas_core::modules::Proposal;
+    ///
+    /// // Both modules are active: the higher closing speed counts, in any order.
+    /// let gentle = Proposal { active: true, closing_m_s: [0.001; 2], ..Proposal::default() };
+    /// let firm = Proposal { active: true, closing_m_s: [0.003; 2], ..Proposal::default() };
+    /// let mut arbiters = [Arbiter::default(), Arbiter::default()];
+    /// let one = arbiters[0].merge(&[gentle, firm], 1e-3);
+    /// let other = arbiters[1].merge(&[firm, gentle], 1e-3);
+    /// assert_eq!(one, other);
+    /// ```
     pub fn merge(&mut self, proposals: &[Proposal], step_s: f64) -> Intent {
-        for finger in 0..VIRTUAL_FINGERS {
+        for finger in 0..GRASP_SIDES {
             let wishes = || proposals.iter().map(|p| p.closing_m_s[finger]);
             let closing = highest(wishes(), 0.0);
             let wanted = if closing > 0.0 {
@@ -67,11 +80,11 @@ impl Arbiter {
         Intent {
             pose: proposals.iter().find_map(|p| p.pose),
             closing_m_s: self.closing_m_s,
-            verdict: weightiest(proposals),
+            verdict: highest_ranked(proposals),
             finding: Finding {
-                slides: proposals.iter().any(|p| p.finding.slides),
-                hangs: proposals.iter().any(|p| p.finding.hangs),
-                tries: proposals.iter().any(|p| p.finding.tries),
+                slips: proposals.iter().any(|p| p.finding.slips),
+                suspended: proposals.iter().any(|p| p.finding.suspended),
+                minimises_grip: proposals.iter().any(|p| p.finding.minimises_grip),
             },
         }
     }
@@ -84,19 +97,19 @@ impl Arbiter {
 
     /// Returns the merged closing speed per grasp side, m/s.
     #[must_use]
-    pub fn closing_m_s(&self) -> [f64; VIRTUAL_FINGERS] {
+    pub fn closing_m_s(&self) -> [f64; GRASP_SIDES] {
         self.closing_m_s
     }
 
     /// Resets for a new task: no closing, full hand speed, because its path starts at rest.
-    pub fn rest(&mut self) {
+    pub fn reset(&mut self) {
         *self = Self::default();
     }
 
     /// Resets after a stop on the way: the hand accelerates from rest.
-    pub fn halt(&mut self) {
+    pub fn stop(&mut self) {
         *self = Self {
-            closing_m_s: [0.0; VIRTUAL_FINGERS],
+            closing_m_s: [0.0; GRASP_SIDES],
             carry_scale: 0.0,
         };
     }
@@ -127,10 +140,10 @@ fn lowest(values: impl Iterator<Item = f64>, start: f64) -> f64 {
     values.fold(start, |best, v| if v < best { v } else { best })
 }
 
-fn weightiest(proposals: &[Proposal]) -> Verdict {
+fn highest_ranked(proposals: &[Proposal]) -> Verdict {
     let mut weightiest = Verdict::None;
     for proposal in proposals {
-        let rank = |verdict| (weight(verdict), content(verdict));
+        let rank = |verdict| (weight(verdict), tie_breaker(verdict));
         if rank(&proposal.verdict) > rank(&weightiest) {
             weightiest = proposal.verdict;
         }
@@ -139,7 +152,7 @@ fn weightiest(proposals: &[Proposal]) -> Verdict {
 }
 
 /// Tie-breaker between verdicts of equal weight, so that order has no effect.
-fn content(verdict: &Verdict) -> [u64; 5] {
+fn tie_breaker(verdict: &Verdict) -> [u64; 5] {
     match verdict {
         Verdict::None | Verdict::Done => [0; 5],
         Verdict::Stiffness(fit) => [fit.confidence.to_bits(), fit.object_n_m.to_bits(), 0, 0, 0],

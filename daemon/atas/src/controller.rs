@@ -3,22 +3,22 @@
 mod goals;
 mod modes;
 
-use crate::check::Circumstances;
-use crate::follow::TargetIntake;
+use crate::check::GoalContext;
 use crate::goal::ActiveGoal;
 use crate::hand::HandControl;
-use crate::io::{Events, Inputs, Order, Outputs};
+use crate::io::{Events, Inputs, OperatorRequest, Outputs};
 use crate::joints::JointIntake;
 use crate::limits::PRELOAD_MAX_RAD;
 use crate::mode::ModeMachine;
 use crate::safety::{Gate, GateContext, SafeCommand};
+use crate::sensor_setup::SensorSetup;
 use crate::settings::{PARAMETERS, Settings};
 use crate::tasks::Task;
-use crate::tick::{Stage, StallWatch, Tick};
-use crate::wiring::Wiring;
+use crate::teleop::TargetIntake;
+use crate::tick::{Stage, StallDetector, Tick};
 
 use core::ops::Range;
-use robot_model::{HandVector, RobotModel, RobotVector, Side};
+use robot_model::{HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
     Cause, EventKind, Hand, HandStatus, JointCommand, JointStatus, Mode, ModuleEvent, Reason,
@@ -33,7 +33,7 @@ use shm_schemas::{
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Controller {
     settings: Settings,
-    wiring: Wiring,
+    sensors: SensorSetup,
     hands: [HandControl; HANDS],
     joints: JointIntake,
     mode: ModeMachine,
@@ -42,27 +42,27 @@ pub struct Controller {
     last_goal: Option<ActiveGoal>,
     targets: TargetIntake,
     tick: Tick,
-    stall_watch: StallWatch,
+    stall_detector: StallDetector,
     stall: Reason,
-    told_to_hold: Reason,
+    requested_hold: Reason,
     step_s: f64,
     /// Set by synchronisation: a hand that presses may already hold an object.
-    looks_for_grip: bool,
+    checks_for_grip: bool,
     /// Refusal of the gate in the previous tick, if it requires HOLD.
-    refused: Reason,
+    gate_refusal: Reason,
     /// Last warning, so that a lasting cause is reported once.
-    warned: Cause,
+    last_warning: Cause,
     outputs: Outputs,
 }
 
 impl Controller {
     /// Creates a controller for this robot. `settings` must have passed [`Settings::check`].
     #[must_use]
-    pub fn new(robot: &RobotModel, wiring: Wiring, settings: Settings) -> Self {
+    pub fn new(robot: &RobotModel, wiring: SensorSetup, settings: Settings) -> Self {
         let hand =
-            |side: Side| HandControl::new(Hand::BOTH[side.index()], *robot.hand(side), &wiring);
+            |side: HandSide| HandControl::new(Hand::BOTH[side.index()], *robot.hand(side), &wiring);
         Self {
-            hands: [hand(Side::Left), hand(Side::Right)],
+            hands: [hand(HandSide::Left), hand(HandSide::Right)],
             joints: JointIntake::new(robot, wiring.joints_required),
             mode: ModeMachine::default(),
             gate: Gate::new(robot, wiring.writer_epoch),
@@ -70,14 +70,14 @@ impl Controller {
             last_goal: None,
             targets: TargetIntake::new(robot),
             tick: Tick::default(),
-            stall_watch: StallWatch::new(wiring.tick_s),
+            stall_detector: StallDetector::new(wiring.tick_s),
             stall: Reason::default(),
-            told_to_hold: Reason::default(),
+            requested_hold: Reason::default(),
             // One period per tick: a late tick causes no jump, a missed one is not made up.
             step_s: wiring.tick_s,
-            looks_for_grip: false,
-            refused: Reason::default(),
-            warned: Cause::NONE,
+            checks_for_grip: false,
+            gate_refusal: Reason::default(),
+            last_warning: Cause::NONE,
             outputs: Outputs {
                 command: JointCommand::default(),
                 report: TickReport::default(),
@@ -85,7 +85,7 @@ impl Controller {
                 events: Events::default(),
             },
             settings,
-            wiring,
+            sensors: wiring,
         }
     }
 
@@ -95,28 +95,35 @@ impl Controller {
     }
 
     /// Runs [`Controller::step`] and calls `passed` after each stage, for timing by the caller.
-    pub fn step_timed(&mut self, inputs: &Inputs<'_>, mut passed: impl FnMut(Stage)) -> &Outputs {
+    pub fn step_timed(
+        &mut self,
+        inputs: &Inputs<'_>,
+        mut on_stage_end: impl FnMut(Stage),
+    ) -> &Outputs {
         self.begin(inputs.tick);
         self.joints
-            .take(inputs.joints, self.tick, &self.settings.intake);
-        self.apply(inputs.order);
-        self.listen(inputs.targets);
-        passed(Stage::Intake);
+            .update(inputs.joints, self.tick, &self.settings.intake);
+        self.handle_request(inputs.request);
+        self.receive_targets(inputs.targets);
+        on_stage_end(Stage::Intake);
         for (hand, frames) in self.hands.iter_mut().zip(inputs.frames) {
             hand.update(frames, self.tick, &self.settings, &mut self.outputs.events);
         }
-        passed(Stage::Perception);
+        on_stage_end(Stage::Perception);
         self.update_mode();
-        if self.stall_watch.outlasts(self.settings.safety.valid_s) {
+        if self
+            .stall_detector
+            .command_expired(self.settings.safety.valid_s)
+        {
             self.hands.iter_mut().for_each(HandControl::halt);
         }
         if self.mode.mode() == Mode::RUN {
-            self.pursue();
+            self.execute_tasks();
         }
-        passed(Stage::Modules);
+        on_stage_end(Stage::Modules);
         let moves = self.mode.mode() == Mode::RUN;
-        let raw = core::array::from_fn(|hand| self.hands[hand].follow(moves, self.step_s));
-        passed(Stage::Kinematics);
+        let raw = core::array::from_fn(|hand| self.hands[hand].command(moves, self.step_s));
+        on_stage_end(Stage::Kinematics);
         let safe = self.gate.pass(
             &raw,
             &core::array::from_fn(|hand| self.hands[hand].grip()),
@@ -126,12 +133,12 @@ impl Controller {
                 mode: self.mode.mode(),
                 measured_rad: self.joints.fresh_rad(self.tick, &self.settings.intake),
                 joint_sequence: self.joints.sequence(),
-                grip_limit_n: core::array::from_fn(|hand| self.hands[hand].limit_n()),
+                grip_limit_n: core::array::from_fn(|hand| self.hands[hand].force_limit_n()),
                 settings: &self.settings.safety,
             },
         );
-        self.settle(&safe);
-        passed(Stage::Safety);
+        self.apply_gate_result(&safe);
+        on_stage_end(Stage::Safety);
         self.report();
         &self.outputs
     }
@@ -144,24 +151,23 @@ impl Controller {
 
     /// Returns the context of a goal check.
     #[must_use]
-    pub fn circumstances<'a>(
-        &'a self,
-        robot: &'a RobotModel,
-        tasks: &'a [Task],
-    ) -> Circumstances<'a> {
-        Circumstances {
+    pub fn goal_context<'a>(&'a self, robot: &'a RobotModel, tasks: &'a [Task]) -> GoalContext<'a> {
+        GoalContext {
             robot,
-            wiring: &self.wiring,
+            wiring: &self.sensors,
             settings: &self.settings,
             tasks,
-            commanded_rad: self.gate.is_anchored().then(|| self.gate.position_rad()),
+            commanded_rad: self
+                .gate
+                .is_synchronised()
+                .then(|| self.gate.position_rad()),
         }
     }
 
     /// Returns the sensor set-up.
     #[must_use]
-    pub fn wiring(&self) -> &Wiring {
-        &self.wiring
+    pub fn sensors(&self) -> &SensorSetup {
+        &self.sensors
     }
 
     /// Returns the mode and its reason.
@@ -182,14 +188,14 @@ impl Controller {
     pub fn step_name(&self) -> &str {
         let of_goal = self
             .goal()
-            .and_then(|g| self.hands[g.side.index()].runner());
-        let runner = of_goal.or_else(|| self.hands.iter().find_map(HandControl::runner));
+            .and_then(|g| self.hands[g.side.index()].executor());
+        let runner = of_goal.or_else(|| self.hands.iter().find_map(HandControl::executor));
         runner.map_or("", |r| r.step().name.as_str())
     }
 
     /// Returns counts and readings of one hand.
     #[must_use]
-    pub fn hand_status(&self, side: Side) -> HandStatus {
+    pub fn hand_status(&self, side: HandSide) -> HandStatus {
         self.hands[side.index()].status(self.tick)
     }
 
@@ -200,25 +206,31 @@ impl Controller {
     }
 
     fn begin(&mut self, tick: Tick) {
-        self.stall = self.stall_watch.begin(tick, self.settings.safety.stall_s);
+        self.stall = self
+            .stall_detector
+            .begin(tick, self.settings.safety.stall_s);
         self.tick = tick;
-        self.told_to_hold = Reason::default();
+        self.requested_hold = Reason::default();
         self.outputs.events.begin(tick);
         self.outputs.goal_update = None;
     }
 
-    fn apply(&mut self, order: Option<&Order>) {
-        match order {
+    fn handle_request(&mut self, request: Option<&OperatorRequest>) {
+        match request {
             None => {}
-            Some(Order::Start(goal)) => self.start(goal),
-            Some(Order::Cancel { goal_id }) => self.end_if(*goal_id, false, Cause::CANCELLED),
-            Some(Order::ClientGone { goal_id }) => self.end_if(*goal_id, true, Cause::CLIENT_GONE),
-            Some(Order::Stop(reason)) => self.stop(*reason),
-            Some(Order::Hold(reason)) => self.told_to_hold = *reason,
-            Some(Order::Recover) => self.recover(),
-            Some(Order::SetParameter { index, value }) => match PARAMETERS.get(*index) {
-                Some(parameter) if parameter.is_safety() && !self.stands() => {
-                    self.warn(Reason::of(Cause::NOT_NOW));
+            Some(OperatorRequest::Start(goal)) => self.start(goal),
+            Some(OperatorRequest::Cancel { goal_id }) => {
+                self.end_goal(*goal_id, false, Cause::CANCELLED)
+            }
+            Some(OperatorRequest::ClientDisconnected { goal_id }) => {
+                self.end_goal(*goal_id, true, Cause::CLIENT_GONE)
+            }
+            Some(OperatorRequest::Stop(reason)) => self.stop(*reason),
+            Some(OperatorRequest::Hold(reason)) => self.requested_hold = *reason,
+            Some(OperatorRequest::Recover) => self.recover(),
+            Some(OperatorRequest::SetParameter { index, value }) => match PARAMETERS.get(*index) {
+                Some(parameter) if parameter.is_safety() && !self.is_motion_disabled() => {
+                    self.warn(Reason::new(Cause::NOT_NOW));
                 }
                 Some(parameter) => {
                     // The supervisor checked the value; an invalid one has no effect.
@@ -226,12 +238,12 @@ impl Controller {
                 }
                 None => {}
             },
-            Some(Order::Configure(settings)) => self.settings = *settings,
-            Some(Order::Bias { hand }) => {
+            Some(OperatorRequest::Configure(settings)) => self.settings = *settings,
+            Some(OperatorRequest::Bias { hand }) => {
                 let is_ready = self.mode.mode() == Mode::READY;
                 match self.hands.get_mut(*hand) {
                     Some(hand) if is_ready && !hand.is_busy() => hand.bias(),
-                    _ => self.warn(Reason::of(Cause::NOT_NOW)),
+                    _ => self.warn(Reason::new(Cause::NOT_NOW)),
                 }
             }
         }
@@ -239,21 +251,24 @@ impl Controller {
 
     /// Synchronises gate and hands to the commanded joint positions; their offset from the measured
     /// ones is the grip.
-    fn anchor(&mut self, measured_rad: &RobotVector) {
-        let anchor_rad = self.anchor_rad(measured_rad);
-        self.gate.anchor(&anchor_rad);
+    fn synchronise(&mut self, measured_rad: &RobotVector) {
+        let anchor_rad = self.start_position_rad(measured_rad);
+        self.gate.synchronise(&anchor_rad);
         let ranges = self.joint_ranges();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
-            hand.abandon();
-            hand.anchor(HandVector::from_slice(&self.gate.position_rad()[range]));
+            hand.abort_task();
+            hand.synchronise(HandVector::from_slice(&self.gate.position_rad()[range]));
         }
-        self.looks_for_grip = true;
+        self.checks_for_grip = true;
     }
 
     /// Returns the last command, as reported by the robot or stored in the gate; measured positions
     /// for limbs that do not track it.
-    fn anchor_rad(&self, measured_rad: &RobotVector) -> RobotVector {
-        let remembered_rad = self.gate.is_anchored().then(|| self.gate.position_rad());
+    fn start_position_rad(&self, measured_rad: &RobotVector) -> RobotVector {
+        let remembered_rad = self
+            .gate
+            .is_synchronised()
+            .then(|| self.gate.position_rad());
         let Some(last_rad) = self.joints.commanded_rad().or(remembered_rad) else {
             return *measured_rad;
         };
@@ -282,25 +297,25 @@ impl Controller {
         [0..left, left..left + right]
     }
 
-    fn settle(&mut self, safe: &SafeCommand) {
+    fn apply_gate_result(&mut self, safe: &SafeCommand) {
         self.outputs.command = *safe.command();
         let ranges = self.joint_ranges();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
-            hand.adopt(HandVector::from_slice(&self.gate.wanted_rad()[range]));
+            hand.adopt(HandVector::from_slice(&self.gate.requested_rad()[range]));
         }
-        let finding = self.gate.finding();
-        self.refused = Reason::default();
+        let finding = self.gate.refusal();
+        self.gate_refusal = Reason::default();
         match finding.cause {
             Cause::NONE => {}
             Cause::FOLLOWING_ERROR => self.stop(finding),
-            Cause::COMMAND_NOT_FINITE | Cause::COMMAND_STEP => self.refused = finding,
-            cause if cause == self.warned => {}
+            Cause::COMMAND_NOT_FINITE | Cause::COMMAND_STEP => self.gate_refusal = finding,
+            cause if cause == self.last_warning => {}
             _ => self.warn(finding),
         }
-        self.warned = finding.cause;
+        self.last_warning = finding.cause;
     }
 
-    fn stands(&self) -> bool {
+    fn is_motion_disabled(&self) -> bool {
         matches!(self.mode.mode(), Mode::INIT | Mode::SAFE_STOP)
     }
 

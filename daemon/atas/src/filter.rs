@@ -11,7 +11,7 @@ mod tests {
     use super::low_pass;
 
     #[test]
-    fn a_step_is_followed_by_its_share_and_never_beyond() {
+    fn low_pass_approaches_the_input_without_overshoot() {
         for (before, now, step_s, filter_s, expected) in [
             (0.0, 1.0, 1.0, 1.0, 0.5),
             (2.0, 1.0, 1.0, 3.0, 1.75),

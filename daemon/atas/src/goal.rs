@@ -3,18 +3,18 @@
 //! A [`GoalRequest`] is unchecked. A [`Goal`] has a valid hand, policy and turn, and a copy of its
 //! task, so that configuration changes do not affect it and it can be recorded.
 
-use crate::tasks::{self, Demands, Task};
-use robot_model::Side;
+use crate::tasks::{self, Task, TaskRequirements};
+use robot_model::HandSide;
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Reason};
 
 /// Goal that can be started.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
     request: GoalRequest,
-    side: Side,
+    side: HandSide,
     task: Task,
-    demands: Demands,
-    spare_m: f64,
+    requirements: TaskRequirements,
+    clearance_margin_m: f64,
 }
 
 impl Goal {
@@ -23,17 +23,26 @@ impl Goal {
     ///
     /// # Errors
     /// The [`Reason`] for the refusal.
+    ///
+    /// ```
+    /// use atas_core::Goal;
+    /// use shm_schemas::{GoalKind, GoalRequest};
+    ///
+    /// let request = GoalRequest { kind: GoalKind::GRASP, ..GoalRequest::default() };
+    /// assert_eq!(Goal::resolve(&request, &[])?.task().name.as_str(), "grasp");
+    /// # Ok::<(), shm_schemas::Reason>(())
+    /// ```
     pub fn resolve(request: &GoalRequest, own: &[Task]) -> Result<Self, Reason> {
         let unknown = |index: usize, code: u32| {
-            Reason::limit(Cause::UNKNOWN_GOAL, f64::from(code), 0.0).about(index)
+            Reason::with_limit(Cause::UNKNOWN_GOAL, f64::from(code), 0.0).with_index(index)
         };
         let task = match request.kind {
             GoalKind::CUSTOM => own
                 .iter()
                 .find(|task| task.name == request.task.as_str())
-                .or_else(|| tasks::named(request.task.as_str()))
-                .ok_or(Reason::of(Cause::UNKNOWN_TASK))?,
-            kind => tasks::of(kind).ok_or(unknown(0, kind.0))?,
+                .or_else(|| tasks::by_name(request.task.as_str()))
+                .ok_or(Reason::new(Cause::UNKNOWN_TASK))?,
+            kind => tasks::for_kind(kind).ok_or(unknown(0, kind.0))?,
         };
         if !request.policy.is_known() {
             return Err(unknown(2, request.policy.0));
@@ -42,30 +51,33 @@ impl Goal {
             return Err(unknown(3, request.turn.0));
         }
         let hand = request.hand.index().ok_or(unknown(1, request.hand.0))?;
-        Ok(Self::of(*request, Side::BOTH[hand], *task))
+        Ok(Self::new(*request, HandSide::BOTH[hand], *task))
     }
 
-    pub(crate) fn of(request: GoalRequest, side: Side, task: Task) -> Self {
+    pub(crate) fn new(request: GoalRequest, side: HandSide, task: Task) -> Self {
         Self {
             request,
             side,
-            demands: task.demands(),
+            requirements: task.requirements(),
             task,
-            spare_m: 0.0,
+            clearance_margin_m: 0.0,
         }
     }
 
     /// Sets the clearance margin of the path check, m.
     #[must_use]
-    pub(crate) fn with_spare(self, spare_m: f64) -> Self {
-        Self { spare_m, ..self }
+    pub(crate) fn with_clearance_margin(self, clearance_margin_m: f64) -> Self {
+        Self {
+            clearance_margin_m,
+            ..self
+        }
     }
 
     /// Returns the lateral offset from the given grasp position within which the arms keep their
     /// clearance, m. Zero before the path check.
     #[must_use]
-    pub fn spare_m(&self) -> f64 {
-        self.spare_m
+    pub fn clearance_margin_m(&self) -> f64 {
+        self.clearance_margin_m
     }
 
     /// Returns the client's request.
@@ -76,7 +88,7 @@ impl Goal {
 
     /// Returns the acting hand.
     #[must_use]
-    pub fn side(&self) -> Side {
+    pub fn side(&self) -> HandSide {
         self.side
     }
 
@@ -88,15 +100,15 @@ impl Goal {
 
     /// Returns the task's requirements.
     #[must_use]
-    pub fn demands(&self) -> Demands {
-        self.demands
+    pub fn requirements(&self) -> TaskRequirements {
+        self.requirements
     }
 
     /// Returns the object's final position, m, and closing yaw, rad.
     #[must_use]
     pub fn destination(&self) -> ([f64; 3], f64) {
         let request = &self.request;
-        if self.demands.visits_target {
+        if self.requirements.visits_target {
             (request.to_m, request.to_yaw_rad)
         } else {
             (request.from_m, request.from_yaw_rad)
@@ -121,8 +133,8 @@ pub struct ActiveGoal {
     /// Request of the client.
     pub request: GoalRequest,
     /// Acting hand.
-    pub side: Side,
-    /// Whether the other hand takes part.
+    pub side: HandSide,
+    /// True if the other hand takes part.
     pub both_hands: bool,
     /// Current state.
     pub state: GoalState,
@@ -139,7 +151,7 @@ impl ActiveGoal {
         Self {
             request: goal.request,
             side: goal.side,
-            both_hands: goal.demands.both_hands,
+            both_hands: goal.requirements.both_hands,
             state: GoalState::ACCEPTED,
             reason: Reason::default(),
             paused_s: 0.0,
@@ -148,7 +160,7 @@ impl ActiveGoal {
 
     /// Returns whether this hand takes part.
     #[must_use]
-    pub fn involves(&self, side: Side) -> bool {
+    pub fn involves(&self, side: HandSide) -> bool {
         side == self.side || self.both_hands
     }
 

@@ -20,16 +20,16 @@ pub struct Inputs<'a> {
     /// Unchecked new teleoperation targets, oldest first.
     pub targets: &'a [GraspTarget],
     /// Request of the supervisor, if any.
-    pub order: Option<&'a Order>,
+    pub request: Option<&'a OperatorRequest>,
 }
 
 /// Request of the supervisor; at most one per tick, so that the order of effects is defined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(
     clippy::large_enum_variant,
-    reason = "an order travels by value to a loop that must not touch the heap"
+    reason = "a request is passed by value to a real-time loop that must not allocate"
 )]
-pub enum Order {
+pub enum OperatorRequest {
     /// Start a goal.
     Start(Goal),
     /// End a goal at its client's request.
@@ -38,7 +38,7 @@ pub enum Order {
         goal_id: u64,
     },
     /// Report a disconnected client; its goal fails if attached.
-    ClientGone {
+    ClientDisconnected {
         /// Goal id.
         goal_id: u64,
     },

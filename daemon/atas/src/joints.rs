@@ -17,8 +17,8 @@ pub struct JointIntake {
     required: bool,
     newest: Option<Newest>,
     /// Newest sequence number, valid or not; lock-step waits for it.
-    seen_sequence: u64,
-    /// Whether this tick's state comes from a new process.
+    latest_sequence: u64,
+    /// True if this tick's state comes from a new process.
     restarted: bool,
     fault: Reason,
     status: JointStatus,
@@ -46,7 +46,7 @@ impl JointIntake {
             joint_count: robot.joint_count(),
             required,
             newest: None,
-            seen_sequence: 0,
+            latest_sequence: 0,
             restarted: false,
             fault: Reason::default(),
             status: JointStatus::default(),
@@ -54,11 +54,11 @@ impl JointIntake {
     }
 
     /// Processes a new state, if any.
-    pub fn take(&mut self, state: Option<&JointState>, tick: Tick, limits: &Limits) {
+    pub fn update(&mut self, state: Option<&JointState>, tick: Tick, limits: &Limits) {
         self.fault = Reason::default();
         self.restarted = false;
         let Some(state) = state else { return };
-        self.seen_sequence = state.stamp.sequence;
+        self.latest_sequence = state.stamp.sequence;
         match self.admit(state, tick, limits) {
             Ok(lost) => {
                 self.status.states += 1;
@@ -72,9 +72,9 @@ impl JointIntake {
                     captured_ns: state.stamp.captured_ns,
                     received_ns: tick.now_ns,
                     position_rad,
-                    commanded_rad: self.commanded_of(state),
+                    commanded_rad: self.valid_commanded_rad(state),
                     grip_limit_n: state.grip_limit_n,
-                    effort_n_m: self.effort_of(state),
+                    effort_n_m: self.valid_effort_n_m(state),
                 });
             }
             Err(fault) => {
@@ -127,19 +127,19 @@ impl JointIntake {
         &self.joints[..self.joint_count]
     }
 
-    fn commanded_of(&self, state: &JointState) -> Option<RobotVector> {
-        let told_rad = &state.commanded_rad[..self.joint_count];
+    fn valid_commanded_rad(&self, state: &JointState) -> Option<RobotVector> {
+        let reported_rad = &state.commanded_rad[..self.joint_count];
         // The comparisons are false for NaN.
         let within =
             |(joint, q_rad): (&Joint, &f64)| *q_rad >= joint.lower_rad && *q_rad <= joint.upper_rad;
         let believable = state.commanded_count as usize == self.joint_count
             && state.command_epoch != 0
-            && self.joints().iter().zip(told_rad).all(within);
-        believable.then(|| RobotVector::from_slice(told_rad))
+            && self.joints().iter().zip(reported_rad).all(within);
+        believable.then(|| RobotVector::from_slice(reported_rad))
     }
 
     /// A robot without torque measurement reports zeros.
-    fn effort_of(&self, state: &JointState) -> Option<RobotVector> {
+    fn valid_effort_n_m(&self, state: &JointState) -> Option<RobotVector> {
         let told_n_m = &state.effort_n_m[..self.joint_count];
         let believable = told_n_m.iter().all(|effort| effort.is_finite());
         let measured = told_n_m.iter().any(|effort| *effort != 0.0);
@@ -149,7 +149,7 @@ impl JointIntake {
     /// Returns the newest sequence number, valid or not.
     #[must_use]
     pub fn sequence(&self) -> u64 {
-        self.seen_sequence
+        self.latest_sequence
     }
 
     /// Returns the reason for SAFE_STOP: invalid feedback.
@@ -168,7 +168,7 @@ impl JointIntake {
             seconds_between(n.captured_ns, tick.now_ns)
         });
         if age_s > limits.hold_age_s {
-            Reason::limit(Cause::JOINTS_STOPPED, age_s * 1e9, limits.hold_age_s * 1e9)
+            Reason::with_limit(Cause::JOINTS_STOPPED, age_s * 1e9, limits.hold_age_s * 1e9)
         } else {
             Reason::default()
         }
@@ -193,7 +193,7 @@ impl JointIntake {
             return Err(Reason::default());
         }
         if state.joint_count as usize != self.joint_count {
-            return Err(Reason::limit(
+            return Err(Reason::with_limit(
                 Cause::JOINTS_INVALID,
                 f64::from(state.joint_count),
                 self.joint_count as f64,
@@ -212,8 +212,8 @@ impl JointIntake {
             .position(|j| !believable(j))
         {
             let last_rad = self.newest.map_or(0.0, |n| n.position_rad[joint]);
-            let reason = Reason::limit(Cause::JOINTS_INVALID, positions_rad[joint], last_rad);
-            return Err(reason.about(joint));
+            let reason = Reason::with_limit(Cause::JOINTS_INVALID, positions_rad[joint], last_rad);
+            return Err(reason.with_index(joint));
         }
         let age_s = seconds_between(state.stamp.captured_ns, tick.now_ns);
         if age_s > limits.reject_age_s || -age_s > limits.future_s {
@@ -248,7 +248,9 @@ impl JointIntake {
             let allowed_rad =
                 FEEDBACK_JUMP_FACTOR * self.joints[joint].velocity_max_rad_s * elapsed_s;
             if (now_rad - last_rad).abs() > allowed_rad {
-                return Err(Reason::limit(Cause::JOINTS_INVALID, now_rad, last_rad).about(joint));
+                return Err(
+                    Reason::with_limit(Cause::JOINTS_INVALID, now_rad, last_rad).with_index(joint)
+                );
             }
         }
         Ok(())

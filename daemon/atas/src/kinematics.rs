@@ -10,22 +10,22 @@ use crate::limits::{
     COMPLIANCE_FILTER_S, COMPLIANCE_MAX_M, SECONDARY_BUILD_UP_S, SECONDARY_STEP_S,
     SECONDARY_STEPS_MAX,
 };
+use crate::load_sharing::LoadSharing;
 use crate::perception::Percept;
-use crate::sharing::Sharing;
 use nalgebra::{Vector2, Vector3};
 use robot_model::{
-    FINGERS_MAX, GraspFrame, HandJacobian, HandModel, HandPose, HandVector, IkStatus, IkWeights,
-    VIRTUAL_FINGERS,
+    FINGERTIPS_MAX, GRASP_SIDES, GraspPose, HandJacobian, HandModel, HandPose, HandVector,
+    IkStatus, IkWeights,
 };
 
 /// Largest lead of a side's commanded over its actual opening, m. Derivation: ten times the lag at
 /// 2 mm/s closing and 50 mm/s transport.
-const AHEAD_MAX_M: f64 = 0.0005;
+const OPENING_LEAD_MAX_M: f64 = 0.0005;
 
 /// Largest lead of the commanded over the actual shift between the sides, m. Design choice:
-/// slightly above half of `AHEAD_MAX_M`, so that one blocked side does not count as a hand
+/// slightly above half of `OPENING_LEAD_MAX_M`, so that one blocked side does not count as a hand
 /// that cannot shift.
-const SHIFT_AHEAD_MAX_M: f64 = 0.0003;
+const SHIFT_LEAD_MAX_M: f64 = 0.0003;
 
 /// Joint positions from kinematics, before the safety gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,20 +33,20 @@ pub struct HandCommand {
     /// Requested positions, rad; unchecked.
     pub(crate) q_rad: HandVector,
     /// Closing speed per grasp side, m/s: maximum of the requested speed and that of the joints.
-    pub(crate) closing_m_s: [f64; VIRTUAL_FINGERS],
+    pub(crate) closing_m_s: [f64; GRASP_SIDES],
 }
 
 impl HandCommand {
     /// Creates a command from requested positions, rad, and closing speed per grasp side, m/s.
     #[must_use]
-    pub fn new(q_rad: HandVector, closing_m_s: [f64; VIRTUAL_FINGERS]) -> Self {
+    pub fn new(q_rad: HandVector, closing_m_s: [f64; GRASP_SIDES]) -> Self {
         Self { q_rad, closing_m_s }
     }
 
     /// Returns the closing speed per grasp side, m/s; negative only if request and joint motion
     /// both open.
     #[must_use]
-    pub fn closing_m_s(&self) -> [f64; VIRTUAL_FINGERS] {
+    pub fn closing_m_s(&self) -> [f64; GRASP_SIDES] {
         self.closing_m_s
     }
 }
@@ -55,26 +55,26 @@ impl HandCommand {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandServo {
-    frame: GraspFrame,
+    pose: GraspPose,
     q_rad: HandVector,
     /// Low-passed mean grip force of the sides, N.
-    squeeze_n: f64,
+    grip_force_n: f64,
     /// Share of the secondary gain since synchronisation, 0 to 1.
     secondary: f64,
-    sharing: Sharing,
+    load_sharing: LoadSharing,
 }
 
 impl HandServo {
     /// Creates a servo at these joint positions, rad.
     #[must_use]
-    pub fn at(hand: &HandModel, q_rad: HandVector) -> Self {
+    pub fn new(hand: &HandModel, q_rad: HandVector) -> Self {
         let pose = hand.forward(&q_rad);
-        let frame = frame_of(hand, &pose);
+        let frame = grasp_pose(hand, &pose);
         Self {
-            sharing: Sharing::at(hand, &pose, &frame),
-            frame,
+            load_sharing: LoadSharing::new(hand, &pose, &frame),
+            pose: frame,
             q_rad,
-            squeeze_n: 0.0,
+            grip_force_n: 0.0,
             secondary: 0.0,
         }
     }
@@ -82,21 +82,21 @@ impl HandServo {
     /// Returns the closing travel that brought every fingertip into contact, m; it adds no grip
     /// force.
     #[must_use]
-    pub fn looked_m(&self) -> f64 {
-        self.sharing.looked_m()
+    pub fn contact_search_m(&self) -> f64 {
+        self.load_sharing.contact_search_m()
     }
 
     /// Returns the present closing axis, base frame, unit length, including the wrist's rotation
     /// for the fingertips.
     #[must_use]
     pub fn closing_axis(&self, hand: &HandModel) -> Vector3<f64> {
-        self.frame.as_done_by(hand).closing_axis()
+        self.pose.executed_by(hand).closing_axis()
     }
 
     /// Returns the commanded pose, without the compliance correction.
     #[must_use]
-    pub fn frame(&self) -> &GraspFrame {
-        &self.frame
+    pub fn pose(&self) -> &GraspPose {
+        &self.pose
     }
 
     /// Returns the last accepted request, rad.
@@ -107,33 +107,33 @@ impl HandServo {
 
     /// Initialises the correction from an existing grip, whose bending the joint positions already
     /// include.
-    pub fn take_grip(&mut self, hand: &HandModel, percept: &Percept) {
+    pub fn initialise_grip(&mut self, hand: &HandModel, percept: &Percept) {
         let (pose, n) = (hand.forward(&self.q_rad), self.closing_axis(hand));
         let jacobian = hand.jacobian(&pose);
-        self.squeeze_n = mean_normal_n(percept);
-        let bend_m = self.bend_m(hand, (&pose, &jacobian, &n), percept, 0.0);
-        for (up_m, bend_m) in self.frame.up_m.iter_mut().zip(bend_m) {
+        self.grip_force_n = mean_normal_n(percept);
+        let bend_m = self.grip_bending_m(hand, (&pose, &jacobian, &n), percept, 0.0);
+        for (up_m, bend_m) in self.pose.up_m.iter_mut().zip(bend_m) {
             *up_m += bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
         }
     }
 
     /// Takes over the request that the gate accepted, before motion limiting. Lagging joints as the
     /// start would demand the whole lag at once and make the hand oscillate.
-    pub fn adopt(&mut self, q_rad: HandVector) {
+    pub fn accept(&mut self, q_rad: HandVector) {
         self.q_rad = q_rad;
     }
 
     /// Returns a command that keeps the hand still.
     #[must_use]
-    pub fn rest(&self) -> HandCommand {
+    pub fn hold_still(&self) -> HandCommand {
         HandCommand {
             q_rad: self.q_rad,
-            closing_m_s: [0.0; VIRTUAL_FINGERS],
+            closing_m_s: [0.0; GRASP_SIDES],
         }
     }
 
     /// Returns the command of one step towards the intent.
-    pub fn follow(
+    pub fn update(
         &mut self,
         hand: &HandModel,
         intent: &Intent,
@@ -143,31 +143,31 @@ impl HandServo {
         let mut closing_m_s = self.integrate(intent, step_s);
         let (pose, n) = (hand.forward(&self.q_rad), self.closing_axis(hand));
         if intent.pose.is_none_or(|carried| !carried.with_fingers) {
-            self.unwind(hand, &pose, &n);
-            let along_m = self.sharing.step(hand, percept, step_s);
+            self.limit_windup(hand, &pose, &n);
+            let along_m = self.load_sharing.update(hand, percept, step_s);
             for (side, along_m) in along_m.into_iter().enumerate() {
                 if along_m != 0.0 {
-                    self.frame.half_opening_m[side] -= along_m;
+                    self.pose.half_opening_m[side] -= along_m;
                     closing_m_s[side] += along_m / step_s;
                 }
             }
         }
         let jacobian = hand.jacobian(&pose);
-        let mut corrected = self.frame;
-        let bend_m = self.bend_m(hand, (&pose, &jacobian, &n), percept, step_s);
+        let mut corrected = self.pose;
+        let bend_m = self.grip_bending_m(hand, (&pose, &jacobian, &n), percept, step_s);
         for (up_m, bend_m) in corrected.up_m.iter_mut().zip(bend_m) {
             *up_m -= bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
         }
         let weights = self.weights(step_s);
         let mut target = corrected.target(hand);
-        self.sharing.spread(hand, &mut target);
+        self.load_sharing.apply_to(hand, &mut target);
         let step = hand.ik_step(&pose, &jacobian, &target, step_s, &weights);
         let q_rad = if step.status == IkStatus::Failed {
             self.q_rad
         } else {
             step.q_rad
         };
-        let by_joints_m = closed_m(hand, &jacobian, &(q_rad - self.q_rad), &n);
+        let by_joints_m = finger_closing_m(hand, &jacobian, &(q_rad - self.q_rad), &n);
         for (closing_m_s, by_joints_m) in closing_m_s.iter_mut().zip(by_joints_m) {
             *closing_m_s = closing_m_s.max(by_joints_m / step_s);
         }
@@ -178,20 +178,20 @@ impl HandServo {
     /// J·K⁻¹·Jᵀ·F of both sides, because their forces cancel in the arm. Most of it is fingertip
     /// rotation. The force difference between the sides is excluded: correcting it would amplify
     /// the object's swaying.
-    fn bend_m(
+    fn grip_bending_m(
         &mut self,
         hand: &HandModel,
         (pose, jacobian, n): (&HandPose, &HandJacobian, &Vector3<f64>),
         percept: &Percept,
         step_s: f64,
-    ) -> [f64; VIRTUAL_FINGERS] {
+    ) -> [f64; GRASP_SIDES] {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
-        self.squeeze_n += (mean_normal_n(percept) - self.squeeze_n) * share;
+        self.grip_force_n += (mean_normal_n(percept) - self.grip_force_n) * share;
         // Side 0 is pressed along +n, side 1 along −n.
-        let mut force_n = [Vector3::zeros(); FINGERS_MAX];
-        for side in 0..VIRTUAL_FINGERS {
-            let share_n = self.squeeze_n / hand.fingers_of(side).count() as f64;
-            for finger in hand.fingers_of(side) {
+        let mut force_n = [Vector3::zeros(); FINGERTIPS_MAX];
+        for side in 0..GRASP_SIDES {
+            let share_n = self.grip_force_n / hand.fingertips_of(side).count() as f64;
+            for finger in hand.fingertips_of(side) {
                 force_n[finger] = n * if side == 0 { share_n } else { -share_n };
             }
         }
@@ -222,23 +222,23 @@ impl HandServo {
 
     /// Anti-windup of the commanded opening. Otherwise a blocked closing request delays opening,
     /// and a request to close one side blocks both on a hand that cannot shift.
-    fn unwind(&mut self, hand: &HandModel, pose: &HandPose, n: &Vector3<f64>) {
+    fn limit_windup(&mut self, hand: &HandModel, pose: &HandPose, n: &Vector3<f64>) {
         let radius_m = hand.tip_radius_m();
-        let is_m: [f64; VIRTUAL_FINGERS] = core::array::from_fn(|finger| {
+        let is_m: [f64; GRASP_SIDES] = core::array::from_fn(|finger| {
             let sign = if finger == 0 { 1.0 } else { -1.0 };
-            let from_centre_m = pose.side_m(finger) - self.frame.centre_m;
+            let from_centre_m = pose.side_m(finger) - self.pose.centre_m;
             let radius_m = hand.mean_of_side(finger, |tip| radius_m[tip]);
             sign * from_centre_m.dot(n) - radius_m
         });
-        let half_opening_m = &mut self.frame.half_opening_m;
+        let half_opening_m = &mut self.pose.half_opening_m;
         let shift_m = (half_opening_m[0] - is_m[0] - (half_opening_m[1] - is_m[1])) / 2.0;
-        let beyond_m = shift_m - shift_m.clamp(-SHIFT_AHEAD_MAX_M, SHIFT_AHEAD_MAX_M);
+        let beyond_m = shift_m - shift_m.clamp(-SHIFT_LEAD_MAX_M, SHIFT_LEAD_MAX_M);
         if beyond_m != 0.0 {
             half_opening_m[0] -= beyond_m;
             half_opening_m[1] += beyond_m;
         }
         for (half_opening_m, is_m) in half_opening_m.iter_mut().zip(is_m) {
-            let least_m = is_m - AHEAD_MAX_M;
+            let least_m = is_m - OPENING_LEAD_MAX_M;
             if *half_opening_m < least_m {
                 *half_opening_m = least_m;
             }
@@ -246,31 +246,31 @@ impl HandServo {
     }
 
     /// Integrates the commanded pose; returns its closing speed per side, m/s.
-    fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; VIRTUAL_FINGERS] {
-        let before_m = self.frame.half_opening_m;
+    fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; GRASP_SIDES] {
+        let before_m = self.pose.half_opening_m;
         let carried_fingers = match intent.pose {
             Some(carried) => {
-                self.frame = carried.frame;
+                self.pose = carried.pose;
                 carried.with_fingers
             }
             None => false,
         };
         if !carried_fingers {
-            self.frame.half_opening_m =
+            self.pose.half_opening_m =
                 core::array::from_fn(|f| before_m[f] - intent.closing_m_s[f] * step_s);
         }
-        core::array::from_fn(|f| (before_m[f] - self.frame.half_opening_m[f]) / step_s)
+        core::array::from_fn(|f| (before_m[f] - self.pose.half_opening_m[f]) / step_s)
     }
 }
 
 /// Returns the closing travel of each side along the axis n due to finger joints only, m; a shared
 /// drive can close the other side.
-fn closed_m(
+fn finger_closing_m(
     hand: &HandModel,
     jacobian: &HandJacobian,
     dq_rad: &HandVector,
     n: &Vector3<f64>,
-) -> [f64; VIRTUAL_FINGERS] {
+) -> [f64; GRASP_SIDES] {
     let mut fingers_rad = *dq_rad;
     fingers_rad[hand.arm_joints()].fill(0.0);
     core::array::from_fn(|side| {
@@ -282,8 +282,8 @@ fn closed_m(
 }
 
 fn mean_normal_n(percept: &Percept) -> f64 {
-    let fingers = percept.virtual_fingers.iter();
-    fingers.map(|f| f.normal_n).sum::<f64>() / VIRTUAL_FINGERS as f64
+    let fingers = percept.sides.iter();
+    fingers.map(|f| f.normal_n).sum::<f64>() / GRASP_SIDES as f64
 }
 
 /// Returns the distance between the sides' fingertip centres, m; basis of the measured closing.
@@ -294,7 +294,7 @@ pub fn gap_m(pose: &HandPose) -> f64 {
 
 /// Returns the grasp pose of a hand.
 #[must_use]
-pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
+pub fn grasp_pose(hand: &HandModel, pose: &HandPose) -> GraspPose {
     let (tip1_m, tip2_m) = (pose.side_m(0), pose.side_m(1));
     let centre_m = (tip1_m + tip2_m) / 2.0;
     let across = Vector2::new(tip1_m.x - tip2_m.x, tip1_m.y - tip2_m.y);
@@ -302,7 +302,7 @@ pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
     let radius_m = hand.tip_radius_m();
     let half_m = across.norm() / 2.0;
     let q_rad = pose.q_rad();
-    GraspFrame {
+    GraspPose {
         centre_m,
         closing_yaw_rad: unwound_yaw_rad(hand, q_rad, &centre_m, libm::atan2(across.y, across.x)),
         hand_azimuth_rad: hand.bearing_rad(&centre_m),
@@ -311,7 +311,7 @@ pub fn frame_of(hand: &HandModel, pose: &HandPose) -> GraspFrame {
         half_opening_m: core::array::from_fn(|side| {
             half_m - hand.mean_of_side(side, |finger| radius_m[finger])
         }),
-        tangential_m: [0.0; VIRTUAL_FINGERS],
+        tangential_m: [0.0; GRASP_SIDES],
         up_m: [tip1_m.z - centre_m.z, tip2_m.z - centre_m.z],
     }
 }

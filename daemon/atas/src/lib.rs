@@ -19,42 +19,56 @@
 //!   HOLD; opening the hand is never a fault reaction.
 //! * **Out of scope:** threads, time, transport and configuration files (the daemon's part), and
 //!   the difference between a real and a simulated robot.
+//!
+//! ```
+//! use atas_core::{Controller, Inputs, SensorSetup, Settings, Tick};
+//! use robot_model::RobotModel;
+//! use shm_schemas::Mode;
+//!
+//! let robot = RobotModel::two_hand_arm()?;
+//! let mut controller = Controller::new(&robot, SensorSetup::default(), Settings::default());
+//! let tick = Tick { index: 0, now_ns: 1_000_000 };
+//! let outputs = controller.step(&Inputs { tick, ..Inputs::default() });
+//! // Without frames and joint states the controller waits and moves nothing.
+//! assert_eq!(outputs.command.mode, Mode::INIT);
+//! # Ok::<(), robot_model::ModelError>(())
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod arbitration;
 pub mod check;
 mod controller;
+pub mod executor;
 mod filter;
-pub mod follow;
 pub mod goal;
 mod hand;
 pub mod intake;
 pub mod io;
 pub mod joints;
 pub mod kinematics;
-#[cfg(feature = "serde")]
-mod large;
 pub mod limits;
+mod load_sharing;
 mod mode;
 pub mod modules;
 pub mod path;
 pub mod perception;
 pub mod planning;
 pub mod record;
-pub mod runner;
 pub mod safety;
+mod sensor_setup;
+#[cfg(feature = "serde")]
+mod serde_arrays;
 pub mod settings;
-mod sharing;
 pub mod tasks;
+pub mod teleop;
 pub mod thresholds;
 mod tick;
-mod wiring;
 
 pub use controller::Controller;
 pub use goal::Goal;
-pub use io::{Events, Inputs, Order, Outputs};
+pub use io::{Events, Inputs, OperatorRequest, Outputs};
 pub use mode::ModeMachine;
+pub use sensor_setup::{HandSensorSetup, SensorSetup};
 pub use settings::Settings;
 pub use tick::{Stage, Tick};
-pub use wiring::{HandWiring, Wiring};

@@ -43,10 +43,10 @@ pub const STALL_PERIODS: f64 = 2.5;
 /// choice: a finger bends by 0.02 rad at the grip ceiling of 15 N.
 pub const PRELOAD_MAX_RAD: f64 = 0.03;
 /// Largest frame gap of one writer; more means another writer. Design choice: ten seconds at 1 kHz.
-pub const FRAMES_AHEAD_MAX: u64 = 10_000;
+pub const FRAME_GAP_MAX: u64 = 10_000;
 /// Decay time constant of a silent element's contribution, s. Design choice: a load that vanishes
 /// faster counts as a drop.
-pub const MASKED_FADE_S: f64 = 1.0;
+pub const MASKED_DECAY_S: f64 = 1.0;
 /// Silence of a writer after which another may take over, ns. Design choice: 20 frames at 1 kHz.
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 
@@ -55,7 +55,7 @@ pub const WRITER_SILENT_NS: u64 = 20_000_000;
 pub const DISPLACED_MAX_M: f64 = 0.009;
 /// Largest accepted yaw error of an object's faces, rad. Design choice: 25°; a fingertip senses
 /// within a cone of 33°.
-pub const TURNED_MAX_RAD: f64 = 0.44;
+pub const YAW_ERROR_MAX_RAD: f64 = 0.44;
 
 /// Weakest patch with a computed contact normal, N; below it the fingertip axis is used (prototype:
 /// 0.1 N).

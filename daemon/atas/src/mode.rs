@@ -18,12 +18,22 @@ use crate::limits::REARM_S;
 use shm_schemas::{Mode, Reason};
 
 /// Mode and its reason.
+///
+/// ```
+/// use atas_core::ModeMachine;
+/// use shm_schemas::{Cause, Mode, Reason};
+///
+/// let mut machine = ModeMachine::default();
+/// assert_eq!(machine.mode(), Mode::INIT);
+/// machine.stop(Reason::new(Cause::ESTOP));
+/// assert_eq!(machine.mode(), Mode::SAFE_STOP);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ModeMachine {
     mode: Mode,
     reason: Reason,
-    calm_ticks: u32,
+    fault_free_ticks: u32,
 }
 
 impl Default for ModeMachine {
@@ -31,7 +41,7 @@ impl Default for ModeMachine {
         Self {
             mode: Mode::INIT,
             reason: Reason::default(),
-            calm_ticks: 0,
+            fault_free_ticks: 0,
         }
     }
 }
@@ -52,17 +62,17 @@ impl ModeMachine {
     /// Runs one tick of `step_s`. A `hold_reason` requires HOLD; `has_goal`: a goal is active or
     /// paused.
     pub fn update(&mut self, hold_reason: Reason, has_goal: bool, step_s: f64) {
-        self.calm_ticks = if hold_reason.is_some() {
+        self.fault_free_ticks = if hold_reason.is_some() {
             0
         } else {
-            self.calm_ticks.saturating_add(1)
+            self.fault_free_ticks.saturating_add(1)
         };
         match self.mode {
             Mode::INIT if hold_reason.is_some() => self.reason = hold_reason,
             Mode::READY | Mode::RUN if hold_reason.is_some() => self.enter(Mode::HOLD, hold_reason),
             Mode::READY if has_goal => self.enter(Mode::RUN, Reason::default()),
             Mode::RUN if !has_goal => self.enter(Mode::READY, Reason::default()),
-            Mode::INIT | Mode::HOLD if f64::from(self.calm_ticks) * step_s >= REARM_S => {
+            Mode::INIT | Mode::HOLD if f64::from(self.fault_free_ticks) * step_s >= REARM_S => {
                 self.enter(
                     if has_goal { Mode::RUN } else { Mode::READY },
                     Reason::default(),
@@ -89,7 +99,7 @@ impl ModeMachine {
     /// Leaves SAFE_STOP for HOLD.
     pub fn recover(&mut self) {
         if self.mode == Mode::SAFE_STOP {
-            self.calm_ticks = 0;
+            self.fault_free_ticks = 0;
             self.enter(Mode::HOLD, self.reason);
         }
     }

@@ -1,21 +1,21 @@
 //! Paths of a hand between two grasp poses.
 //!
-//! Every coordinate of the [`GraspFrame`] follows the minimum-jerk profile s(τ) = τ³(10 − 15τ +
+//! Every coordinate of the [`GraspPose`] follows the minimum-jerk profile s(τ) = τ³(10 − 15τ +
 //! 6τ²): rest to rest, bounded jerk, shape independent of speed. Obstacles on the table are
 //! unknown, so a path over it has two legs: up before across, or across before down.
 
 use core::f64::consts::PI;
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandModel, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, GraspPose, HandModel};
 
 /// Shortest duration, s. Design choice: lets the loop settle on a zero-length path.
 const DURATION_MIN_S: f64 = 0.05;
 /// Rise or lateral distance below which a path is straight, m. Design choice: less than any
 /// clearance.
-const LEVEL_M: f64 = 0.001;
+const STRAIGHT_BELOW_M: f64 = 0.001;
 
 /// Peak/mean speed of the minimum-jerk profile.
-pub(crate) const PEAK_OF_MEAN: f64 = 1.875;
+pub(crate) const PEAK_TO_MEAN_SPEED: f64 = 1.875;
 
 /// Largest mean speeds of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,11 +32,11 @@ pub struct Speeds {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Path {
-    from: GraspFrame,
+    from: GraspPose,
     /// Start pose of the second leg, at `corner_s`; a straight path has only this leg.
-    corner: GraspFrame,
+    corner: GraspPose,
     corner_s: f64,
-    to: GraspFrame,
+    to: GraspPose,
     duration_s: f64,
     moves_fingers: bool,
 }
@@ -44,7 +44,7 @@ pub struct Path {
 impl Path {
     /// Creates a path that keeps the hand at its pose.
     #[must_use]
-    pub fn stay(at: GraspFrame) -> Self {
+    pub fn stationary(at: GraspPose) -> Self {
         Self {
             from: at,
             corner: at,
@@ -56,29 +56,41 @@ impl Path {
     }
 
     /// Creates a path that moves hand and fingers to a pose.
+    ///
+    /// ```
+    /// use atas_core::path::{Path, Speeds};
+    /// use nalgebra::Vector3;
+    /// use robot_model::GraspPose;
+    ///
+    /// let at = |x_m| GraspPose::from_above(Vector3::new(x_m, 0.0, 0.1), 0.0, 0.05);
+    /// let speeds = Speeds { move_m_s: 0.1, turn_rad_s: 1.0, open_m_s: 0.05 };
+    /// let path = Path::free(at(0.2), at(0.3), &speeds);
+    /// assert!((path.duration_s() - 1.0).abs() < 1e-9, "100 mm at a mean speed of 100 mm/s");
+    /// assert!((path.pose_at(0.5).centre_m.x - 0.25).abs() < 1e-9);
+    /// ```
     #[must_use]
-    pub fn free(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
+    pub fn free(from: GraspPose, to: GraspPose, speeds: &Speeds) -> Self {
         Self {
             duration_s: duration_s(&from, &to, speeds),
             from,
             to,
             moves_fingers: true,
-            ..Self::stay(from)
+            ..Self::stationary(from)
         }
     }
 
     /// Creates a path over obstacles up to its higher end: rises first or descends last.
     #[must_use]
-    pub fn over(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
+    pub fn over_obstacles(from: GraspPose, to: GraspPose, speeds: &Speeds) -> Self {
         let way_m = to.centre_m - from.centre_m;
         let straight = Self::free(from, to, speeds);
-        if way_m.z.abs() < LEVEL_M || way_m.xy().norm() < LEVEL_M {
+        if way_m.z.abs() < STRAIGHT_BELOW_M || way_m.xy().norm() < STRAIGHT_BELOW_M {
             return straight;
         }
         let corner = if way_m.z > 0.0 {
-            at_height(&from, to.centre_m.z)
+            with_height(&from, to.centre_m.z)
         } else {
-            at_height(&to, from.centre_m.z)
+            with_height(&to, from.centre_m.z)
         };
         let corner_s = duration_s(&from, &corner, speeds);
         Self {
@@ -91,8 +103,8 @@ impl Path {
 
     /// Creates a path that leaves the fingers to the modules.
     #[must_use]
-    pub fn gripping(from: GraspFrame, to: GraspFrame, speeds: &Speeds) -> Self {
-        let to = GraspFrame {
+    pub fn gripping(from: GraspPose, to: GraspPose, speeds: &Speeds) -> Self {
+        let to = GraspPose {
             half_opening_m: from.half_opening_m,
             ..to
         };
@@ -110,13 +122,13 @@ impl Path {
 
     /// Returns the end pose.
     #[must_use]
-    pub fn end(&self) -> &GraspFrame {
+    pub fn end(&self) -> &GraspPose {
         &self.to
     }
 
     /// Returns the end poses of both legs; the first may equal the start pose.
     #[must_use]
-    pub fn ends(&self) -> [GraspFrame; 2] {
+    pub fn leg_ends(&self) -> [GraspPose; 2] {
         [self.corner, self.to]
     }
 
@@ -128,26 +140,30 @@ impl Path {
 
     /// Returns the pose at a time, s.
     #[must_use]
-    pub fn at(&self, time_s: f64) -> GraspFrame {
+    pub fn pose_at(&self, time_s: f64) -> GraspPose {
         if time_s >= self.duration_s {
             return self.to;
         }
         if time_s < self.corner_s {
-            return blend(&self.from, &self.corner, eased(time_s / self.corner_s));
+            return blend(
+                &self.from,
+                &self.corner,
+                minimum_jerk_share(time_s / self.corner_s),
+            );
         }
         let tau = (time_s - self.corner_s) / (self.duration_s - self.corner_s);
-        blend(&self.corner, &self.to, eased(tau))
+        blend(&self.corner, &self.to, minimum_jerk_share(tau))
     }
 }
 
 /// Minimum-jerk profile s(τ).
-fn eased(tau: f64) -> f64 {
+fn minimum_jerk_share(tau: f64) -> f64 {
     tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau)
 }
 
 /// Returns the pose at another height, m.
 #[must_use]
-pub fn at_height(frame: &GraspFrame, height_m: f64) -> GraspFrame {
+pub fn with_height(frame: &GraspPose, height_m: f64) -> GraspPose {
     let mut frame = *frame;
     frame.centre_m.z = height_m;
     frame
@@ -155,12 +171,11 @@ pub fn at_height(frame: &GraspFrame, height_m: f64) -> GraspFrame {
 
 /// Interpolates linearly between two poses, `s` from 0 to 1.
 #[must_use]
-pub fn blend(a: &GraspFrame, b: &GraspFrame, s: f64) -> GraspFrame {
+pub fn blend(a: &GraspPose, b: &GraspPose, s: f64) -> GraspPose {
     let mix = |a: f64, b: f64| a + (b - a) * s;
-    let mix2 = |a: [f64; VIRTUAL_FINGERS], b: [f64; VIRTUAL_FINGERS]| {
-        core::array::from_fn(|i| mix(a[i], b[i]))
-    };
-    GraspFrame {
+    let mix2 =
+        |a: [f64; GRASP_SIDES], b: [f64; GRASP_SIDES]| core::array::from_fn(|i| mix(a[i], b[i]));
+    GraspPose {
         centre_m: a.centre_m + (b.centre_m - a.centre_m) * s,
         closing_yaw_rad: mix(a.closing_yaw_rad, b.closing_yaw_rad),
         hand_azimuth_rad: mix(a.hand_azimuth_rad, b.hand_azimuth_rad),
@@ -172,15 +187,15 @@ pub fn blend(a: &GraspFrame, b: &GraspFrame, s: f64) -> GraspFrame {
     }
 }
 
-fn duration_s(from: &GraspFrame, to: &GraspFrame, speeds: &Speeds) -> f64 {
+fn duration_s(from: &GraspPose, to: &GraspPose, speeds: &Speeds) -> f64 {
     let turns = [
         to.closing_yaw_rad - from.closing_yaw_rad,
         to.hand_azimuth_rad - from.hand_azimuth_rad,
         to.hand_pitch_rad - from.hand_pitch_rad,
         to.root_rad - from.root_rad,
     ];
-    let opening = (0..VIRTUAL_FINGERS).map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
-    let slides = (0..VIRTUAL_FINGERS).map(|f| to.tangential_m[f] - from.tangential_m[f]);
+    let opening = (0..GRASP_SIDES).map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
+    let slides = (0..GRASP_SIDES).map(|f| to.tangential_m[f] - from.tangential_m[f]);
     let largest = |values: &mut dyn Iterator<Item = f64>| {
         values.fold(0.0, |m: f64, v| if v.abs() > m { v.abs() } else { m })
     };
@@ -199,7 +214,7 @@ fn duration_s(from: &GraspFrame, to: &GraspFrame, speeds: &Speeds) -> f64 {
 #[must_use]
 pub fn reachable_yaw_rad(
     hand: &HandModel,
-    from: &GraspFrame,
+    from: &GraspPose,
     centre_m: &Vector3<f64>,
     yaw_rad: f64,
 ) -> f64 {

@@ -10,7 +10,7 @@ use crate::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3, STEP_FACTOR};
 use crate::settings::Safety as Settings;
 use crate::tick::Tick;
 use crate::tick::nanoseconds;
-use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector, Side, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, HandSide, Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
 use shm_schemas::capacity::{HANDS, JOINTS};
 use shm_schemas::{Cause, JointCommand, Mode, Reason, Stamp};
 
@@ -21,7 +21,7 @@ pub type RawCommand = [HandCommand; HANDS];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
     /// Measured normal force per grasp side, N.
-    pub normal_n: [f64; VIRTUAL_FINGERS],
+    pub normal_n: [f64; GRASP_SIDES],
     /// F_2 of the held object, if known, N.
     pub f2_n: Option<f64>,
 }
@@ -45,62 +45,62 @@ impl SafeCommand {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gate {
     joints: [Joint; ROBOT_JOINTS_MAX],
-    limbs: [Limb; ROBOT_JOINTS_MAX],
+    roles: [JointRole; ROBOT_JOINTS_MAX],
     position_rad: RobotVector,
     velocity_rad_s: RobotVector,
     acceleration_rad_s2: RobotVector,
     /// Accepted request of the previous tick, rad.
-    wanted_rad: RobotVector,
-    anchored: bool,
+    requested_rad: RobotVector,
+    synchronised: bool,
     sequence: u64,
     writer_epoch: u64,
-    off_course_ticks: u32,
-    finding: Reason,
+    following_error_ticks: u32,
+    refusal: Reason,
 }
 
 impl Gate {
-    /// Creates a gate; it passes nothing before [`Gate::anchor`].
+    /// Creates a gate; it passes nothing before [`Gate::synchronise`].
     #[must_use]
     pub fn new(robot: &RobotModel, writer_epoch: u64) -> Self {
         let rest = RobotVector::zeros(robot.joint_count());
         Self {
             joints: core::array::from_fn(|joint| robot.joint(joint).copied().unwrap_or_default()),
-            limbs: core::array::from_fn(|joint| Limb::of(robot, joint)),
+            roles: core::array::from_fn(|joint| JointRole::new(robot, joint)),
             position_rad: rest,
             velocity_rad_s: rest,
             acceleration_rad_s2: rest,
-            wanted_rad: rest,
-            anchored: false,
+            requested_rad: rest,
+            synchronised: false,
             sequence: 0,
             writer_epoch,
-            off_course_ticks: 0,
-            finding: Reason::default(),
+            following_error_ticks: 0,
+            refusal: Reason::default(),
         }
     }
 
     /// Takes the measured positions, clamped to the limits, as commanded ones at rest: at the
     /// start, and after the robot moved without command.
-    pub fn anchor(&mut self, measured_rad: &RobotVector) {
+    pub fn synchronise(&mut self, measured_rad: &RobotVector) {
         let rest = RobotVector::zeros(self.position_rad.len());
         self.position_rad = RobotVector::from_fn(rest.len(), |i| {
             measured_rad[i].clamp(self.joints[i].lower_rad, self.joints[i].upper_rad)
         });
         self.velocity_rad_s = rest;
         self.acceleration_rad_s2 = rest;
-        self.wanted_rad = self.position_rad;
-        self.anchored = true;
-        self.off_course_ticks = 0;
+        self.requested_rad = self.position_rad;
+        self.synchronised = true;
+        self.following_error_ticks = 0;
     }
 
-    /// Passes nothing until the next [`Gate::anchor`].
-    pub fn release(&mut self) {
-        self.anchored = false;
+    /// Passes nothing until the next [`Gate::synchronise`].
+    pub fn disarm(&mut self) {
+        self.synchronised = false;
     }
 
     /// Returns whether the gate has a position to command.
     #[must_use]
-    pub fn is_anchored(&self) -> bool {
-        self.anchored
+    pub fn is_synchronised(&self) -> bool {
+        self.synchronised
     }
 
     /// Returns the commanded positions, rad.
@@ -112,14 +112,14 @@ impl Gate {
     /// Returns the last accepted request, before motion limiting, rad; the next one continues from
     /// it.
     #[must_use]
-    pub fn wanted_rad(&self) -> &RobotVector {
-        &self.wanted_rad
+    pub fn requested_rad(&self) -> &RobotVector {
+        &self.requested_rad
     }
 
     /// Returns the refusal of the last pass, if any; it leads to HOLD or SAFE_STOP.
     #[must_use]
-    pub fn finding(&self) -> Reason {
-        self.finding
+    pub fn refusal(&self) -> Reason {
+        self.refusal
     }
 
     /// Limits and passes a command, or holds the last one.
@@ -129,23 +129,23 @@ impl Gate {
         grips: &[Grip; HANDS],
         ctx: &GateContext<'_>,
     ) -> SafeCommand {
-        self.finding = Reason::default();
+        self.refusal = Reason::default();
         let mut wanted_rad = self.flatten(raw);
         if let Some(joint) = wanted_rad.iter().position(|q| !q.is_finite()) {
             self.refuse(
-                Reason::of(Cause::COMMAND_NOT_FINITE).about(joint),
+                Reason::new(Cause::COMMAND_NOT_FINITE).with_index(joint),
                 &mut wanted_rad,
             );
         }
         if ctx.mode != Mode::RUN {
             wanted_rad = self.position_rad;
-            self.wanted_rad = self.position_rad;
+            self.requested_rad = self.position_rad;
         }
-        self.cap_grip(raw, grips, ctx.settings, &mut wanted_rad);
+        self.limit_grip(raw, grips, ctx.settings, &mut wanted_rad);
         self.refuse_jump(ctx.step_s, &mut wanted_rad);
         self.limit(&wanted_rad, ctx.step_s);
-        self.wanted_rad = wanted_rad;
-        self.check_following(ctx);
+        self.requested_rad = wanted_rad;
+        self.check_following_error(ctx);
         SafeCommand {
             command: self.seal(ctx),
         }
@@ -153,15 +153,15 @@ impl Gate {
 
     /// Rejects the whole vector, so that no joint moves on a partly invalid command.
     fn refuse(&mut self, reason: Reason, wanted_rad: &mut RobotVector) {
-        if !self.finding.is_some() {
-            self.finding = reason;
+        if !self.refusal.is_some() {
+            self.refusal = reason;
         }
         *wanted_rad = self.position_rad;
-        self.wanted_rad = self.position_rad;
+        self.requested_rad = self.position_rad;
     }
 
     /// Above its force ceiling a side may only open, and its arm must not move.
-    fn cap_grip(
+    fn limit_grip(
         &mut self,
         raw: &RawCommand,
         grips: &[Grip; HANDS],
@@ -172,7 +172,7 @@ impl Gate {
             let ceiling_n = grip.f2_n.map_or(settings.grip_ceiling_n, |f2_n| {
                 settings.grip_ceiling_n.min(f2_n * settings.grip_ceiling_f2)
             });
-            for finger in 0..VIRTUAL_FINGERS {
+            for finger in 0..GRASP_SIDES {
                 let normal_n = grip.normal_n[finger];
                 // NaN counts as above the ceiling.
                 let below = normal_n <= ceiling_n;
@@ -181,12 +181,12 @@ impl Gate {
                 }
                 let opens = raw[hand].closing_m_s[finger] < 0.0;
                 let joints = wanted_rad.iter_mut().zip(self.position_rad.iter());
-                for ((wanted_rad, held_rad), limb) in joints.zip(&self.limbs) {
+                for ((wanted_rad, held_rad), limb) in joints.zip(&self.roles) {
                     let held = limb.arm || (limb.drives[finger] && !opens);
                     if limb.hand == hand && held && wanted_rad != held_rad {
                         *wanted_rad = *held_rad;
-                        self.finding =
-                            Reason::limit(Cause::GRIP_CEILING, normal_n, ceiling_n).about(finger);
+                        self.refusal = Reason::with_limit(Cause::GRIP_CEILING, normal_n, ceiling_n)
+                            .with_index(finger);
                     }
                 }
             }
@@ -199,7 +199,7 @@ impl Gate {
         for (joint, &wanted) in wanted_rad.iter().enumerate() {
             let speed_rad_s = self.joints[joint].velocity_max_rad_s;
             let allowed_rad = STEP_FACTOR * speed_rad_s * step_s;
-            let step_rad = (wanted - self.wanted_rad[joint]).abs();
+            let step_rad = (wanted - self.requested_rad[joint]).abs();
             let lag_rad = (wanted - self.position_rad[joint]).abs() - self.lag_max_rad(joint);
             let step_rad = if lag_rad > step_rad {
                 lag_rad
@@ -207,14 +207,15 @@ impl Gate {
                 step_rad
             };
             if step_rad > allowed_rad {
-                let reason = Reason::limit(Cause::COMMAND_STEP, step_rad, allowed_rad).about(joint);
+                let reason = Reason::with_limit(Cause::COMMAND_STEP, step_rad, allowed_rad)
+                    .with_index(joint);
                 return self.refuse(reason, wanted_rad);
             }
         }
     }
 
     /// Returns the largest lag behind a request that starts at top speed, rad: v²/2A to accelerate,
-    /// v²/2A to catch up at half the acceleration ([`brake_rad_s`]).
+    /// v²/2A to catch up at half the acceleration ([`braking_speed_rad_s`]).
     fn lag_max_rad(&self, joint: usize) -> f64 {
         let (joint, unit) = (&self.joints[joint], self.joints[joint].radian());
         let speed_rad_s = joint.velocity_max_rad_s / unit;
@@ -240,8 +241,8 @@ impl Gate {
                 velocity_rad_s: self.velocity_rad_s[index] / unit,
                 acceleration_rad_s2: self.acceleration_rad_s2[index] / unit,
             };
-            let before_rad = self.wanted_rad[index] / unit;
-            let next = state.towards(wanted_rad / unit, before_rad, &joint, step_s);
+            let before_rad = self.requested_rad[index] / unit;
+            let next = state.step_towards(wanted_rad / unit, before_rad, &joint, step_s);
             self.position_rad[index] = within(&self.joints[index], next.position_rad * unit);
             self.velocity_rad_s[index] = next.velocity_rad_s * unit;
             self.acceleration_rad_s2[index] = next.acceleration_rad_s2 * unit;
@@ -249,8 +250,8 @@ impl Gate {
     }
 
     /// Detects a blocked or dead joint; further motion would only build up force.
-    fn check_following(&mut self, ctx: &GateContext<'_>) {
-        let Some(measured_rad) = ctx.measured_rad.filter(|_| self.anchored) else {
+    fn check_following_error(&mut self, ctx: &GateContext<'_>) {
+        let Some(measured_rad) = ctx.measured_rad.filter(|_| self.synchronised) else {
             return;
         };
         let settings = ctx.settings;
@@ -258,13 +259,15 @@ impl Gate {
             let error_rad = (self.position_rad[joint] - measured_rad[joint]).abs();
             let allowed_rad = settings.following_floor_rad * self.joints[joint].radian()
                 + settings.following_per_speed_s * self.velocity_rad_s[joint].abs();
-            (error_rad > allowed_rad)
-                .then(|| Reason::limit(Cause::FOLLOWING_ERROR, error_rad, allowed_rad).about(joint))
+            (error_rad > allowed_rad).then(|| {
+                Reason::with_limit(Cause::FOLLOWING_ERROR, error_rad, allowed_rad).with_index(joint)
+            })
         });
-        self.off_course_ticks = off_course.map_or(0, |_| self.off_course_ticks.saturating_add(1));
-        let off_course_s = f64::from(self.off_course_ticks) * ctx.step_s;
+        self.following_error_ticks =
+            off_course.map_or(0, |_| self.following_error_ticks.saturating_add(1));
+        let off_course_s = f64::from(self.following_error_ticks) * ctx.step_s;
         if let Some(reason) = off_course.filter(|_| off_course_s >= settings.following_s) {
-            self.finding = reason;
+            self.refusal = reason;
         }
     }
 
@@ -284,7 +287,7 @@ impl Gate {
             tick: ctx.tick.index,
             answers_sequence: ctx.joint_sequence,
             mode: ctx.mode,
-            joint_count: if self.anchored {
+            joint_count: if self.synchronised {
                 self.position_rad.len() as u32
             } else {
                 0
@@ -292,7 +295,7 @@ impl Gate {
             ..JointCommand::default()
         };
         const { assert!(ROBOT_JOINTS_MAX <= JOINTS) };
-        if self.anchored {
+        if self.synchronised {
             let joints = self.position_rad.len();
             command.position_rad[..joints].copy_from_slice(&self.position_rad);
             command.velocity_rad_s[..joints].copy_from_slice(&self.velocity_rad_s);
@@ -324,17 +327,17 @@ pub struct GateContext<'a> {
 
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-struct Limb {
+struct JointRole {
     hand: usize,
     arm: bool,
     /// Grasp sides whose fingertips the joint moves relative to the palm.
-    drives: [bool; VIRTUAL_FINGERS],
+    drives: [bool; GRASP_SIDES],
 }
 
-impl Limb {
-    fn of(robot: &RobotModel, joint: usize) -> Self {
-        let of_side = |side: &Side| robot.joint_range(*side).contains(&joint);
-        let Some(side) = Side::BOTH.into_iter().find(of_side) else {
+impl JointRole {
+    fn new(robot: &RobotModel, joint: usize) -> Self {
+        let of_side = |side: &HandSide| robot.joint_range(*side).contains(&joint);
+        let Some(side) = HandSide::BOTH.into_iter().find(of_side) else {
             return Self::default();
         };
         let (hand, own) = (robot.hand(side), joint - robot.joint_range(side).start);
@@ -375,17 +378,23 @@ impl Motion {
     ///
     /// Requests within the limits are tracked without lag. After a lag the joint catches up at a
     /// speed from which it can brake, so that it does not oscillate.
-    fn towards(self, wanted_rad: f64, wanted_before_rad: f64, joint: &Joint, step_s: f64) -> Self {
+    fn step_towards(
+        self,
+        wanted_rad: f64,
+        wanted_before_rad: f64,
+        joint: &Joint,
+        step_s: f64,
+    ) -> Self {
         let (wanted_rad, wanted_before_rad) =
             (within(joint, wanted_rad), within(joint, wanted_before_rad));
         let speed_rad_s = joint.velocity_max_rad_s;
         let moving_rad_s =
             ((wanted_rad - wanted_before_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
         let lag_rad = wanted_rad - moving_rad_s * step_s - self.position_rad;
-        let catch_up_rad_s = brake_rad_s(lag_rad.abs(), step_s).copysign(lag_rad);
+        let catch_up_rad_s = braking_speed_rad_s(lag_rad.abs(), step_s).copysign(lag_rad);
         let wanted_rad_s = (moving_rad_s + catch_up_rad_s).clamp(
-            -brake_rad_s(self.position_rad - joint.lower_rad, step_s),
-            brake_rad_s(joint.upper_rad - self.position_rad, step_s),
+            -braking_speed_rad_s(self.position_rad - joint.lower_rad, step_s),
+            braking_speed_rad_s(joint.upper_rad - self.position_rad, step_s),
         );
         let acceleration_rad_s2 = self.accelerate_rad_s2(wanted_rad_s, speed_rad_s, step_s);
         let velocity_rad_s = self.velocity_rad_s + acceleration_rad_s2 * step_s;
@@ -407,10 +416,10 @@ impl Motion {
             JOINT_JERK_RAD_S3 * (libm::sqrt(build_up_s2) - step_s)
         };
         let news_rad_s = wanted_rad_s - now_rad_s;
-        let within_s = if news_rad_s.abs() <= SPEED_STEP_RAD_S {
+        let within_s = if news_rad_s.abs() <= SPEED_CHANGE_AT_ONCE_RAD_S {
             step_s
         } else {
-            step_s.max(SPEED_UP_MIN_S)
+            step_s.max(SPEED_CHANGE_MIN_S)
         };
         (news_rad_s / within_s)
             .clamp(now_rad_s2 - change_rad_s2, now_rad_s2 + change_rad_s2)
@@ -428,14 +437,14 @@ const SETTLE_STEPS: f64 = 4.0;
 /// acceleration under the jerk limit. Smaller values oscillate at high tick rates.
 const SETTLE_MIN_S: f64 = 0.004;
 /// Shortest time for a speed change, s. Design choice: a quarter of `SETTLE_MIN_S`, as at 1 kHz.
-const SPEED_UP_MIN_S: f64 = 0.001;
+const SPEED_CHANGE_MIN_S: f64 = 0.001;
 /// Speed change applied at once, rad/s. Design choice: small; ends the exponential decay.
-const SPEED_STEP_RAD_S: f64 = 1e-6;
+const SPEED_CHANGE_AT_ONCE_RAD_S: f64 = 1e-6;
 
 /// Returns the highest speed from which the joint stops within a distance, rad/s: v from d = v²/A +
 /// v·T. It brakes at half the acceleration; the other half covers the jerk-limited build-up. T is
 /// the settling time constant near the end.
-fn brake_rad_s(distance_rad: f64, step_s: f64) -> f64 {
+fn braking_speed_rad_s(distance_rad: f64, step_s: f64) -> f64 {
     if distance_rad <= 0.0 {
         return 0.0;
     }

@@ -50,10 +50,10 @@ pub enum SettingError {
 
 /// Pairs of parameters of which the first must not exceed the second: hysteresis thresholds,
 /// bounds, and values on which a later threshold depends.
-pub const ORDERED: &[(&str, &str)] = &[
+pub const ORDERED_PAIRS: &[(&str, &str)] = &[
     ("intake.hold_age_s", "intake.reject_age_s"),
     ("perception.touch_off_n", "perception.touch_on_n"),
-    ("grasp.keep_n", "grasp.f1_min_n"),
+    ("grasp.carry_min_n", "grasp.f1_min_n"),
     ("grasp.f1_min_n", "grasp.f1_max_n"),
     ("grasp.f2_min_n", "grasp.f2_max_n"),
     ("grasp.f2_max_n", "safety.grip_ceiling_n"),
@@ -61,11 +61,27 @@ pub const ORDERED: &[(&str, &str)] = &[
     ("grasp.relax_below", "grasp.slip_on"),
 ];
 
+/// Former and present names of renamed parameters. A configuration with a former name is rejected
+/// with the present one; recordings made under the former names stay readable.
+pub const RENAMED: &[(&str, &str)] = &[
+    ("grasp.keep_n", "grasp.carry_min_n"),
+    ("grasp.load_test_travel_m", "grasp.verification_travel_m"),
+    ("grasp.load_test_press", "grasp.verification_press"),
+    ("follow.move_m_s", "teleop.move_m_s"),
+    ("follow.carry_m_s", "teleop.carry_m_s"),
+    ("follow.turn_rad_s", "teleop.turn_rad_s"),
+    ("follow.finger_m_s", "teleop.finger_m_s"),
+    ("follow.speed_up_s", "teleop.speed_up_s"),
+    ("follow.smooth_s", "teleop.smooth_s"),
+    ("safety.disagree_n", "safety.force_mismatch_n"),
+    ("safety.disagree_share", "safety.force_mismatch_share"),
+];
+
 impl core::fmt::Display for SettingError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Unknown => {
-                f.write_str("no parameter has this name; `atas param list` shows them all")
+                f.write_str("unknown parameter; list all names with `atas param list`")
             }
             Self::OutOfRange {
                 name,
@@ -81,7 +97,7 @@ impl core::fmt::Display for SettingError {
             Self::Contradiction { lower, upper } => {
                 write!(
                     f,
-                    "{} is {} and {} is {}, needs the first to be at most the second; change the other one first",
+                    "{} is {}, needs at most {}, which is {}; change the other parameter first",
                     lower.0, lower.1, upper.0, upper.1
                 )
             }
@@ -234,7 +250,7 @@ settings! {
         /// Minimum grip force on a carried object, N; grip relaxation stops there. Too small: the
         /// fingertips no longer sense the object. Too large: light objects are gripped harder than
         /// necessary.
-        keep_n = 0.12 in 0.01..10.0;
+        carry_min_n = 0.12 in 0.01..10.0;
         /// Off-centre distance of the object in the grip above which the hand opens and regrasps,
         /// m. Too small: regrasps because of measurement errors. Too large: keeps off-centre grips;
         /// the upper bound disables regrasping.
@@ -287,10 +303,10 @@ settings! {
         /// Lift distance before the pull-back of lift verification, m; half of it after a failed
         /// attempt. Too small: the load is not yet on the hand. Too large: a slipping object is
         /// detected late.
-        load_test_travel_m = 0.002 in 0.0008..0.1;
+        verification_travel_m = 0.002 in 0.0008..0.1;
         /// Factor by which the grip force increases after an attempt without a suspended object.
         /// Too small: many attempts. Too large: over-grips.
-        load_test_press = 1.2 in 1.01..3.0;
+        verification_press = 1.2 in 1.01..3.0;
         /// Momentary friction utilisation at F_2 above which the object counts as too heavy. Too
         /// small: refuses objects that hold. Too large: objects that slide out are not refused.
         too_heavy_gross = 0.975 in 0.5..1.2;
@@ -382,7 +398,7 @@ settings! {
     }
     /// Teleoperation: limits on following a client's stream of targets (design choices). Maximum
     /// acceleration is speed / `speed_up_s`, maximum jerk about twice that / `smooth_s`.
-    follow: Follow {
+    teleop: Teleop {
         /// Highest speed along each axis with an empty hand, m/s. Too small: the hand lags behind
         /// its targets. Too large: hard collisions.
         move_m_s = 0.15 in 0.005..0.5;
@@ -419,10 +435,10 @@ settings! {
         /// Constant part of the tolerated difference between tactile and joint-estimated force, N;
         /// beyond the tolerance the hand holds. Too small: holds on inaccurate servo torques. Too
         /// large: misses a faulty skin.
-        disagree_n = 0.3 in 0.01..10000.0;
+        force_mismatch_n = 0.3 in 0.01..10000.0;
         /// Force-proportional part of that tolerance. Too small: holds at high forces. Too large: a
         /// faulty skin is not detected at high forces.
-        disagree_share = 0.3 in 0.01..10000.0;
+        force_mismatch_share = 0.3 in 0.01..10000.0;
         /// Time for which the following error must exceed its limit before SAFE_STOP, s. Too small:
         /// stops on short disturbances. Too large: builds up force against an obstacle.
         following_s = 0.01 in 0.001..1.0;
@@ -445,6 +461,16 @@ impl Settings {
     /// # Errors
     /// [`SettingError`] if the name is unknown, the value is out of range, or it contradicts
     /// another parameter.
+    ///
+    /// ```
+    /// use atas_core::Settings;
+    ///
+    /// let mut settings = Settings::default();
+    /// assert!(settings.set("grasp.dr_n", 0.08).is_ok());
+    /// assert_eq!(settings.grasp.dr_n, 0.08);
+    /// assert!(settings.set("grasp.dr_n", 99.0).is_err(), "out of range");
+    /// assert!(settings.set("grasp.dr", 0.08).is_err(), "unknown name");
+    /// ```
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), SettingError> {
         let parameter = find(name).ok_or(SettingError::Unknown)?;
         parameter.check(value)?;
@@ -455,7 +481,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Checks all ranges and the relations in [`ORDERED`].
+    /// Checks all ranges and the relations in [`ORDERED_PAIRS`].
     ///
     /// # Errors
     /// The first [`SettingError`] found.
@@ -465,7 +491,7 @@ impl Settings {
     }
 
     fn check_order(&self) -> Result<(), SettingError> {
-        for (lower, upper) in ORDERED {
+        for (lower, upper) in ORDERED_PAIRS {
             let (lower, upper) = (self.named(lower)?, self.named(upper)?);
             if lower.1 > upper.1 {
                 return Err(SettingError::Contradiction { lower, upper });
@@ -478,6 +504,24 @@ impl Settings {
         let parameter = find(name).ok_or(SettingError::Unknown)?;
         Ok((parameter.name, (parameter.get)(self)))
     }
+}
+
+/// Returns the present name of a renamed parameter or section.
+#[must_use]
+pub fn present_name(former: &str) -> Option<&'static str> {
+    let section = |name: &'static str| name.split_once('.').map_or(name, |(section, _)| section);
+    RENAMED.iter().find_map(|&(old, new)| {
+        let moved = section(old) == former && section(new) != former;
+        (old == former)
+            .then_some(new)
+            .or_else(|| moved.then(|| section(new)))
+    })
+}
+
+/// Returns the name that a parameter had before it was renamed, or its name.
+pub(crate) fn former_name(name: &'static str) -> &'static str {
+    let renamed = RENAMED.iter().find(|(_, new)| *new == name);
+    renamed.map_or(name, |(old, _)| *old)
 }
 
 /// Returns the parameter with this name.

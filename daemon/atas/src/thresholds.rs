@@ -10,12 +10,12 @@ const F1_BELOW_F2: f64 = 0.8;
 
 /// F_2 of an existing grip without known force limit, in multiples of its force. Design choice: one
 /// step of lift verification.
-const KEEP_FACTOR: f64 = 1.2;
+const EXISTING_GRIP_FACTOR: f64 = 1.2;
 
 /// Source of F_2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Bound {
+pub enum ForceLimitSource {
     /// The hand's force limit (`grasp.f2_max_n`).
     Hand,
     /// The object's stiffness.
@@ -33,31 +33,45 @@ pub struct Thresholds {
     /// F_2: maximum grip force, N.
     pub f2_n: f64,
     /// Source of F_2.
-    pub bound: Bound,
+    pub source: ForceLimitSource,
 }
 
 impl Thresholds {
     /// Returns the thresholds for a stiffness, N/m: F_2 compresses the object by `compression_m`.
+    ///
+    /// ```
+    /// use atas_core::Settings;
+    /// use atas_core::thresholds::Thresholds;
+    ///
+    /// let grasp = Settings::default().grasp;
+    /// let soft = Thresholds::for_stiffness(500.0, &grasp);
+    /// let stiff = Thresholds::for_stiffness(20_000.0, &grasp);
+    /// assert!(soft.f2_n < stiff.f2_n, "a stiffer object tolerates more force");
+    /// ```
     #[must_use]
     pub fn for_stiffness(object_n_m: f64, settings: &Grasp) -> Self {
-        let f2_n = between(
+        let f2_n = clamp_to_upper(
             settings.compression_m * object_n_m,
             settings.f2_min_n,
             settings.f2_max_n,
         );
         let bound = if f2_n < settings.f2_max_n {
-            Bound::Object
+            ForceLimitSource::Object
         } else {
-            Bound::Hand
+            ForceLimitSource::Hand
         };
         Self::with_f2(f2_n, bound, settings)
     }
 
     /// Applies a goal's force limit, N; zero means none.
     #[must_use]
-    pub fn told(self, max_force_n: f64, settings: &Grasp) -> Self {
+    pub fn with_force_limit(self, max_force_n: f64, settings: &Grasp) -> Self {
         if max_force_n > 0.0 {
-            Self::with_f2(max_force_n.min(settings.f2_max_n), Bound::Goal, settings)
+            Self::with_f2(
+                max_force_n.min(settings.f2_max_n),
+                ForceLimitSource::Goal,
+                settings,
+            )
         } else {
             self
         }
@@ -66,47 +80,51 @@ impl Thresholds {
     /// Returns the thresholds for an existing grip from its weakest and strongest force and the
     /// reported F_2, N, zero if none.
     #[must_use]
-    pub fn found([weakest_n, strongest_n]: [f64; 2], told_n: f64, settings: &Grasp) -> Self {
-        let told = told_n.is_finite() && told_n >= settings.keep_n;
-        let f2_n = if told {
-            told_n.min(settings.f2_max_n)
+    pub fn for_existing_grip(
+        [weakest_n, strongest_n]: [f64; 2],
+        reported_f2_n: f64,
+        settings: &Grasp,
+    ) -> Self {
+        let known = reported_f2_n.is_finite() && reported_f2_n >= settings.carry_min_n;
+        let f2_n = if known {
+            reported_f2_n.min(settings.f2_max_n)
         } else {
-            KEEP_FACTOR * strongest_n
+            EXISTING_GRIP_FACTOR * strongest_n
         };
         Self {
             f1_n: weakest_n.min(F1_BELOW_F2 * f2_n),
             f2_n,
-            bound: Bound::Hand,
+            source: ForceLimitSource::Hand,
         }
     }
 
     /// Returns the largest grip force before F_2 is known, N.
     #[must_use]
-    pub fn most_n(&self, settings: &Grasp) -> f64 {
-        match self.bound {
-            Bound::Goal => self.f2_n,
-            Bound::Hand | Bound::Object => settings.f2_max_n,
+    pub fn force_ceiling_n(&self, settings: &Grasp) -> f64 {
+        match self.source {
+            ForceLimitSource::Goal => self.f2_n,
+            ForceLimitSource::Hand | ForceLimitSource::Object => settings.f2_max_n,
         }
     }
 
     /// Returns the refusal cause if an object needs more than F_2.
     #[must_use]
-    pub fn exceeded(&self) -> Cause {
-        match self.bound {
-            Bound::Hand => Cause::TOO_HEAVY,
-            Bound::Object => Cause::TOO_SOFT,
-            Bound::Goal => Cause::ABOVE_MAX_FORCE,
+    pub fn refusal_cause(&self) -> Cause {
+        match self.source {
+            ForceLimitSource::Hand => Cause::TOO_HEAVY,
+            ForceLimitSource::Object => Cause::TOO_SOFT,
+            ForceLimitSource::Goal => Cause::ABOVE_MAX_FORCE,
         }
     }
 
     /// Returns the thresholds for an unknown object, as for the softest.
     #[must_use]
-    pub fn unknown(settings: &Grasp) -> Self {
+    pub fn for_unknown_object(settings: &Grasp) -> Self {
         Self::for_stiffness(0.0, settings)
     }
 
-    fn with_f2(f2_n: f64, bound: Bound, settings: &Grasp) -> Self {
-        let f1_n = between(
+    fn with_f2(f2_n: f64, bound: ForceLimitSource, settings: &Grasp) -> Self {
+        let f1_n = clamp_to_upper(
             settings.f1_share * f2_n + settings.f1_base_n,
             settings.f1_min_n,
             settings.f1_max_n,
@@ -114,12 +132,12 @@ impl Thresholds {
         Self {
             f1_n: f1_n.min(F1_BELOW_F2 * f2_n),
             f2_n,
-            bound,
+            source: bound,
         }
     }
 }
 
 /// Clamps without panic; with contradictory bounds the upper, gentler one wins.
-fn between(value: f64, lower: f64, upper: f64) -> f64 {
+fn clamp_to_upper(value: f64, lower: f64, upper: f64) -> f64 {
     value.max(lower).min(upper)
 }

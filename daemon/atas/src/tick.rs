@@ -33,36 +33,36 @@ pub(crate) fn nanoseconds(seconds: f64) -> u64 {
 /// first tick must hold.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct StallWatch {
+pub(crate) struct StallDetector {
     step_s: f64,
     last_ns: Option<u64>,
-    still_s: f64,
+    gap_s: f64,
 }
 
-impl StallWatch {
+impl StallDetector {
     /// Creates a detector for this tick period, s.
     pub(crate) fn new(step_s: f64) -> Self {
         Self {
             step_s,
             last_ns: None,
-            still_s: 0.0,
+            gap_s: 0.0,
         }
     }
 
     /// Returns whether the last command has expired, so that the robot has stopped; slow ticks may
     /// miss one.
-    pub(crate) fn outlasts(&self, valid_s: f64) -> bool {
-        self.still_s > valid_s.max(STALL_PERIODS * self.step_s)
+    pub(crate) fn command_expired(&self, valid_s: f64) -> bool {
+        self.gap_s > valid_s.max(STALL_PERIODS * self.step_s)
     }
 
     /// Begins a tick; returns the hold reason after a stall.
     pub(crate) fn begin(&mut self, tick: Tick, allowed_s: f64) -> Reason {
         let last_ns = self.last_ns.replace(tick.now_ns).unwrap_or(tick.now_ns);
         let still_s = seconds_between(last_ns, tick.now_ns);
-        self.still_s = still_s;
+        self.gap_s = still_s;
         let allowed_s = allowed_s.max(STALL_PERIODS * self.step_s);
         if still_s > allowed_s {
-            Reason::limit(Cause::LOOP_STALLED, still_s * 1e9, allowed_s * 1e9)
+            Reason::with_limit(Cause::LOOP_STALLED, still_s * 1e9, allowed_s * 1e9)
         } else {
             Reason::default()
         }
@@ -89,13 +89,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_expired_command_is_a_stop_unless_ticks_are_slow() {
+    fn pause_expires_the_command_except_at_slow_ticks() {
         let check = |step_s: f64, valid_s: f64, still_ns: u64, stops: bool| {
-            let mut watch = StallWatch::new(step_s);
+            let mut watch = StallDetector::new(step_s);
             for now_ns in [7_000_000_000, 7_000_000_000 + still_ns] {
                 watch.begin(Tick { index: 0, now_ns }, 0.02);
             }
-            assert_eq!(watch.outlasts(valid_s), stops, "{still_ns} ns");
+            assert_eq!(watch.command_expired(valid_s), stops, "{still_ns} ns");
         };
         check(0.001, 0.005, 1_000_000, false);
         check(0.001, 0.005, 5_000_000, false);
@@ -105,9 +105,9 @@ mod tests {
     }
 
     #[test]
-    fn only_a_long_pause_between_two_ticks_is_a_stall() {
+    fn long_pause_between_ticks_is_a_stall() {
         let check = |step_s: f64, earlier_ns: u64, later_ns: u64, stalls: bool| {
-            let mut watch = StallWatch::new(step_s);
+            let mut watch = StallDetector::new(step_s);
             let at = |now_ns| Tick { index: 0, now_ns };
             assert!(
                 !watch.begin(at(earlier_ns), 0.02).is_some(),

@@ -13,15 +13,19 @@ pub fn suffix(path: &Path) -> String {
 ///
 /// # Errors
 /// A message with the allowed suffixes.
-pub fn ending_in(text: &str, suffixes: &[&str]) -> Result<PathBuf, String> {
+///
+/// ```
+/// use atas_process::file_name::parse_with_suffix;
+///
+/// assert!(parse_with_suffix("run.mcap", &["mcap"]).is_ok());
+/// assert!(parse_with_suffix("run.txt", &["mcap"]).is_err());
+/// ```
+pub fn parse_with_suffix(text: &str, suffixes: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     if suffixes.contains(&suffix(&path).as_str()) {
         return Ok(path);
     }
-    Err(format!(
-        "needs a name that ends in .{}, because that is what is written",
-        suffixes.join(", .")
-    ))
+    Err(format!("file name must end in .{}", suffixes.join(", .")))
 }
 
 #[cfg(test)]
@@ -29,9 +33,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_ends_as_its_content_is_in_any_case() {
+    fn suffix_is_checked_in_any_case() {
         let check = |text: &str, suffixes: &[&str], is_one: bool| {
-            assert_eq!(ending_in(text, suffixes).is_ok(), is_one, "{text}");
+            assert_eq!(parse_with_suffix(text, suffixes).is_ok(), is_one, "{text}");
         };
         let pictures = ["svg", "png"];
         check("x.svg", &pictures, true);

@@ -14,22 +14,25 @@
 
 pub mod command_line;
 pub mod configuration;
-pub mod end;
+pub mod exit;
 pub mod file_name;
 pub mod log;
 pub mod scheduling;
+pub mod shutdown;
 pub mod stat;
 
 use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
+use exit::Exit;
+
 /// Runs a process: starts the log, does the work, and prints the error and returns its exit code if
 /// the work fails.
 pub fn run<E: Display>(
     program: &str,
     work: impl FnOnce() -> Result<(), E>,
-    exit_code: impl FnOnce(&E) -> u8,
+    exit_code: impl FnOnce(&E) -> Exit,
 ) -> ExitCode {
     // Every ATAS process needs threads, so this failure ends it.
     let log = match log::start(log::LogFormat::Human) {
@@ -45,9 +48,9 @@ pub fn run<E: Display>(
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             let exit = exit_code(&failure);
-            let as_json = command_line::wants_json();
-            command_line::tell(program, &failure.to_string(), exit, as_json);
-            ExitCode::from(exit)
+            let as_json = command_line::json_requested();
+            command_line::print_error(program, &failure.to_string(), exit, as_json);
+            exit.into()
         }
     }
 }

@@ -32,16 +32,16 @@ pub enum LogFormat {
 }
 
 /// Capacity of the queue, lines. Design choice: some seconds of output of a daemon in trouble.
-const LINES: usize = 512;
+const QUEUE_LINES: usize = 512;
 /// Stack size of the writer thread, bytes. Kept small because the daemon locks its memory.
 const STACK_BYTES: usize = 64 << 10;
 /// Longest time that the process waits at exit for the last lines to be written.
-const LAST_LINES_WITHIN: Duration = Duration::from_millis(200);
+const FLUSH_TIMEOUT: Duration = Duration::from_millis(200);
 /// Poll interval of that wait.
-const POLL: Duration = Duration::from_millis(1);
+const FLUSH_POLL: Duration = Duration::from_millis(1);
 
 /// Handle of the running log. Dropping it waits for the last lines to be written, at most
-/// `LAST_LINES_WITHIN`.
+/// [`FLUSH_TIMEOUT`].
 #[derive(Debug)]
 pub struct Log {
     lines: Option<Sender<Vec<u8>>>,
@@ -53,7 +53,7 @@ pub struct Log {
 /// # Errors
 /// [`io::Error`] if the writer thread cannot start.
 pub fn start(format: LogFormat) -> io::Result<Log> {
-    let (send, receive) = bounded(LINES);
+    let (send, receive) = bounded(QUEUE_LINES);
     let lost = Arc::<AtomicU64>::default();
     let counted = Arc::clone(&lost);
     let writer = Builder::new()
@@ -92,8 +92,8 @@ impl Drop for Log {
         // An empty line marks the end of the queue. A full queue has no active reader, so the wait
         // is skipped.
         if lines.try_send(Vec::new()).is_ok() {
-            while !self.writer.is_finished() && begin.elapsed() < LAST_LINES_WITHIN {
-                std::thread::sleep(POLL);
+            while !self.writer.is_finished() && begin.elapsed() < FLUSH_TIMEOUT {
+                std::thread::sleep(FLUSH_POLL);
             }
         }
     }
@@ -151,8 +151,8 @@ fn write_all(lines: &Receiver<Vec<u8>>, lost: &AtomicU64, out: &mut impl Write) 
         }
         let before = lost.swap(0, Ordering::Relaxed);
         if before > 0 {
-            let told = writeln!(out, "{before} lines of the log were lost: nobody read them");
-            if told.is_err() {
+            let reported = writeln!(out, "{before} log lines lost: standard error was not read");
+            if reported.is_err() {
                 lost.fetch_add(before, Ordering::Relaxed);
             }
         }
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pipe_that_breaks_costs_lines_that_are_counted() {
+    fn broken_pipe_loses_and_counts_lines() {
         let (send, receive) = bounded(8);
         for line in ["one\n", "two\n", "three\n", ""] {
             send.send(line.into()).expect("room");
@@ -201,12 +201,12 @@ mod tests {
         let text = String::from_utf8(pipe.text).expect("text");
         assert_eq!(
             text,
-            "1 lines of the log were lost: nobody read them\ntwo\nthree\n"
+            "1 log lines lost: standard error was not read\ntwo\nthree\n"
         );
     }
 
     #[test]
-    fn a_queue_that_is_full_loses_lines_and_does_not_wait() {
+    fn full_queue_drops_lines_without_blocking() {
         let (lines, _unread) = bounded(2);
         let queue = Queue {
             lines,

@@ -21,7 +21,10 @@ impl Stat {
         let path = folder.join("stat");
         let text = std::fs::read_to_string(&path)?;
         Self::parse(&text).ok_or_else(|| {
-            let what = format!("could not read {} because it is {text:?}", path.display());
+            let what = format!(
+                "could not read {}: unexpected content {text:?}",
+                path.display()
+            );
             io::Error::new(io::ErrorKind::InvalidData, what)
         })
     }
@@ -50,7 +53,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fields_are_counted_from_the_end_of_the_name() {
+    fn fields_are_parsed_after_the_name() {
         let check = |text: &str, expected: Option<(char, u64)>| {
             let stat = Stat::parse(text).map(|stat| (stat.state, stat.page_faults));
             assert_eq!(stat, expected, "{text:?}");
@@ -64,10 +67,10 @@ mod tests {
     }
 
     #[test]
-    fn a_process_says_of_itself_that_it_runs() {
-        let own = Stat::read(Path::new("/proc/thread-self")).expect("it lives");
+    fn own_thread_is_reported_as_running() {
+        let own = Stat::read(Path::new("/proc/thread-self")).expect("the own thread exists");
         assert_eq!((own.state, own.is_stopped()), ('R', false));
-        let gone = Stat::read(Path::new("/proc/0")).expect_err("nobody");
+        let gone = Stat::read(Path::new("/proc/0")).expect_err("process 0 does not exist");
         assert_eq!(gone.kind(), io::ErrorKind::NotFound);
     }
 }

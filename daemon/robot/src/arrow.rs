@@ -1,8 +1,10 @@
-//! Equality-constrained least squares of one hand, solved in the block-arrow form that the hand's tree gives it.
+//! Equality-constrained least squares of one hand, solved in block-arrow form, which follows from
+//! the tree of its joints.
 //!
-//! Minimise ½·xᵀHx − gᵀx subject to J·x = e, softened by E: x = H⁻¹(g + Jᵀν) with (J·H⁻¹·Jᵀ + E)ν = e − J·H⁻¹g. E is ε for
-//! the middle of the tips of each side, and ε + ε_s for what they differ by: a softened equation is one with the weight 1/E.
-//! Fingers meet only in the trunk (the arm, and drives that they share), so H has the shape
+//! Minimise ½·xᵀHx − gᵀx subject to J·x = e, softened by E: x = H⁻¹(g + Jᵀν) with (J·H⁻¹·Jᵀ + E)ν =
+//! e − J·H⁻¹g. E is ε for the middle of the tips of each side, and ε + ε_s for their differences. A
+//! softened equation has the weight 1/E. Fingers meet only in the trunk (the arm, and drives that
+//! they share), so H has the shape
 //!
 //! ```text
 //!   ⎡ finger 1                    cross 1ᵀ ⎤        0 to 4 each
@@ -11,13 +13,14 @@
 //!   ⎣ cross 1     …   cross n     trunk    ⎦        0 to 9
 //! ```
 //!
-//! and its Cholesky factor has the same zeros when the fingers are eliminated first. Everything is a product of small
-//! matrices of which the first rows and columns are in use: no allocation, and sums in one order on every machine.
+//! and its Cholesky factor has the same zeros when the fingers are eliminated first. All products
+//! use small matrices of which only the first rows and columns are in use: no allocation, and the
+//! same order of summation on every machine.
 
 use arrayvec::ArrayVec;
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use crate::sizes::{FINGER_JOINTS_MAX, FINGERS_MAX, TRUNK_JOINTS_MAX};
+use crate::sizes::{FINGER_JOINTS_MAX, FINGERTIPS_MAX, TRUNK_JOINTS_MAX};
 use crate::vector::HandVector;
 
 type Trunk = SVector<f64, TRUNK_JOINTS_MAX>;
@@ -28,12 +31,12 @@ type OwnByTrunk = SMatrix<f64, FINGER_JOINTS_MAX, TRUNK_JOINTS_MAX>;
 type TrunkByTip = SMatrix<f64, TRUNK_JOINTS_MAX, 3>;
 type OwnByTip = SMatrix<f64, FINGER_JOINTS_MAX, 3>;
 /// Rows of all tips.
-const TIPS: usize = 3 * FINGERS_MAX;
+const TIPS: usize = 3 * FINGERTIPS_MAX;
 
-/// The part of the problem that belongs to one finger and its tip.
+/// Part of the problem that belongs to one finger and its tip.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct FingerBlock {
-    /// Joints of the finger: the first in hand order, and how many.
+    /// First joint of the finger in hand order, and number of joints.
     pub(crate) first_joint: usize,
     pub(crate) joint_count: usize,
     /// Diagonal block of H.
@@ -46,22 +49,23 @@ pub(crate) struct FingerBlock {
     pub(crate) tip_by_own: OwnByTip,
     /// Transposed tip Jacobian of the trunk's joints.
     pub(crate) tip_by_trunk: TrunkByTip,
-    /// Wanted change of the tip.
+    /// Requested change of the tip.
     pub(crate) e: Vector3<f64>,
-    /// The side from which the tip presses.
+    /// Grasp side of the tip.
     pub(crate) side: usize,
 }
 
-/// The whole problem of one hand.
+/// Complete problem of one hand.
 #[derive(Clone)]
 pub(crate) struct ArrowSystem {
-    pub(crate) fingers: ArrayVec<FingerBlock, FINGERS_MAX>,
+    pub(crate) fingers: ArrayVec<FingerBlock, FINGERTIPS_MAX>,
     pub(crate) trunk_h: TrunkSquare,
     pub(crate) trunk_g: Trunk,
     pub(crate) trunk_joints: usize,
     /// ε, added to the diagonal of J·H⁻¹·Jᵀ.
     pub(crate) softening: f64,
-    /// ε_s, added to what the tips of one side differ by: ε_s·(I − 1/n) over the n tips of each side.
+    /// ε_s, added to the differences between the tips of one side: ε_s·(I − 1/n) over the n tips of
+    /// each side.
     pub(crate) softening_within: f64,
 }
 
@@ -72,13 +76,14 @@ struct Factored {
     cross: OwnByTrunk,
     g: Own,
     tip: OwnByTip,
-    /// The trunk's tip Jacobian; when the trunk is factored, what is left of it with the trunk's L⁻¹ applied.
+    /// Tip Jacobian of the trunk; after the trunk is factored, its remainder with the trunk's L⁻¹
+    /// applied.
     trunk_tip: TrunkByTip,
 }
 
 impl Factored {
-    /// What a finger's elimination begins with.
-    fn of(finger: &FingerBlock) -> Self {
+    /// Creates the initial state of a finger's elimination.
+    fn new(finger: &FingerBlock) -> Self {
         Self {
             l: finger.h,
             cross: finger.cross,
@@ -99,7 +104,8 @@ impl Factored {
 }
 
 impl ArrowSystem {
-    /// Holds the joint at `value`: its column moves to the right-hand sides and its own equation becomes x = value.
+    /// Holds the joint at `value`: its column moves to the right-hand sides and its own equation
+    /// becomes x = value.
     pub(crate) fn hold(&mut self, joint: usize, value: f64) {
         if joint < self.trunk_joints {
             return self.hold_trunk(joint, value);
@@ -134,11 +140,12 @@ impl ArrowSystem {
         hold_in_square(&mut finger.h, &mut finger.g, joint, value);
     }
 
-    /// The minimiser in hand order, of `joint_count` joints, or `None` if a factorisation met a pivot that is not positive.
+    /// Returns the minimiser in hand order, of `joint_count` joints, or `None` if a factorisation
+    /// met a pivot that is not positive.
     pub(crate) fn solve(&self, joint_count: usize) -> Option<HandVector> {
-        let mut factored = ArrayVec::<Factored, FINGERS_MAX>::new();
+        let mut factored = ArrayVec::<Factored, FINGERTIPS_MAX>::new();
         for finger in &self.fingers {
-            factored.push(Factored::of(finger));
+            factored.push(Factored::new(finger));
             factored
                 .last_mut()?
                 .eliminate(finger.joint_count, self.trunk_joints)?;
@@ -225,12 +232,12 @@ impl ArrowSystem {
         forward_substitute(trunk_l, trunk_tip, n, 3);
     }
 
-    /// ν: the multipliers that bring each tip where it should be.
+    /// Returns ν: the multipliers that bring each tip to its target.
     fn constraint_forces(
         &self,
         factored: &[Factored],
         trunk_g: &Trunk,
-    ) -> Option<[Vector3<f64>; FINGERS_MAX]> {
+    ) -> Option<[Vector3<f64>; FINGERTIPS_MAX]> {
         let (n, tips) = (self.trunk_joints, 3 * self.fingers.len());
         let mut a = SMatrix::<f64, TIPS, TIPS>::from_diagonal_element(self.softening);
         let mut residual = SVector::<f64, TIPS>::zeros();
@@ -263,7 +270,8 @@ impl ArrowSystem {
         }))
     }
 
-    /// Lets the tips of one side differ from each other at the price of ε_s; their middle is met as a tip by itself is.
+    /// Lets the tips of one side differ from each other at the cost ε_s. Their middle is treated
+    /// like a single tip.
     fn soften_within_sides(&self, a: &mut SMatrix<f64, TIPS, TIPS>) {
         for (first, finger) in self.fingers.iter().enumerate() {
             let on_side = |other: &FingerBlock| other.side == finger.side;
@@ -283,7 +291,7 @@ impl ArrowSystem {
     }
 }
 
-/// The sum of some terms, from the first to the last.
+/// Returns the sum of terms, from the first to the last.
 fn dot(count: usize, term: impl Fn(usize) -> f64) -> f64 {
     (0..count).fold(0.0, |sum, k| sum + term(k))
 }
@@ -300,7 +308,8 @@ fn hold_in_square<const N: usize>(
     g[joint] = value;
 }
 
-/// Makes the first `n` rows their lower Cholesky factor; reads only the lower triangle, leaves the upper one as it was.
+/// Replaces the first `n` rows by their lower Cholesky factor; reads only the lower triangle and
+/// keeps the upper one.
 fn cholesky<const N: usize>(m: &mut SMatrix<f64, N, N>, n: usize) -> Option<()> {
     for j in 0..n {
         for k in 0..j {

@@ -1,4 +1,5 @@
-//! How a hand that points down turns about the vertical: by its arm's first joint, by its last, or not at all.
+//! Rotation of a hand that points down about the vertical: by the arm's first joint, by its last,
+//! or not at all.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -8,13 +9,13 @@ use crate::model::HandModel;
 use crate::turning::Turn;
 use crate::vector::HandVector;
 
-/// How closely an axis must be parallel to another to count as such, as the cosine between them.
+/// Smallest cosine between two axes that count as parallel.
 const PARALLEL_COS: f64 = 0.999;
-/// Angles nearer than this to a whole number of quarter turns are that number, rad: rounding.
+/// Tolerance around whole quarter turns, rad: rounding.
 const ROUNDING_RAD: f64 = 1e-9;
 
 impl HandModel {
-    /// Reads off the reference posture how the hand turns.
+    /// Determines from the reference posture how the hand turns.
     pub(crate) fn find_turning(&mut self) {
         let pose = self.forward(&self.reference_rad);
         let turns_about = |joint: usize, axis: Vector3<f64>| {
@@ -31,18 +32,19 @@ impl HandModel {
             let zero_rad = snapped(self.reference_rad[0] - sign * bearing_rad);
             self.turning.base = Some(Turn { sign, zero_rad });
         }
-        // The roll at the reference posture counts as zero, so that the yaw holds what is left.
+        // The roll at the reference posture counts as zero, so the yaw contains the rest.
         let roll = (arm > 1).then(|| turns_about(arm - 1, pose.hand_axis()));
         let yaw_rad = libm::atan2(closing.y, closing.x) - self.bearing_rad(&middle_m);
         self.turning.wrist = roll.flatten().map(|sign| Turn {
             sign,
             zero_rad: snapped(self.reference_rad[arm - 1]),
         });
-        self.turning.yaw_rad = snapped(wound(yaw_rad));
+        self.turning.yaw_rad = snapped(wrapped(yaw_rad));
     }
 
-    /// Direction from the shoulder to a point in the horizontal plane, radians, if the arm's first joint turns it about the
-    /// vertical, else 0: a hand of such an arm that points down keeps its closing yaw wherever it is.
+    /// Direction from the shoulder to a point in the horizontal plane, radians, if the arm's first
+    /// joint turns it about the vertical, else 0: a hand of such an arm that points down keeps its
+    /// closing yaw wherever it is.
     #[must_use]
     pub fn bearing_rad(&self, point_m: &Vector3<f64>) -> f64 {
         if self.turning.base.is_none() {
@@ -52,7 +54,8 @@ impl HandModel {
         libm::atan2(from_shoulder.y, from_shoulder.x)
     }
 
-    /// The closing yaw of a hand over `centre_m` that points down in these joint angles, up to whole turns, radians.
+    /// Returns the closing yaw of a hand over `centre_m` that points down in this posture, up to
+    /// whole turns, radians.
     #[must_use]
     pub fn yaw_of_joints_rad(&self, q_rad: &HandVector, centre_m: &Vector3<f64>) -> f64 {
         let roll_rad = self.turning.wrist.map_or(0.0, |wrist| {
@@ -65,7 +68,8 @@ impl HandModel {
         self.bearing_rad(centre_m) + self.turning.yaw_rad - roll_rad
     }
 
-    /// Turns a posture's arm towards a point and its wrist to a closing yaw there, as far as it has such joints.
+    /// Turns the arm of a posture towards a point and its wrist to a closing yaw, if it has such
+    /// joints.
     pub(crate) fn turn_towards(
         &self,
         q_rad: &mut HandVector,
@@ -81,14 +85,29 @@ impl HandModel {
         }
     }
 
-    /// Roll that gives a hand over `centre_m` that points down the closing yaw, brought into (−180°, 180°].
+    /// Returns the wrist roll in (−180°, 180°] that gives a hand that points down over `centre_m`
+    /// the closing yaw.
     fn wrist_roll_rad(&self, centre_m: &Vector3<f64>, closing_yaw_rad: f64) -> f64 {
-        wound(self.bearing_rad(centre_m) + self.turning.yaw_rad - closing_yaw_rad)
+        wrapped(self.bearing_rad(centre_m) + self.turning.yaw_rad - closing_yaw_rad)
     }
 
-    /// Of the two closing yaws that hold an object the same way (sides exchanged: yaw and yaw + 180°), the one that keeps
-    /// the wrist roll within ±90°, radians. For a move, pass the centre at mid-path: the choice then holds from start to
-    /// end.
+    /// Returns the equivalent closing yaw that keeps the wrist roll within ±90°, radians. An object
+    /// can be held at a yaw or at yaw + 180° (sides exchanged). For a move, pass the centre at
+    /// mid-path, so that the choice holds from start to end.
+    ///
+    /// ```
+    /// # #[cfg(feature = "std")] {
+    /// # use nalgebra::Vector3;
+    /// # use robot_model::{HandSide, RobotModel};
+    /// let robot = RobotModel::two_hand_arm()?;
+    /// let hand = robot.hand(HandSide::Right);
+    /// let centre_m = Vector3::new(0.3, -0.1, 0.05);
+    /// // Both yaws hold the object; one of them keeps the wrist within its range.
+    /// let yaw_rad = hand.closing_yaw_rad(&centre_m, 0.2);
+    /// assert!(yaw_rad == 0.2 || yaw_rad == 0.2 + std::f64::consts::PI);
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn closing_yaw_rad(&self, centre_m: &Vector3<f64>, closing_yaw_rad: f64) -> f64 {
         let roll = self.wrist_roll_rad(centre_m, closing_yaw_rad);
@@ -100,12 +119,12 @@ impl HandModel {
     }
 }
 
-/// The same angle in (−180°, 180°].
-fn wound(angle_rad: f64) -> f64 {
+/// Wraps an angle to (−180°, 180°].
+fn wrapped(angle_rad: f64) -> f64 {
     angle_rad - 2.0 * PI * libm::round(angle_rad / (2.0 * PI))
 }
 
-/// The angle without the rounding about a whole number of quarter turns.
+/// Removes rounding near whole quarter turns.
 fn snapped(angle_rad: f64) -> f64 {
     let quarters = libm::round(angle_rad / FRAC_PI_2) * FRAC_PI_2;
     if libm::fabs(angle_rad - quarters) < ROUNDING_RAD {

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 use crate::transform::Transform;
 
-/// Most capsules of one hand: the two-hand arm has 15 (shoulder, upper arm, forearm, wrist, palm; per finger root, proximal,
-/// distal, dome and the stem behind it).
+/// Most capsules of one hand: the two-hand arm has 15 (shoulder, upper arm, forearm, wrist, palm;
+/// per finger root, proximal, distal, dome and the stem behind it).
 pub const CAPSULES_MAX: usize = 24;
 
 /// All points within `radius_m` of the segment from `a_m` to `b_m`.
@@ -34,8 +34,9 @@ impl Capsule {
 }
 
 impl Capsule {
-    /// The smallest capsule about two bodies of one joint whose axis joins two of their four ends.
-    pub(crate) fn about(&self, other: &Self) -> Self {
+    /// Returns the smallest capsule around two bodies of one joint whose axis joins two of their
+    /// four ends.
+    pub(crate) fn enclosing(&self, other: &Self) -> Self {
         let balls = [self, other].map(|of| [(of.a_m, of.radius_m), (of.b_m, of.radius_m)]);
         let balls = balls.as_flattened();
         let mut least = self.between(self.a_m, self.b_m, balls);
@@ -50,7 +51,7 @@ impl Capsule {
         least
     }
 
-    /// Between two points, as thick as it must be to hold these balls.
+    /// Returns the capsule between two points that contains these balls.
     fn between(&self, a_m: Vector3<f64>, b_m: Vector3<f64>, balls: &[(Vector3<f64>, f64)]) -> Self {
         let mut body = Self {
             a_m,
@@ -71,7 +72,7 @@ impl Capsule {
         body
     }
 
-    /// How much room it takes, m³.
+    /// Returns the volume, m³.
     pub(crate) fn volume_m3(&self) -> f64 {
         let across_m2 = core::f64::consts::PI * self.radius_m * self.radius_m;
         across_m2 * (self.radius_m * 4.0 / 3.0 + (self.b_m - self.a_m).norm())
@@ -83,13 +84,13 @@ impl Capsule {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Capsules {
     shapes: [Capsule; CAPSULES_MAX],
-    /// The frame that moves each: a joint that is mimicked moves several.
+    /// Moving frame of each capsule. Mimicked joints move several.
     frames: [usize; CAPSULES_MAX],
     count: usize,
 }
 
 impl Capsules {
-    /// No capsules.
+    /// Creates an empty set.
     #[must_use]
     pub const fn new() -> Capsules {
         Capsules {
@@ -99,7 +100,7 @@ impl Capsules {
         }
     }
 
-    /// Adds one capsule that this frame moves; `false` if there is no room.
+    /// Adds a capsule of this frame. Returns false if there is no room.
     #[must_use]
     pub fn push(&mut self, capsule: Capsule, frame: usize) -> bool {
         let Some(slot) = self.shapes.get_mut(self.count) else {
@@ -113,13 +114,13 @@ impl Capsules {
 }
 
 impl Capsules {
-    /// Those that a frame moves.
+    /// Returns the capsules of a frame.
     pub(crate) fn moved_by(&self, frame: Option<usize>) -> impl Iterator<Item = &Capsule> {
         let bodies = self.iter().zip(self.frames);
         bodies.filter_map(move |(body, of)| (Some(of) == frame).then_some(body))
     }
 
-    /// The same bodies, each moved from its frame to the base frame.
+    /// Returns the bodies in the base frame.
     pub(crate) fn placed(&self, base_from_frame: &[Transform]) -> Self {
         let mut placed = *self;
         for (capsule, frame) in placed.shapes[..placed.count].iter_mut().zip(self.frames) {
@@ -145,16 +146,17 @@ impl Deref for Capsules {
     }
 }
 
-/// The bodies of two sets that are nearest to each other.
+/// Nearest bodies of two sets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Gap between them, metres: negative when they overlap, minus infinity (never safe) if a coordinate is not finite.
+    /// Gap between them, metres: negative when they overlap, minus infinity (never safe) if a
+    /// coordinate is not finite.
     pub gap_m: f64,
-    /// Joints that move them, each of its own hand.
+    /// Joint of each hand that moves its body.
     pub joints: [usize; 2],
 }
 
-/// The nearest pair of bodies of two sets; an infinite gap if a set is empty.
+/// Returns the nearest pair of bodies of two sets; an infinite gap if a set is empty.
 #[must_use]
 pub fn nearest(ours: &[Capsule], theirs: &[Capsule]) -> Nearest {
     let mut nearest = Nearest {
@@ -177,13 +179,24 @@ pub fn nearest(ours: &[Capsule], theirs: &[Capsule]) -> Nearest {
     nearest
 }
 
-/// Smallest gap between a body of one set and a body of the other, see [`nearest`].
+/// Returns the smallest gap between two sets, see [`nearest`].
+///
+/// ```
+/// use nalgebra::Vector3;
+/// use robot_model::{Capsule, clearance_m};
+///
+/// let ball = |x_m| {
+///     let centre_m = Vector3::new(x_m, 0.0, 0.0);
+///     Capsule { a_m: centre_m, b_m: centre_m, radius_m: 0.01, joint: 0 }
+/// };
+/// assert!((clearance_m(&[ball(0.0)], &[ball(0.1)]) - 0.08).abs() < 1e-12);
+/// ```
 #[must_use]
 pub fn clearance_m(ours: &[Capsule], theirs: &[Capsule]) -> f64 {
     nearest(ours, theirs).gap_m
 }
 
-/// Farthest that an end of a body moved between two poses of the same hand, metres.
+/// Returns the largest motion of an end of a body between two poses of a hand, metres.
 #[must_use]
 pub fn farthest_move_m(before: &[Capsule], after: &[Capsule]) -> f64 {
     let moves = before
@@ -193,7 +206,7 @@ pub fn farthest_move_m(before: &[Capsule], after: &[Capsule]) -> f64 {
     moves.fold(0.0, f64::max)
 }
 
-/// Gap between two capsules, or a lower bound of it that is not below `enough_m`.
+/// Returns the gap between two capsules, or a lower bound of it that is at least `enough_m`.
 fn gap_m(a: &Capsule, b: &Capsule, enough_m: f64) -> f64 {
     let (along_a, along_b) = (a.b_m - a.a_m, b.b_m - b.a_m);
     let between_middles = (a.a_m + along_a * 0.5) - (b.a_m + along_b * 0.5);
@@ -206,13 +219,14 @@ fn gap_m(a: &Capsule, b: &Capsule, enough_m: f64) -> f64 {
     }
 }
 
-/// Distance between the segments of two capsules, metres. Source: closest points of two segments (Ericson, Real-Time
-/// Collision Detection, 5.1.9).
+/// Distance between the segments of two capsules, metres. Source: closest points of two segments
+/// (Ericson, Real-Time Collision Detection, 5.1.9).
 fn segment_distance_m(one: &Capsule, two: &Capsule) -> f64 {
     let (d1, d2, between) = (one.b_m - one.a_m, two.b_m - two.a_m, one.a_m - two.a_m);
     let (a, e, b) = (d1.norm_squared(), d2.norm_squared(), d1.dot(&d2));
     let (c, f) = (d1.dot(&between), d2.dot(&between));
-    // The fraction along each segment; a segment without length or a parallel pair may take any fraction: take 0.
+    // Fractions along each segment. A segment without length or a parallel pair may take any
+    // fraction: 0.
     let fraction = |numerator: f64, denominator: f64| {
         if denominator > 0.0 {
             (numerator / denominator).clamp(0.0, 1.0)

@@ -1,4 +1,4 @@
-//! The texts that a robot is made of: those that ship, and finding others by the path of a robot file.
+//! Texts of a robot (URDF and robot file): built-in ones, and others by the path of a robot file.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -11,10 +11,19 @@ use crate::robot::RobotModel;
 use crate::robot_file::RobotFile;
 use crate::urdf::{ModelError, remarks};
 
-/// The two texts of a robot, and what users call it.
+/// URDF and robot file of a robot, with its name for users.
+///
+/// ```
+/// use robot_model::RobotFiles;
+///
+/// let files = RobotFiles::find("two-hand-arm")?;
+/// assert_eq!(files.load()?.joint_count(), 22);
+/// assert!(RobotFiles::find("no-such-robot").is_err());
+/// # Ok::<(), robot_model::ModelError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotFiles {
-    /// A robot that ships, or the path of a robot file: what `--robot` was told.
+    /// Name of a built-in robot, or path of a robot file: the value of `--robot`.
     pub name: Cow<'static, str>,
     /// Text of its URDF.
     pub urdf: Cow<'static, str>,
@@ -32,10 +41,10 @@ macro_rules! shipped {
     };
 }
 
-/// The paper's two-hand arm, the default.
+/// Two-hand arm of the paper, the default.
 pub const TWO_HAND_ARM: RobotFiles = shipped!("two-hand-arm");
 
-/// The robots that ship, the default first.
+/// Built-in robots, the default first.
 pub const SHIPPED: [RobotFiles; 4] = [
     TWO_HAND_ARM,
     shipped!("arm7-gripper"),
@@ -44,8 +53,8 @@ pub const SHIPPED: [RobotFiles; 4] = [
 ];
 
 impl RobotFiles {
-    /// Finds a robot that ships by its name, or another by the path of its robot file, which names its URDF or has it beside
-    /// itself under its own name.
+    /// Finds a built-in robot by name, or another by the path of its robot file. The robot file
+    /// names its URDF, or the URDF has the same name with the extension `.urdf`.
     ///
     /// # Errors
     /// [`ModelError`] if there is none of this name, or its files cannot be read.
@@ -79,31 +88,26 @@ impl RobotFiles {
         })
     }
 
-    /// What tells recordings of one robot from those of another: FNV-1a 64 over both texts.
+    /// Returns the FNV-1a 64 hash of both texts, which distinguishes recordings of different
+    /// robots.
     #[must_use]
     pub fn hash(&self) -> u64 {
         let urdf = fnv1a(FNV_OFFSET, self.urdf.as_bytes());
         fnv1a(urdf, self.robot_file.as_bytes())
     }
 
-    /// What of its collision shapes is passed over or taken for something else, a sentence each.
-    ///
-    /// # Errors
-    /// As [`RobotModel::load`].
+    /// Returns one sentence for each collision shape that was ignored or approximated.
     pub fn remarks(&self) -> Result<Vec<String>, ModelError> {
         remarks(&self.urdf, &self.robot_file)
     }
 
-    /// Makes the robot of them.
-    ///
-    /// # Errors
-    /// As [`RobotModel::load`]; none for those that ship: a test loads every one.
+    /// Loads the robot.
     pub fn load(&self) -> Result<RobotModel, ModelError> {
         RobotModel::load(&self.urdf, &self.robot_file)
     }
 }
 
-/// Names of the robots that ship, the default first.
+/// Returns the names of the built-in robots, the default first.
 pub fn shipped_names() -> impl Iterator<Item = String> {
     SHIPPED.into_iter().map(|shipped| shipped.name.to_string())
 }
@@ -113,18 +117,12 @@ fn text(path: PathBuf) -> Result<String, ModelError> {
 }
 
 impl RobotModel {
-    /// The paper's robot.
-    ///
-    /// # Errors
-    /// None in a released crate: a test loads it.
+    /// Loads the robot of the paper.
     pub fn two_hand_arm() -> Result<RobotModel, ModelError> {
         TWO_HAND_ARM.load()
     }
 
-    /// The robot of a name or robot file: see [`RobotFiles::find`].
-    ///
-    /// # Errors
-    /// As [`RobotFiles::find`] and [`RobotModel::load`].
+    /// Loads the robot with this name or robot file; see [`RobotFiles::find`].
     pub fn find(robot: &str) -> Result<RobotModel, ModelError> {
         RobotFiles::find(robot)?.load()
     }

@@ -1,29 +1,30 @@
-//! Forward kinematics of one hand: joint angles in, the frames of all joints, of the hand and of its tips out.
+//! Forward kinematics of one hand: from joint positions to frames of joints, hand and fingertips.
 
 use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 
 use crate::capsule::Capsules;
 use crate::model::{HandModel, Mounted};
-use crate::sizes::{FINGERS_MAX, FRAMES_MAX, VIRTUAL_FINGERS};
+use crate::sizes::{FINGERTIPS_MAX, FRAMES_MAX, GRASP_SIDES};
 use crate::transform::Transform;
 use crate::vector::HandVector;
 
-/// Where everything of one hand is for one joint vector; all coordinates in the base frame.
+/// Pose of one hand for one joint vector; all coordinates in the base frame.
 ///
-/// Made only by [`HandModel::forward`], so frames and joint angles always belong together.
+/// [`HandModel::forward`] and [`HandModel::place`] are the only constructors, so frames and joint
+/// positions always match.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandPose {
     q_rad: HandVector,
     pub(crate) base_from_frame: ArrayVec<Transform, FRAMES_MAX>,
     base_from_hand: Transform,
     hand_axis: Vector3<f64>,
-    base_from_tip: ArrayVec<Transform, FINGERS_MAX>,
-    side_m: [Vector3<f64>; VIRTUAL_FINGERS],
+    base_from_tip: ArrayVec<Transform, FINGERTIPS_MAX>,
+    side_m: [Vector3<f64>; GRASP_SIDES],
 }
 
 impl HandPose {
-    /// The joint angles that this pose was computed from, radians.
+    /// Joint positions of this pose.
     #[must_use]
     pub fn q_rad(&self) -> &HandVector {
         &self.q_rad
@@ -41,17 +42,18 @@ impl HandPose {
         self.base_from_frame[frame].z_axis()
     }
 
-    /// The frame of the link that carries the fingers.
+    /// Frame of the link that carries the fingers.
     #[must_use]
     pub fn base_from_hand(&self) -> &Transform {
         &self.base_from_hand
     }
 
-    /// The frame of each tip: origin in the centre of the dome's sphere, z = dome axis a, x = −u, y = u × a, where
-    /// "up" u is against the hand's pointing direction at the straight pose, made normal to a.
+    /// The frame of each tip: origin in the centre of the dome's sphere, z = dome axis a, x = −u, y
+    /// = u × a, where "up" u is against the hand's pointing direction at the straight pose, made
+    /// normal to a.
     ///
-    /// A point of the dome at polar angle θ and azimuth φ (`dome-41`: d = a·cosθ + sinθ·(y·cosφ + u·sinφ)) therefore
-    /// lies along (−sinθ·sinφ, sinθ·cosφ, cosθ) in this frame.
+    /// A point of the dome at polar angle θ and azimuth φ (`dome-41`: d = a·cosθ + sinθ·(y·cosφ +
+    /// u·sinφ)) therefore lies along (−sinθ·sinφ, sinθ·cosφ, cosθ) in this frame.
     #[must_use]
     pub fn base_from_tip(&self) -> &[Transform] {
         &self.base_from_tip
@@ -69,10 +71,10 @@ impl HandPose {
         self.base_from_tip[finger].z_axis()
     }
 
-    /// Mean of the dome centres that press from one side, metres.
+    /// Mean of the dome centres of one grasp side, metres.
     #[must_use]
-    pub fn side_m(&self, virtual_finger: usize) -> Vector3<f64> {
-        self.side_m[virtual_finger]
+    pub fn side_m(&self, side: usize) -> Vector3<f64> {
+        self.side_m[side]
     }
 
     /// The hand's pointing direction, unit length.
@@ -83,24 +85,25 @@ impl HandPose {
 }
 
 impl HandModel {
-    /// Forward kinematics. A joint angle that is not finite makes the frames behind it not finite, nothing else; one that is
-    /// missing counts as 0.
+    /// Computes the pose. A joint position that is not finite makes only the frames behind it not
+    /// finite; a missing one counts as 0.
     #[must_use]
     pub fn forward(&self, q_rad: &HandVector) -> HandPose {
-        // Part by part: a pose copied from a constant would copy the room of all frames.
+        // Each field is set alone. A copy of a constant would copy the storage of unused frames too.
         let mut pose = HandPose {
             q_rad: *q_rad,
             base_from_frame: ArrayVec::new(),
             base_from_hand: Transform::IDENTITY,
             hand_axis: Vector3::zeros(),
             base_from_tip: ArrayVec::new(),
-            side_m: [Vector3::zeros(); VIRTUAL_FINGERS],
+            side_m: [Vector3::zeros(); GRASP_SIDES],
         };
         self.compute(&mut pose, q_rad);
         pose
     }
 
-    /// Makes a pose of this hand that of these joint angles, in place; one that is already stays as it is.
+    /// Computes the pose of these joint positions in place; does nothing if the pose already has
+    /// them.
     pub fn place(&self, pose: &mut HandPose, q_rad: &HandVector) {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         let stays =
@@ -141,9 +144,9 @@ impl HandModel {
         pose.side_m = core::array::from_fn(|side| self.middle_m(side, &pose.base_from_tip));
     }
 
-    /// Mean of the tips that press from one side, metres.
+    /// Mean of the tips of one grasp side, metres.
     fn middle_m(&self, side: usize, base_from_tip: &[Transform]) -> Vector3<f64> {
-        let tips_m = self.fingers_of(side);
+        let tips_m = self.fingertips_of(side);
         let tips_m = tips_m.map(|finger| base_from_tip[finger].translation_m);
         let (sum_m, count) = tips_m.fold((Vector3::zeros(), 0.0), |(sum_m, count), tip_m| {
             (sum_m + tip_m, count + 1.0)
@@ -151,8 +154,9 @@ impl HandModel {
         if count > 0.0 { sum_m / count } else { sum_m }
     }
 
-    /// Height of the lowest point of the middle lines of the bodies that carry the fingers, base frame, m; infinite without
-    /// such bodies. Without their radius: a capsule about a flat palm reaches far below it.
+    /// Returns the height of the lowest point of the centre lines of the bodies that carry the
+    /// fingers, base frame, m; infinity without such bodies. Radii are ignored: a capsule around a
+    /// flat palm reaches far below it.
     #[must_use]
     pub fn lowest_of_palm_m(&self, pose: &HandPose) -> f64 {
         let capsules = self.capsules(pose);
@@ -162,8 +166,8 @@ impl HandModel {
         })
     }
 
-    /// How far an object may reach above where the fingertips of the reference posture close before it meets what carries the
-    /// fingers, m; see [`HandModel::lowest_of_palm_m`].
+    /// Returns the height from the closing point of the fingertips at the reference posture to the
+    /// palm, m: the space for an object. See [`HandModel::lowest_of_palm_m`].
     #[must_use]
     pub fn room_over_tips_m(&self) -> f64 {
         let pose = self.forward(&self.reference_rad);
@@ -171,7 +175,7 @@ impl HandModel {
         self.lowest_of_palm_m(&pose) - middle_m.z
     }
 
-    /// The collision bodies of the hand at a pose, base frame.
+    /// Returns the collision bodies of the hand at a pose, base frame.
     #[must_use]
     pub fn capsules(&self, pose: &HandPose) -> Capsules {
         self.capsules.placed(&pose.base_from_frame)

@@ -1,70 +1,77 @@
 //! Inverse kinematics of one hand: one constrained least-squares step per control tick.
 //!
-//! Integrate on the commanded angles, starting from the last command. With tip Jacobian J_p, dome-axis Jacobian J_a,
-//! hand-axis Jacobian J_h and their errors e, each step minimises
+//! Inputs: pose, Jacobian, target. Output: the next command. The caller integrates on commanded
+//! positions, from the last command. With tip Jacobian J_p, dome-axis Jacobian J_a, hand-axis
+//! Jacobian J_h and their errors e, each step minimises
 //!
 //! ```text
-//!   w_a²·|J_a·dq − g·e_a|² + w_h²·|J_h·dq − g·e_h|² + Σ w_j²·(dq_j − g·(q_ref,j − q_j))² + λ²·|dq|²
-//!   subject to  J_p·dq = e_p (softened by ε)   and   limits − q ≤ dq ≤ limits − q,  |dq| ≤ v_max·dt
+//!   w_a²·|J_a·dq − g·e_a|² + w_h²·|J_h·dq − g·e_h|² + λ²·|dq|²
+//!     + Σ w_j²·(dq_j − g·(q_ref,j − q_j))²
+//!   subject to  J_p·dq = e_p (softened by ε),  lower − q ≤ dq ≤ upper − q,  |dq| ≤ v_max·dt
 //! ```
 //!
-//! Tip positions are met first, dome axes next, then the hand's direction, then the reference posture. Of several tips that
-//! press from one side only the middle is met like that: a side acts as one *virtual finger* (Arbib, Iberall and Lyons 1985),
-//! and what its tips differ by is one more weighted term, w_s²·|J_p·dq − e_p|² about the middle. To meet every one of them exactly
-//! would leave such a hand no freedom: two fingers that bend in parallel planes keep their distance whatever they do.
-//! The box is met by
-//! an active set of at most [`ACTIVE_SET_PASSES`] solves and a final clamp. A step that cannot be computed moves nothing
-//! and says so. Deliberately absent: any memory (the caller owns the command), any clock.
+//! Priorities: tip positions, dome axes, hand direction, reference posture. If several tips press
+//! from one grasp side, only their middle is an equality constraint: a side acts as one *virtual
+//! finger* (Arbib, Iberall and Lyons 1985). Differences between its tips are one more weighted
+//! term, w_s²·|J_p·dq − e_p|² about the middle. Equality for every tip would leave such a hand no
+//! freedom: two fingers that bend in parallel planes keep their distance.
+//!
+//! An active set of at most [`ACTIVE_SET_PASSES`] solves and a final clamp keep the limits. A step
+//! that cannot be computed moves nothing and reports this. The module has no memory and no clock.
 
 use crate::arrow::{ArrowSystem, FingerBlock};
 use crate::forward::HandPose;
 use crate::jacobian::{HandJacobian, Rows3};
 use crate::model::HandModel;
-use crate::sizes::{FINGERS_MAX, HAND_JOINTS_MAX};
+use crate::sizes::{FINGERTIPS_MAX, HAND_JOINTS_MAX};
 use crate::target::HandTarget;
 use crate::vector::HandVector;
 use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 
-/// Solves per step: joints found outside the box are held at its edge and the rest solved again. Ours: three bound the
-/// time of a step; joints that are still outside after the last one are clamped.
+/// Largest number of solves per step. Joints outside the box are held at its edge and the others
+/// are solved again. Design choice: three bound the time of a step; joints that are still outside
+/// are clamped.
 pub const ACTIVE_SET_PASSES: usize = 3;
 
-/// How far outside its box a joint may be before it counts as outside, radians: rounding of the solve. Ours.
+/// Distance outside the box at which a joint counts as outside, radians: rounding of the solve.
 const BOX_TOLERANCE_RAD: f64 = 1e-12;
 
-/// Weights of the least-squares step. The values of [`IkWeights::TICK`] are ours, tuned on a prototype.
+/// Weights of the least-squares step. [`IkWeights::TICK`] was tuned on a prototype.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IkWeights {
     /// w_a, weight of the dome axes.
     pub dome_axis: f64,
     /// w_h, weight of the hand's direction.
     pub hand_axis: f64,
-    /// w, weight of the reference posture of every joint but the finger roots. At rest anywhere in the workspace 0.02
-    /// costs the dome axes at most 0.09°, 0.04 costs 0.28° (measured).
+    /// w, weight of the reference posture of every joint but the finger roots. At rest anywhere in
+    /// the workspace 0.02 costs the dome axes at most 0.09°, 0.04 costs 0.28° (measured).
     pub posture: f64,
     /// w of the finger roots, the joints that tilt a finger about the closing axis.
     pub root_posture: f64,
-    /// w of a joint that is its finger's only one: how far both sides are open is asked of the tips, so it says how evenly they share
-    /// it. Ours: the posture of the arm would otherwise move the hand aside until one jaw of two stood at its stop.
+    /// w of a finger's only joint, which sets how both sides share the opening. Design choice: with
+    /// a smaller weight, the posture of the arm moves the hand sideways until one of two jaws
+    /// reaches its limit.
     pub lone_posture: f64,
     /// λ, damping of dq.
     pub damping: f64,
-    /// g, the fraction of each secondary error removed per step; the same for all of them, because unequal gains jump
-    /// at the start of a move (45 rad/s² in a prototype). The price is lag: 0.6° of dome axis while an empty hand
-    /// turns by 30° in 2 s (measured).
+    /// g, the fraction of each secondary error removed per step; the same for all of them, because
+    /// unequal gains jump at the start of a move (45 rad/s² in a prototype). The price is lag: 0.6°
+    /// of dome axis while an empty hand turns by 30° in 2 s (measured).
     pub secondary_gain: f64,
-    /// 1/w_s², by how much the tips of one side may miss what they shall differ by, m². Ours: over 45 mm between two tips, a turn
-    /// of the hand costs as much by their places as by their dome axes; 1e-2 leaves them so loose that the hand sways (measured).
+    /// 1/w_s², tolerance of the differences between the tips of one side, m². Design choice: with
+    /// 45 mm between two tips, a turn of the hand then costs as much by their places as by their
+    /// dome axes. At 1e-2 the hand sways (measured).
     pub within_side_m2: f64,
-    /// ε at small tip errors, m²: keeps the solve regular when the tips cannot move as asked.
+    /// ε at small tip errors, m²: keeps the solve regular when the tips cannot move as requested.
     pub softening_m2: f64,
-    /// Growth of ε with the tip error beyond [`softening_from_m`](Self::softening_from_m), m² per metre: stops chatter
-    /// at the speed limit when a target is out of reach.
+    /// Growth of ε with the tip error beyond [`softening_from_m`](Self::softening_from_m), m² per
+    /// metre: stops chatter at the speed limit when a target is out of reach.
     pub softening_slope_m: f64,
     /// Tip error from which ε grows, metres.
     pub softening_from_m: f64,
-    /// Longest tip motion asked of one step, metres; a farther target is approached at this length per step.
+    /// Longest tip motion of one step, metres. A farther target is approached in steps of this
+    /// length.
     pub tip_step_max_m: f64,
 }
 
@@ -85,7 +92,7 @@ impl IkWeights {
         tip_step_max_m: 2e-3,
     };
 
-    /// Steps of [`HandModel::solve`]: long, without regard for smoothness.
+    /// Steps of [`HandModel::solve`]: long, not smooth.
     pub const SOLVE: IkWeights = IkWeights {
         secondary_gain: 0.3,
         softening_slope_m: 0.0,
@@ -94,35 +101,37 @@ impl IkWeights {
     };
 }
 
-/// How a step ended.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IkStatus {
-    /// No joint was held back.
+    /// No joint reached a limit.
     Free,
-    /// At least one joint was held back by its position limit or its speed limit.
+    /// A position or speed limit held at least one joint back.
     AtLimit,
-    /// The step could not be computed (an input was not finite, or the equations were singular): nothing moves.
+    /// The step could not be computed: an input was not finite, or the equations were singular.
+    /// Nothing moves.
     Failed,
 }
 
 /// One step of the inverse kinematics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IkStep {
-    /// The next command, radians: the pose's angles plus `dq_rad`, inside the position limits if the pose was.
+    /// The next command, radians: the pose's angles plus `dq_rad`, inside the position limits if
+    /// the pose was.
     pub q_rad: HandVector,
     /// The change, radians; always finite, at most v_max·dt per joint.
     pub dq_rad: HandVector,
-    /// How the step ended.
+    /// Result of the step.
     pub status: IkStatus,
-    /// Distance of the farther side from its target before the step, metres: of the middle of the tips that press from it;
-    /// infinite if the step failed.
+    /// Distance of the farther grasp side from its target before the step, metres, by the middle of
+    /// its tips; infinite if the step failed.
     pub tip_error_m: f64,
 }
 
-/// What is wrong at the pose, and how hard to correct it.
+/// Errors at the pose, and their weights.
 struct TaskError {
-    tip: [Vector3<f64>; FINGERS_MAX],
-    dome_axis: [Vector3<f64>; FINGERS_MAX],
+    tip: [Vector3<f64>; FINGERTIPS_MAX],
+    dome_axis: [Vector3<f64>; FINGERTIPS_MAX],
     hand_axis: Vector3<f64>,
     tip_error_m: f64,
 }
@@ -134,7 +143,8 @@ struct StepBox {
 }
 
 impl HandModel {
-    /// One step from `pose` towards `target` in `dt_s` seconds. `jacobian` must be the one of `pose`.
+    /// Computes one step from `pose` towards `target` in `dt_s` seconds. `jacobian` must belong to
+    /// `pose`.
     #[must_use]
     pub fn ik_step(
         &self,
@@ -174,7 +184,7 @@ impl HandModel {
         })
     }
 
-    /// `None` unless every angle and the time step are usable numbers.
+    /// Returns `None` if a joint position or the time step is invalid.
     fn step_box(&self, q_rad: &HandVector, dt_s: f64) -> Option<StepBox> {
         let complete = q_rad.len() == self.joint_count && q_rad.iter().all(|q| q.is_finite());
         if !(complete && dt_s.is_finite() && dt_s > 0.0) {
@@ -185,7 +195,8 @@ impl HandModel {
             upper: HandVector::zeros(self.joint_count),
         };
         for (index, joint) in self.joints().iter().enumerate() {
-            // Clamping both ends to the speed limit lets a joint that starts outside come back no faster than it may.
+            // Clamping both ends to the speed limit lets a joint that starts outside come back no
+            // faster than it may.
             let reach = joint.velocity_max_rad_s * dt_s;
             step_box.lower[index] = (joint.lower_rad - q_rad[index]).clamp(-reach, reach);
             step_box.upper[index] = (joint.upper_rad - q_rad[index]).clamp(-reach, reach);
@@ -254,7 +265,7 @@ impl HandModel {
         block.first_joint = own.start;
         block.joint_count = own.len();
         block.e = error.tip[finger];
-        block.side = self.virtual_finger(finger);
+        block.side = self.grasp_side(finger);
         for (row, joint) in own.clone().enumerate() {
             for (column, other) in own.clone().enumerate() {
                 block.h[(row, column)] = columns(dome, joint, other) * w_dome;
@@ -274,7 +285,7 @@ impl HandModel {
         }
     }
 
-    /// The diagonal of H and the part of g that pull towards the reference posture.
+    /// Returns the diagonal of H and the part of g that pull towards the reference posture.
     fn posture_rows(&self, q_rad: &HandVector, root_rad: f64, weights: &IkWeights) -> PostureRows {
         let mut weight = HandVector::repeat(self.joint_count, weights.posture * weights.posture);
         let mut wanted = self.reference_rad;
@@ -298,7 +309,7 @@ impl HandModel {
         rows
     }
 
-    /// q + dq without the last bit of rounding beyond a limit.
+    /// Returns q + dq, clamped against rounding beyond a limit.
     fn advance(&self, q_rad: &HandVector, dq_rad: &HandVector) -> HandVector {
         HandVector::from_fn(self.joint_count, |index| {
             let (joint, q) = (&self.joints[index], q_rad[index]);
@@ -312,20 +323,20 @@ struct PostureRows {
     g: HandVector,
 }
 
-/// Product of two columns.
+/// Returns the product of two columns.
 fn columns(rows: &Rows3, i: usize, j: usize) -> f64 {
     let (a, b) = (rows.column(i), rows.column(j));
     a.x * b.x + a.y * b.y + a.z * b.z
 }
 
-/// Product of a column with a vector.
+/// Returns the product of a column with a vector.
 fn along(rows: &Rows3, joint: usize, vector: &Vector3<f64>) -> f64 {
     let column = rows.column(joint);
     column.x * vector.x + column.y * vector.y + column.z * vector.z
 }
 
 impl TaskError {
-    /// `None` if the target or the pose is not finite, or so far apart that their distance is not.
+    /// Returns `None` if the target or the pose is not finite, or their distance overflows.
     fn new(
         hand: &HandModel,
         pose: &HandPose,
@@ -336,7 +347,7 @@ impl TaskError {
             return None;
         }
         let fingers = pose.base_from_tip().len();
-        let mut tip = [Vector3::zeros(); FINGERS_MAX];
+        let mut tip = [Vector3::zeros(); FINGERTIPS_MAX];
         let mut dome_axis = tip;
         for finger in 0..fingers {
             tip[finger] = target.tip_m[finger] - pose.tip_m(finger);
@@ -361,7 +372,8 @@ impl TaskError {
     }
 }
 
-/// Solves, holds the joints that left the box at its edge, solves the rest again; clamps what is left.
+/// Solves; holds the joints that left the box at its edge; solves the others again; clamps the
+/// rest.
 fn solve_in_box(system: &mut ArrowSystem, step_box: &StepBox) -> Option<(HandVector, IkStatus)> {
     let joints = step_box.lower.len();
     let mut held = [false; HAND_JOINTS_MAX];

@@ -5,15 +5,17 @@ use nalgebra::{ArrayStorage, Matrix3, SMatrix, Vector3};
 
 use crate::forward::HandPose;
 use crate::model::{HandModel, Mover};
-use crate::sizes::{FINGERS_MAX, HAND_JOINTS_MAX};
+use crate::sizes::{FINGERTIPS_MAX, HAND_JOINTS_MAX};
 use crate::vector::HandVector;
 
-/// One direction or position of the hand per motion of each joint; columns beyond the last joint are zero.
+/// One direction or position of the hand per motion of each joint; columns beyond the last joint
+/// are zero.
 pub type Rows3 = SMatrix<f64, 3, HAND_JOINTS_MAX>;
 
 const ZERO: Rows3 = Rows3::from_array_storage(ArrayStorage([[0.0; 3]; HAND_JOINTS_MAX]));
 
-/// Geometric Jacobians of one fingertip in the base frame. Columns of joints that do not move it are zero.
+/// Geometric Jacobians of one fingertip in the base frame. Columns of joints that do not move it
+/// are zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TipJacobian {
     /// Position of the tip, metres per radian.
@@ -27,15 +29,15 @@ pub struct TipJacobian {
 /// Geometric Jacobians of one hand in the base frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandJacobian {
-    /// Those of each fingertip.
-    pub tips: ArrayVec<TipJacobian, FINGERS_MAX>,
+    /// Jacobians of each fingertip.
+    pub tips: ArrayVec<TipJacobian, FINGERTIPS_MAX>,
     /// Hand axis (change of a unit vector), per radian.
     pub hand_axis: Rows3,
     joint_count: usize,
 }
 
 impl TipJacobian {
-    /// Of a tip that nothing moves.
+    /// Jacobians of a tip without joints.
     const STILL: TipJacobian = TipJacobian {
         position: ZERO,
         dome_axis: ZERO,
@@ -44,7 +46,7 @@ impl TipJacobian {
 }
 
 impl HandModel {
-    /// Jacobians at a pose.
+    /// Computes the Jacobians at a pose.
     #[must_use]
     pub fn jacobian(&self, pose: &HandPose) -> HandJacobian {
         let mut jacobian = HandJacobian {
@@ -81,7 +83,8 @@ impl HandModel {
 }
 
 impl HandPose {
-    /// How far what moves a fingertip moves it, base frame: metres per radian, or per metre, of its joint.
+    /// Returns the motion of a fingertip per motion of a mover, base frame: metres per radian, or
+    /// per metre.
     #[must_use]
     pub fn tip_moved_by(&self, finger: usize, mover: &Mover) -> Vector3<f64> {
         let axis = self.frame_axis(mover.frame) * mover.ratio;
@@ -93,16 +96,16 @@ impl HandPose {
     }
 }
 
-/// Joints that mimic others add to the columns of those.
+/// Adds to a column. Joints that mimic another joint add to the column of that joint.
 fn add(rows: &mut Rows3, joint: usize, by: Vector3<f64>) {
     let mut column = rows.column_mut(joint);
     column += by;
 }
 
 impl HandJacobian {
-    /// Torques on the joints that a force on each tip makes, base frame: Jᵀ·F, N·m.
+    /// Returns the joint torques of a force on each tip, base frame: Jᵀ·F, N·m.
     #[must_use]
-    pub fn torques_n_m(&self, forces_n: &[Vector3<f64>; FINGERS_MAX]) -> HandVector {
+    pub fn torques_n_m(&self, forces_n: &[Vector3<f64>; FINGERTIPS_MAX]) -> HandVector {
         HandVector::from_fn(self.joint_count, |joint| {
             let tips = self.tips.iter().zip(forces_n);
             tips.fold(0.0, |sum, (tip, force_n)| {
@@ -112,7 +115,7 @@ impl HandJacobian {
         })
     }
 
-    /// What some rows make of a change of the joints.
+    /// Returns the motion of these rows for a change of the joints.
     #[must_use]
     pub fn moved(rows: &Rows3, dq_rad: &HandVector) -> Vector3<f64> {
         let joints = dq_rad.iter().enumerate();
@@ -121,16 +124,16 @@ impl HandJacobian {
         })
     }
 
-    /// Compliance of each tip, C = J·K⁻¹·Jᵀ, metres per newton, for joint stiffnesses K in newton metres per radian:
-    /// a force F on the tip moves it by C·F.
+    /// Computes the compliance of each tip, C = J·K⁻¹·Jᵀ, metres per newton, for joint stiffnesses
+    /// K in newton metres per radian. A force F moves the tip by C·F.
     ///
-    /// `None` if a stiffness is not finite and positive. Source: `C = J·K⁻¹·Jᵀ` of joint-stiffness control (Salisbury
-    /// 1980); used to feed forward the vertical sag of a squeezing finger.
+    /// `None` if a stiffness is not finite and positive. Source: `C = J·K⁻¹·Jᵀ` of joint-stiffness
+    /// control (Salisbury 1980); used to feed forward the vertical sag of a squeezing finger.
     #[must_use]
     pub fn tip_compliance(
         &self,
         stiffness_n_m_rad: &HandVector,
-    ) -> Option<ArrayVec<Matrix3<f64>, FINGERS_MAX>> {
+    ) -> Option<ArrayVec<Matrix3<f64>, FINGERTIPS_MAX>> {
         if !stiffness_n_m_rad.iter().all(|k| k.is_finite() && *k > 0.0) {
             return None;
         }

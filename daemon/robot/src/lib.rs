@@ -1,33 +1,35 @@
-//! Kinematics of a robot of one or two hands: who moves what, where the fingertips are, and which joint angles bring them
-//! where a task wants them.
+//! Kinematics of robots with one or two hands: forward kinematics, Jacobians and inverse
+//! kinematics.
 //!
-//! A URDF and its robot file go in once, at start-up, and become a [`RobotModel`] of fixed size. Per tick and hand, joint angles go
-//! through [`HandModel::forward`] and [`HandModel::jacobian`], and [`HandModel::ik_step`] returns the next command for a
-//! [`HandTarget`], usually built from a [`GraspFrame`].
+//! A URDF and its robot file become a [`RobotModel`] of fixed size at start-up. Per tick and hand,
+//! joint positions go through [`HandModel::forward`] and [`HandModel::jacobian`].
+//! [`HandModel::ik_step`] then returns the next command for a [`HandTarget`], usually built from a
+//! [`GraspPose`].
 //!
 //! ```text
 //!  robot.urdf ┐
 //!  robot.toml ┴▶ RobotModel ─▶ hand(side) ─▶ forward(q) ─▶ HandPose ─▶ jacobian ─▶ HandJacobian
 //!                                                              │                        │
-//!                         GraspFrame ─▶ HandTarget ────────────┴──────── ik_step ◀──────┘ ─▶ next q
+//!                        GraspPose ─▶ HandTarget ────────────┴────── ik_step ◀──────┘ ─▶ next q
 //! ```
 //!
 //! ```
 //! # #[cfg(feature = "std")] {
 //! use nalgebra::Vector3;
-//! use robot_model::{GraspFrame, IkStatus, IkWeights, RobotModel, Side};
+//! use robot_model::{GraspPose, HandSide, IkStatus, IkWeights, RobotModel};
 //!
 //! let robot = RobotModel::two_hand_arm()?;
-//! let hand = robot.hand(Side::Right);
+//! let hand = robot.hand(HandSide::Right);
 //! let centre_m = Vector3::new(0.30, -0.10, 0.05);
 //! let closing_yaw_rad = hand.closing_yaw_rad(&centre_m, 0.0);
-//! let mut grasp = GraspFrame::from_above(centre_m, closing_yaw_rad, 0.06);
+//! let mut grasp = GraspPose::from_above(centre_m, closing_yaw_rad, 0.06);
 //! let mut q_rad = hand.posture_for(&grasp)?.q_rad;
 //!
 //! // One tick: both fingers close by 2 µm.
 //! grasp.half_opening_m = [0.03 - 2e-6; 2];
 //! let pose = hand.forward(&q_rad);
-//! let step = hand.ik_step(&pose, &hand.jacobian(&pose), &grasp.target(hand), 1e-3, &IkWeights::TICK);
+//! let (jacobian, target) = (hand.jacobian(&pose), grasp.target(hand));
+//! let step = hand.ik_step(&pose, &jacobian, &target, 1e-3, &IkWeights::TICK);
 //! assert_eq!(step.status, IkStatus::Free);
 //! q_rad = step.q_rad;
 //! # assert!(hand.within_limits(&q_rad));
@@ -35,18 +37,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Conventions: metres, radians, newtons; coordinates of joints as [`JointVector`] has them. Base frame: the URDF's root, origin
-//! on the table top, x forward, y left, z up. Joint order everywhere: left hand, then right; within a hand as [`HandModel`]
-//! has it. Finger 0 of an array is finger 1. Tip frame: see [`HandPose::base_from_tip`].
+//! Conventions: metres, radians, newtons; units of joint coordinates as in [`JointVector`]. Base
+//! frame: the URDF's root, origin on the table top, x forward, y left, z up. Joint order: left
+//! hand, then right; within a hand as in [`HandModel`]. Index 0 of a fingertip array is finger 1.
+//! Tip frame: see [`HandPose::base_from_tip`].
 //!
 //! Invariants:
-//! - Nothing but loading allocates; nothing reads a clock; the same numbers give the same bits on every machine
-//!   (trigonometry from `libm`, fixed order of summation).
-//! - A step of the inverse kinematics is finite, keeps speed limits, and never leaves the position limits, whatever the
-//!   target; a step that cannot be computed moves nothing and says so.
-//! - Everything about a robot comes from its two files; the bounds are those of `sizes.rs`.
+//! - Only loading allocates. No function reads a clock. Equal inputs give equal bits on every
+//!   machine (trigonometry from `libm`, fixed order of summation).
+//! - A step of the inverse kinematics is finite, keeps speed limits and position limits for every
+//!   target. A step that cannot be computed moves nothing and reports this.
+//! - All data of a robot come from its two files, within the limits of `sizes.rs`.
 //!
-//! Deliberately absent: dynamics and servos (the simulator's), trajectories and tasks (the controller's), the torso as
+//! Not included: dynamics and servos (simulator), trajectories and tasks (controller), the torso as
 //! an obstacle.
 //!
 //! Feature `std` (default) adds the loader; without it the crate is `no_std`.
@@ -57,9 +60,9 @@
 #[cfg(feature = "std")]
 extern crate std;
 
-mod abilities;
 mod arrow;
 mod bearing;
+mod capabilities;
 mod capsule;
 #[cfg(feature = "std")]
 mod files;
@@ -72,6 +75,8 @@ mod name;
 mod robot;
 #[cfg(feature = "std")]
 mod robot_file;
+#[cfg(feature = "std")]
+mod robot_file_parser;
 mod side;
 mod sizes;
 #[cfg(feature = "std")]
@@ -86,7 +91,7 @@ mod urdf;
 mod vector;
 mod workspace;
 
-pub use abilities::Abilities;
+pub use capabilities::Capabilities;
 pub use capsule::{
     CAPSULES_MAX, Capsule, Capsules, Nearest, clearance_m, farthest_move_m, nearest,
 };
@@ -103,10 +108,12 @@ pub use robot::RobotModel;
 pub use robot_file::{
     FingerEntry, HandEntry, Hands, JointEntry, RobotFile, SkinEntry, WorkspaceEntry,
 };
-pub use side::Side;
+#[cfg(feature = "std")]
+pub use robot_file_parser::{RobotFileError, RobotFileErrors};
+pub use side::HandSide;
 pub use sizes::{
-    ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERS_MAX, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX,
-    VIRTUAL_FINGERS,
+    ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERTIPS_MAX, GRASP_SIDES, HAND_JOINTS_MAX,
+    ROBOT_JOINTS_MAX,
 };
 #[cfg(feature = "std")]
 pub use skeleton::{Form, Limb, Placement, Shape, Skeleton};
@@ -115,9 +122,9 @@ pub use solve::{
     POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_SPREAD_ERROR_MAX_M,
     POSTURE_TIP_ERROR_MAX_M, Solution, Unreachable,
 };
-pub use target::{GraspFrame, HandTarget};
+pub use target::{GraspPose, HandTarget};
 pub use transform::Transform;
 #[cfg(feature = "std")]
-pub use urdf::{Misfit, ModelError, ModelFile};
+pub use urdf::{ModelError, ModelFile, ModelProblem};
 pub use vector::{HandVector, JointVector, RobotVector};
 pub use workspace::Workspace;

@@ -1,4 +1,5 @@
-//! A hand with its arm as data of fixed size: a tree of joints, with limits and mounting transforms.
+//! Model of one arm with its hand, in fixed size: a tree of joints with limits and mounting
+//! transforms.
 
 use core::ops::Range;
 
@@ -7,8 +8,8 @@ use nalgebra::Vector3;
 use crate::capsule::Capsules;
 use crate::joint::Joint;
 use crate::name::Name;
-use crate::side::Side;
-use crate::sizes::{FINGERS_MAX, FRAMES_MAX, HAND_JOINTS_MAX, VIRTUAL_FINGERS};
+use crate::side::HandSide;
+use crate::sizes::{FINGERTIPS_MAX, FRAMES_MAX, GRASP_SIDES, HAND_JOINTS_MAX};
 use crate::skin::Skin;
 use crate::transform::Transform;
 use crate::turning::Turning;
@@ -17,84 +18,85 @@ use crate::workspace::Workspace;
 
 /// One arm with its hand.
 ///
-/// Its joints in order: those of the arm from the base on, then drives that several fingers share, then those that move
-/// finger 1 alone, then finger 2 and so on. The first two groups are the *trunk*: what moves more than one fingertip.
+/// Order of its joints: the arm from the base on; drives that several fingers share; the joints of
+/// finger 1, of finger 2 and so on. The first two groups are the *trunk*: they move more than one
+/// fingertip.
 ///
-/// Every moving joint of the URDF has a *frame*, also one that mimics another and so has no coordinate of its own. It is the
-/// URDF's joint frame turned so that its z is the joint's axis: forward kinematics then needs one motion along or about z
-/// per frame whatever axes the URDF chose.
+/// Every moving joint of the URDF has a *frame*, including a mimicking joint, which has no
+/// coordinate. The frame is the URDF's joint frame, turned so that its z is the joint's axis.
+/// Forward kinematics then needs one motion along or about z per frame, for any axis of the URDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandModel {
-    pub(crate) side: Side,
+    pub(crate) side: HandSide,
     pub(crate) joints: [Joint; HAND_JOINTS_MAX],
     pub(crate) joint_count: usize,
     pub(crate) arm_joints: usize,
     pub(crate) trunk_joints: usize,
     pub(crate) frames: [Frame; FRAMES_MAX],
     pub(crate) frame_count: usize,
-    /// The link that carries the fingers.
+    /// Link that carries the fingers.
     pub(crate) palm: Mounted,
     /// Direction of that link that points down in a grasp from above, in its own frame.
     pub(crate) pointing: Vector3<f64>,
-    pub(crate) fingers: [Finger; FINGERS_MAX],
+    pub(crate) fingers: [Finger; FINGERTIPS_MAX],
     pub(crate) finger_count: usize,
-    pub(crate) tip_radius_m: [f64; FINGERS_MAX],
+    pub(crate) tip_radius_m: [f64; FINGERTIPS_MAX],
     pub(crate) skin: Skin,
     pub(crate) reference_rad: HandVector,
-    /// Per joint: whether it tilts its finger about the closing axis, as a wrist would.
+    /// Per joint: true if it tilts its finger about the closing axis, like a wrist.
     pub(crate) tilts: [bool; HAND_JOINTS_MAX],
     pub(crate) turning: Turning,
     /// See [`HandModel::domes_tilt`].
     pub(crate) domes_tilt: bool,
-    /// Its fingertips cannot pass each other, but its wrist turns it about the vertical.
+    /// The fingertips cannot pass each other, but the wrist turns the hand about the vertical.
     pub(crate) turns_by_wrist: bool,
-    /// Whether it can shift and turn a little where it rests.
-    pub(crate) moves_aside: bool,
-    /// Where the hand rests, from above, and how far open, m.
+    /// The hand can shift and turn slightly at home.
+    pub(crate) lateral_shift: bool,
+    /// Home position and opening, from above, m.
     pub(crate) home_m: Vector3<f64>,
     pub(crate) home_opening_m: f64,
-    /// How far open it can be where it rests, both sides alike, m.
-    pub(crate) widest_m: f64,
-    /// Speed at which each finger opens and closes at most, m/s.
+    /// Largest opening at home with both sides symmetric, m.
+    pub(crate) max_opening_m: f64,
+    /// Largest opening and closing speed of each finger, m/s.
     pub(crate) finger_speed_m_s: f64,
-    /// Direction of the closing axis there, radians.
+    /// Direction of the closing axis at home, radians.
     pub(crate) home_yaw_rad: f64,
-    /// Where objects stand that nobody placed: x and y, m.
+    /// Default object position: x and y, m.
     pub(crate) object_m: [f64; 2],
     pub(crate) workspace: Option<Workspace>,
     /// Collision capsules, each in the frame that moves it.
     pub(crate) capsules: Capsules,
 }
 
-/// The frame of one moving joint of the URDF.
+/// Frame of one moving joint of the URDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Frame {
-    /// The frame that carries it, of a smaller index; `None` for the base.
+    /// Parent frame, of a smaller index; `None` for the base.
     pub(crate) parent: Option<usize>,
-    /// Transform from that frame to this one at zero.
+    /// Transform from the parent to this frame at zero.
     pub(crate) parent_from_frame: Transform,
     pub(crate) mover: Mover,
     /// Motion at coordinate zero.
     pub(crate) offset: f64,
 }
 
-/// What moves a frame.
+/// Cause of a frame's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mover {
-    /// Its frame, for [`crate::HandPose::frame_axis`] and [`crate::HandPose::frame_origin_m`].
+    /// Frame, for [`crate::HandPose::frame_axis`] and [`crate::HandPose::frame_origin_m`].
     pub frame: usize,
-    /// The joint whose coordinate moves it, counted within the hand.
+    /// Joint whose coordinate moves the frame, counted within the hand.
     pub joint: usize,
-    /// Motion per motion of that joint: 1, or the multiplier of a joint that mimics it.
+    /// Motion per motion of that joint: 1, or the multiplier of a mimicking joint.
     pub ratio: f64,
-    /// Whether it slides along its axis instead of turning about it.
+    /// True if the frame slides along its axis instead of turning about it.
     pub slides: bool,
 }
 
-/// Something fixed to a frame, or to the base.
+/// Part fixed to a frame or to the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Mounted {
@@ -102,22 +104,22 @@ pub(crate) struct Mounted {
     pub(crate) frame_from_link: Transform,
 }
 
-/// One fingertip and what moves it.
+/// One fingertip and its movers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Finger {
     /// Name of the link that carries the tip frame.
     pub(crate) link: Name,
-    /// The side from which it presses, 0 or 1.
-    pub(crate) virtual_finger: usize,
+    /// Grasp side, 0 or 1.
+    pub(crate) side: usize,
     pub(crate) tip: Mounted,
-    /// Its own joints: the first, and how many.
+    /// First joint of the finger, and number of joints.
     pub(crate) first_joint: usize,
     pub(crate) joint_count: usize,
-    /// Per frame, whether it moves this tip.
+    /// Per frame: true if it moves this tip.
     pub(crate) moved_by: [bool; FRAMES_MAX],
-    /// How far it stands beside the middle of its side, along z × n for a hand that points down, m.
-    pub(crate) beside_m: f64,
+    /// Offset from the middle of its side, along z × n for a hand that points down, m.
+    pub(crate) offset_m: f64,
 }
 
 impl Frame {
@@ -145,20 +147,20 @@ impl Finger {
     pub(crate) fn none() -> Finger {
         Finger {
             link: Name::default(),
-            virtual_finger: 0,
+            side: 0,
             tip: Mounted::ON_BASE,
             first_joint: 0,
             joint_count: 0,
             moved_by: [false; FRAMES_MAX],
-            beside_m: 0.0,
+            offset_m: 0.0,
         }
     }
 }
 
 impl HandModel {
-    /// The hand that a one-handed robot has not got: no joints, no fingers.
+    /// Creates the missing hand of a one-handed robot: no joints, no fingers.
     #[must_use]
-    pub fn absent(side: Side) -> HandModel {
+    pub fn absent(side: HandSide) -> HandModel {
         HandModel {
             side,
             joints: [Joint::default(); HAND_JOINTS_MAX],
@@ -169,19 +171,19 @@ impl HandModel {
             frame_count: 0,
             palm: Mounted::ON_BASE,
             pointing: -Vector3::z(),
-            fingers: [Finger::none(); FINGERS_MAX],
+            fingers: [Finger::none(); FINGERTIPS_MAX],
             finger_count: 0,
-            tip_radius_m: [0.0; FINGERS_MAX],
+            tip_radius_m: [0.0; FINGERTIPS_MAX],
             skin: Skin::DOME_41,
             reference_rad: HandVector::zeros(0),
             tilts: [false; HAND_JOINTS_MAX],
             turning: Turning::default(),
             domes_tilt: false,
             turns_by_wrist: false,
-            moves_aside: false,
+            lateral_shift: false,
             home_m: Vector3::zeros(),
             home_opening_m: 0.0,
-            widest_m: 0.0,
+            max_opening_m: 0.0,
             finger_speed_m_s: 0.0,
             home_yaw_rad: 0.0,
             object_m: [0.0; 2],
@@ -190,90 +192,92 @@ impl HandModel {
         }
     }
 
-    /// Whether the robot has this hand.
+    /// Returns true if the robot has this hand.
     #[must_use]
     pub fn is_present(&self) -> bool {
         self.finger_count > 0
     }
 
-    /// Which side this is.
+    /// Returns left or right.
     #[must_use]
-    pub fn side(&self) -> Side {
+    pub fn side(&self) -> HandSide {
         self.side
     }
 
-    /// The joints of the hand in order.
+    /// Returns the joints of the hand in order.
     #[must_use]
     pub fn joints(&self) -> &[Joint] {
         &self.joints[..self.joint_count]
     }
 
-    /// Positions of the arm's joints in the hand's order.
+    /// Returns the indices of the arm's joints.
     #[must_use]
     pub fn arm_joints(&self) -> Range<usize> {
         0..self.arm_joints
     }
 
-    /// Positions of the joints that move more than one fingertip: the arm's, then drives that fingers share.
+    /// Returns the indices of the joints that move more than one fingertip: those of the arm, then
+    /// drives that fingers share.
     #[must_use]
     pub fn trunk_joints(&self) -> Range<usize> {
         0..self.trunk_joints
     }
 
-    /// Positions of the joints that move one fingertip alone.
+    /// Returns the indices of the joints that move only this fingertip.
     #[must_use]
     pub fn finger_joints(&self, finger: usize) -> Range<usize> {
         let finger = &self.fingers[finger];
         finger.first_joint..finger.first_joint + finger.joint_count
     }
 
-    /// The joints of the arm, those that fingers share, and each finger's own.
+    /// Returns the joint ranges of the arm, of shared drives and of each finger.
     pub fn limbs(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let fingers = (0..self.finger_count).map(|finger| self.finger_joints(finger));
         let shared = self.arm_joints..self.trunk_joints;
         [self.arm_joints(), shared].into_iter().chain(fingers)
     }
 
-    /// Whether a joint behind the arm moves a fingertip of one side.
+    /// Returns true if a joint after the arm moves a fingertip of this grasp side.
     #[must_use]
-    pub fn drives(&self, joint: usize, virtual_finger: usize) -> bool {
+    pub fn drives(&self, joint: usize, side: usize) -> bool {
         let moves = |finger: usize| self.movers(finger).any(|mover| mover.joint == joint);
-        joint >= self.arm_joints && self.fingers_of(virtual_finger).any(moves)
+        joint >= self.arm_joints && self.fingertips_of(side).any(moves)
     }
 
-    /// How many fingertips the hand has.
+    /// Returns the number of fingertips.
     #[must_use]
-    pub fn finger_count(&self) -> usize {
+    pub fn fingertip_count(&self) -> usize {
         self.finger_count
     }
 
-    /// The side from which a fingertip presses, 0 or 1: see [`VIRTUAL_FINGERS`].
+    /// Returns the grasp side of a fingertip, 0 or 1: see [`GRASP_SIDES`].
     #[must_use]
-    pub fn virtual_finger(&self, finger: usize) -> usize {
-        self.fingers[finger].virtual_finger
+    pub fn grasp_side(&self, finger: usize) -> usize {
+        self.fingers[finger].side
     }
 
-    /// The fingertips that press from one side.
-    pub fn fingers_of(&self, virtual_finger: usize) -> impl Iterator<Item = usize> + '_ {
-        let presses = move |finger: &usize| self.virtual_finger(*finger) == virtual_finger;
+    /// Returns the fingertips of a grasp side.
+    pub fn fingertips_of(&self, side: usize) -> impl Iterator<Item = usize> + '_ {
+        let presses = move |finger: &usize| self.grasp_side(*finger) == side;
         (0..self.finger_count).filter(presses)
     }
 
-    /// Fingertips of the side that has fewer: as many times as one bears, the hand may press.
+    /// Returns the number of fingertips of the side with fewer. The largest grip force is this
+    /// number times the limit of one fingertip.
     #[must_use]
     pub fn opposed_tips(&self) -> usize {
-        let of_side = |side| self.fingers_of(side).count();
-        (0..VIRTUAL_FINGERS).map(of_side).min().unwrap_or(0)
+        let of_side = |side| self.fingertips_of(side).count();
+        (0..GRASP_SIDES).map(of_side).min().unwrap_or(0)
     }
 
-    /// Names of the links that carry the tip frames.
+    /// Returns the names of the links that carry the tip frames.
     pub fn tip_links(&self) -> impl Iterator<Item = &str> {
         self.fingers[..self.finger_count]
             .iter()
             .map(|finger| finger.link.as_str())
     }
 
-    /// What moves a fingertip, from the base on.
+    /// Returns the movers of a fingertip, from the base on.
     pub fn movers(&self, finger: usize) -> impl Iterator<Item = &Mover> {
         let frames = self.frames[..self.frame_count].iter();
         frames
@@ -281,50 +285,52 @@ impl HandModel {
             .filter_map(|(frame, moves)| moves.then_some(&frame.mover))
     }
 
-    /// Frames that move.
+    /// Returns the number of moving frames.
     #[must_use]
     pub fn frame_count(&self) -> usize {
         self.frame_count
     }
 
-    /// Whether the hand can shift and turn a little where it rests: one on a lift alone cannot.
+    /// Returns true if the hand can shift and turn slightly at home. A hand on a mere lift cannot.
     #[must_use]
-    pub fn moves_aside(&self) -> bool {
-        self.moves_aside
+    pub fn has_lateral_shift(&self) -> bool {
+        self.lateral_shift
     }
 
-    /// From each tip frame's origin to the middle of its sensing face, m: the radius of a dome.
+    /// Returns the distance from each tip frame's origin to the middle of its sensing face, m: the
+    /// radius of a dome.
     #[must_use]
     pub fn tip_radius_m(&self) -> &[f64] {
         &self.tip_radius_m[..self.finger_count]
     }
 
-    /// What its fingertips feel with.
+    /// Returns the tactile skin.
     #[must_use]
     pub fn skin(&self) -> &Skin {
         &self.skin
     }
 
-    /// Mean of a value over the fingertips that press from one side.
-    pub fn mean_of_side(&self, virtual_finger: usize, value: impl FnMut(usize) -> f64) -> f64 {
-        mean(self.fingers_of(virtual_finger).map(value))
+    /// Returns the mean of a value over the fingertips of a side.
+    pub fn mean_of_side(&self, side: usize, value: impl FnMut(usize) -> f64) -> f64 {
+        mean(self.fingertips_of(side).map(value))
     }
 
-    /// The longer of both sides' mean of a vector of each fingertip, m; 0 without fingertips.
+    /// Returns the longer of both sides' mean error vectors, m; 0 without fingertips.
     pub(crate) fn side_error_m(&self, error_m: impl Fn(usize) -> Vector3<f64>) -> f64 {
-        (0..VIRTUAL_FINGERS).fold(0.0_f64, |worst_m, side| {
+        (0..GRASP_SIDES).fold(0.0_f64, |worst_m, side| {
             let mean = |axis: usize| self.mean_of_side(side, |finger| error_m(finger)[axis]);
             worst_m.max(Vector3::new(mean(0), mean(1), mean(2)).norm())
         })
     }
 
-    /// The posture that the inverse kinematics prefers where the task leaves freedom, radians, inside the limits.
+    /// Returns the posture that the inverse kinematics prefers where the task leaves freedom,
+    /// within the limits.
     #[must_use]
     pub fn reference_rad(&self) -> &HandVector {
         &self.reference_rad
     }
 
-    /// Stiffness of every joint's servo, N·m/rad.
+    /// Returns the servo stiffness of every joint, N·m/rad.
     #[must_use]
     pub fn stiffness_n_m_rad(&self) -> HandVector {
         HandVector::from_fn(self.joint_count, |joint| {
@@ -332,81 +338,82 @@ impl HandModel {
         })
     }
 
-    /// Joints that tilt their finger about the closing axis.
+    /// Returns the joints that tilt their finger about the closing axis.
     pub(crate) fn tilting_joints(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.joint_count).filter(|joint| self.tilts[*joint])
     }
 
-    /// Joints that are their finger's only one.
+    /// Returns the joints that are the only one of their finger.
     pub(crate) fn lone_joints(&self) -> impl Iterator<Item = usize> + '_ {
         let fingers = self.fingers[..self.finger_count].iter();
         let lone = fingers.filter(|finger| finger.joint_count == 1);
         lone.map(|finger| finger.first_joint)
     }
 
-    /// Mean angle of the joints that tilt the fingers, radians; 0 if the hand has none.
+    /// Returns the mean position of the joints that tilt the fingers, radians; 0 without such
+    /// joints.
     #[must_use]
     pub fn root_rad(&self, q_rad: &HandVector) -> f64 {
         let roots = self.tilting_joints();
         mean(roots.filter_map(|joint| q_rad.get(joint).copied()))
     }
 
-    /// Where the hand rests: the point between its fingertips, base frame, metres.
+    /// Returns the home position: the point between the fingertips, base frame, metres.
     #[must_use]
     pub fn home_m(&self) -> Vector3<f64> {
         self.home_m
     }
 
-    /// Distance between the poles of its domes where it rests, metres.
+    /// Returns the home opening: the distance between the poles of the domes, metres.
     #[must_use]
     pub fn home_opening_m(&self) -> f64 {
         self.home_opening_m
     }
 
-    /// Greatest distance between the poles of its domes where it rests, both sides alike, metres.
+    /// Returns the largest opening at home with both sides symmetric, metres.
     #[must_use]
-    pub fn widest_m(&self) -> f64 {
-        self.widest_m
+    pub fn max_opening_m(&self) -> f64 {
+        self.max_opening_m
     }
 
-    /// Speed that its joints allow each finger to open and close with where it rests, however far open, m/s.
+    /// Returns the speed at which each finger can open and close at home at any opening, m/s.
     #[must_use]
     pub fn finger_speed_m_s(&self) -> f64 {
         self.finger_speed_m_s
     }
 
-    /// Whether it turns a cap by its wrist, because its fingertips cannot pass each other.
+    /// Returns true if the wrist turns caps because the fingertips cannot pass each other.
     #[must_use]
     pub fn turns_by_wrist(&self) -> bool {
         self.turns_by_wrist
     }
 
-    /// Direction of its closing axis where it rests, base frame, radians.
+    /// Returns the direction of the closing axis at home, base frame, radians.
     #[must_use]
     pub fn home_yaw_rad(&self) -> f64 {
         self.home_yaw_rad
     }
 
-    /// Where objects stand before it that nobody placed: x and y, base frame, metres.
+    /// Returns the default object position: x and y, base frame, metres.
     #[must_use]
     pub fn object_m(&self) -> [f64; 2] {
         self.object_m
     }
 
-    /// The box that its robot file keeps grasps to; `None` if the hand may go wherever it has a posture.
+    /// Returns the box to which the robot file limits grasps; `None` if reach is the only limit.
     #[must_use]
     pub fn workspace(&self) -> Option<&Workspace> {
         self.workspace.as_ref()
     }
 
-    /// Position of the first joint at zero, in the base frame, metres: bearings of this arm are seen from here.
+    /// Returns the position of the first joint at zero, base frame, metres: the origin of bearings.
     #[must_use]
     pub fn shoulder_m(&self) -> Vector3<f64> {
         self.frames[0].parent_from_frame.translation_m
     }
 
-    /// The same hand with longer links: the mounting of each frame, and of each tip, longer by so much along itself, m.
-    /// What is mounted in place stays there. For simulating a robot that is not quite as its model says.
+    /// Returns the hand with longer links: the mounting of each frame and tip is lengthened along
+    /// itself, m. Mountings of zero length stay. Simulates a robot that differs from its model.
     #[must_use]
     pub fn with_longer_links(&self, links_m: &[f64], tips_m: &[f64]) -> Self {
         let mut hand = *self;
@@ -422,7 +429,7 @@ impl HandModel {
         hand
     }
 
-    /// Whether every joint is finite and inside its position limits (limits included).
+    /// Returns true if every joint position is finite and within its limits.
     #[must_use]
     pub fn within_limits(&self, q_rad: &HandVector) -> bool {
         let within = |(joint, &q): (&Joint, &f64)| q >= joint.lower_rad && q <= joint.upper_rad;
@@ -430,7 +437,7 @@ impl HandModel {
     }
 }
 
-/// The mean of some values, 0 of none.
+/// Returns the mean of values, 0 without values.
 pub(crate) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }

@@ -1,12 +1,20 @@
-//! Names out of a URDF, in fixed memory.
+//! Names from a URDF in fixed memory.
 
 use core::fmt;
 use core::ops::Deref;
 
-/// Longest name, bytes of UTF-8. Ours.
+/// Longest name, bytes of UTF-8. Design choice.
 pub const NAME_MAX: usize = 48;
 
-/// A name of a joint or a link; reads as text.
+/// Name of a joint or link; dereferences to text.
+///
+/// ```
+/// use robot_model::Name;
+///
+/// let name = Name::new("finger1_tip").expect("short enough");
+/// assert_eq!(name.as_str(), "finger1_tip");
+/// assert!(Name::new(&"x".repeat(100)).is_none());
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Name {
@@ -17,7 +25,7 @@ pub struct Name {
 }
 
 impl Name {
-    /// `None` for a name longer than [`NAME_MAX`].
+    /// Returns `None` if the name is longer than [`NAME_MAX`].
     #[must_use]
     pub fn new(text: &str) -> Option<Self> {
         let mut bytes = [0; NAME_MAX];
@@ -30,7 +38,7 @@ impl Name {
         })
     }
 
-    /// The text; what is not UTF-8 reads as empty.
+    /// Returns the text; empty if it is not UTF-8.
     #[must_use]
     pub fn as_str(&self) -> &str {
         let bytes = self.bytes.get(..self.length).unwrap_or_default();
@@ -39,7 +47,7 @@ impl Name {
 }
 
 impl Default for Name {
-    /// No name.
+    /// Empty name.
     fn default() -> Self {
         Self {
             bytes: [0; NAME_MAX],

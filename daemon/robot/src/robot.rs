@@ -1,27 +1,27 @@
-//! The whole robot: both hands, and its joints in one order.
+//! Robot model: both hands, and all joints in one order.
 
 use core::ops::Range;
 
 use crate::joint::Joint;
 use crate::model::HandModel;
-use crate::side::Side;
-use crate::sizes::{HAND_JOINTS_MAX, ROBOT_JOINTS_MAX, VIRTUAL_FINGERS};
+use crate::side::HandSide;
+use crate::sizes::{GRASP_SIDES, HAND_JOINTS_MAX, ROBOT_JOINTS_MAX};
 use crate::skin::Skin;
 
-/// The whole robot: left hand, then right hand. Fixed size, no heap.
+/// Robot model: left hand, then right hand. Fixed size, no heap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotModel {
     pub(crate) hands: [HandModel; 2],
 }
 
 impl RobotModel {
-    /// The arm with hand of one side; one without fingers if the robot has none there.
+    /// Returns the arm with hand of one side; a hand without fingers if the robot has none there.
     #[must_use]
-    pub fn hand(&self, side: Side) -> &HandModel {
+    pub fn hand(&self, side: HandSide) -> &HandModel {
         &self.hands[side.index()]
     }
 
-    /// The same robot with another skin on the same fingertips.
+    /// Returns the robot with another skin on its fingertips.
     #[must_use]
     pub fn with_skin(mut self, skin: Skin) -> Self {
         for hand in &mut self.hands {
@@ -30,44 +30,44 @@ impl RobotModel {
         self
     }
 
-    /// The sides on which the robot has a hand.
-    pub fn sides(&self) -> impl Iterator<Item = Side> + '_ {
-        let present = |side: &Side| self.hand(*side).is_present();
-        Side::BOTH.into_iter().filter(present)
+    /// Returns the sides on which the robot has a hand.
+    pub fn sides(&self) -> impl Iterator<Item = HandSide> + '_ {
+        let present = |side: &HandSide| self.hand(*side).is_present();
+        HandSide::BOTH.into_iter().filter(present)
     }
 
-    /// The hand that acts where nobody says which: the right one if the robot has it.
+    /// Returns the default hand: right if the robot has it, else left.
     #[must_use]
-    pub fn acting_side(&self) -> Side {
-        self.sides().last().unwrap_or(Side::Right)
+    pub fn acting_side(&self) -> HandSide {
+        self.sides().last().unwrap_or(HandSide::Right)
     }
 
-    /// How many joints the robot has.
+    /// Returns the number of joints.
     #[must_use]
     pub fn joint_count(&self) -> usize {
-        self.joint_range(Side::Right).end
+        self.joint_range(HandSide::Right).end
     }
 
-    /// Positions of one hand's joints in a vector of the whole robot.
+    /// Returns the index range of one hand's joints in a vector of all joints.
     #[must_use]
-    pub fn joint_range(&self, side: Side) -> Range<usize> {
+    pub fn joint_range(&self, side: HandSide) -> Range<usize> {
         let [left, right] = self.hands.each_ref().map(|hand| hand.joint_count);
         match side {
-            Side::Left => 0..left,
-            Side::Right => left..left + right,
+            HandSide::Left => 0..left,
+            HandSide::Right => left..left + right,
         }
     }
 
-    /// The joint at a robot index, `None` beyond the last.
+    /// Returns the joint at a robot index, `None` beyond the last.
     #[must_use]
     pub fn joint(&self, index: usize) -> Option<&Joint> {
         self.joints().nth(index)
     }
 
-    /// All joints in the robot's order.
+    /// Returns all joints in the robot's order.
     pub fn joints(&self) -> impl Iterator<Item = &Joint> {
         self.hands.iter().flat_map(|hand| hand.joints())
     }
 }
 
-const _: () = assert!(ROBOT_JOINTS_MAX == 2 * HAND_JOINTS_MAX && VIRTUAL_FINGERS == 2);
+const _: () = assert!(ROBOT_JOINTS_MAX == 2 * HAND_JOINTS_MAX && GRASP_SIDES == 2);

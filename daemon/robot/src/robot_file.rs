@@ -1,8 +1,9 @@
-//! The robot file: what a URDF does not say of a robot, as TOML.
+//! Robot file: TOML that adds to a URDF the hands, fingertips, servos and home posture.
 //!
-//! * **In:** the text. **Out:** a [`RobotFile`], or what TOML and its types find wrong. Whether it fits the URDF is found when
-//!   both become a [`crate::RobotModel`].
-//! * **Absent on purpose:** chains of joints: they follow from the URDF between its root, the palm and the tips.
+//! * **Input:** text. **Output:** a [`RobotFile`], or all errors of TOML and its types.
+//!   [`crate::RobotModel`] checks it against the URDF.
+//! * **Not included:** chains of joints. They follow from the URDF between its root, the palm and
+//!   the tips.
 
 use std::collections::BTreeMap;
 use std::string::String;
@@ -10,26 +11,26 @@ use std::vec::Vec;
 
 use serde::Deserialize;
 
-/// What a URDF does not say.
+/// Data of a robot that a URDF lacks.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotFile {
-    /// Its URDF, from where the robot file is. Left out: the file of the same name that ends in `.urdf`.
+    /// Path of the URDF, relative to the robot file. Default: same name, extension `.urdf`.
     pub urdf: Option<String>,
-    /// The hands: `left`, `right` or both.
+    /// Hands: `left`, `right` or both.
     pub hands: Hands,
-    /// Per joint of the URDF, by its name: what its servo is and where it rests.
+    /// Servo and rest position per joint, by its name in the URDF.
     #[serde(default)]
     pub joints: BTreeMap<String, JointEntry>,
 }
 
-/// The hands of a robot.
+/// Hands of a robot.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hands {
-    /// The hand at positive y.
+    /// Hand at positive y.
     pub left: Option<HandEntry>,
-    /// The hand at negative y.
+    /// Hand at negative y.
     pub right: Option<HandEntry>,
 }
 
@@ -37,50 +38,52 @@ pub struct Hands {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HandEntry {
-    /// The link that carries the fingers.
+    /// Link that carries the fingers.
     pub palm: String,
-    /// Direction of that link that points down in a grasp from above, in its own frame.
+    /// Direction of the palm that points down in a grasp from above, in the frame of the palm.
     pub down: [f64; 3],
-    /// Where the hand rests, pointing down: the point between its fingertips, base frame, m. Left out: where the reference
-    /// posture has it.
+    /// Home position of a hand that points down: the point between the fingertips, base frame, m.
+    /// Default: from the reference posture.
     pub home_m: Option<[f64; 3]>,
-    /// Direction of the closing axis where it rests, degrees from the base's x. Left out: as the reference posture has it.
+    /// Direction of the closing axis at home, degrees from the base's x. Default: from the
+    /// reference posture.
     pub home_yaw_deg: Option<f64>,
-    /// Where objects stand that nobody placed: x and y, base frame, m. Left out: beneath where the hand rests.
+    /// Default object position: x and y, base frame, m. Default: below home.
     pub object_m: Option<[f64; 2]>,
-    /// The box of grasps from above that every goal must lie in. Left out: whatever the hand has a posture for.
+    /// Box that limits grasps from above. Default: only reach limits them.
     pub workspace: Option<WorkspaceEntry>,
-    /// How far open it rests, from pole to pole, m. Left out: as far as the reference posture has it.
+    /// Home opening from pole to pole, m. Default: from the reference posture.
     pub home_opening_m: Option<f64>,
-    /// What its fingertips feel with. Left out: the paper's domes.
+    /// Tactile skin of the fingertips. Default: the domes of the paper.
     pub skin: Option<SkinEntry>,
-    /// Its fingertips, in the order of the sensor's frames.
+    /// Fingertips, in the order of the sensor's frames.
     pub fingers: Vec<FingerEntry>,
 }
 
-/// A box of grasps from above, each the least and the greatest value, m.
+/// Box of grasps from above; minimum and maximum of each value, m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorkspaceEntry {
     /// x of the point between the fingertips, base frame.
     pub x_m: [f64; 2],
-    /// Its y.
+    /// y of the same point.
     pub y_m: [f64; 2],
-    /// Its height above the table.
+    /// Height of the same point above the table.
     pub z_m: [f64; 2],
     /// Distance between the poles of the domes.
     pub opening_m: [f64; 2],
 }
 
-/// The skin of a hand's fingertips.
+/// Skin of a hand's fingertips.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SkinEntry {
-    /// Where its elements sit: a [`shm_schemas::layout::NamedLayout`].
+    /// Element layout: a [`shm_schemas::layout::NamedLayout`].
     pub layout: String,
-    /// How far one fingertip gives way to a rigid block that presses with 1 N, m.
+    /// Compression of one fingertip under a rigid flat block at 1 N, m.
     pub compression_m: f64,
-    /// How that grows with the force: 1 for a linear spring, such as a flat pad on a flat face; 0.5 for a dome.
+    /// Exponent of compression over force: 1 for a linear spring, such as a flat pad on a flat
+    /// face; 0.5 for a dome.
     pub exponent: f64,
 }
 
@@ -88,50 +91,42 @@ pub struct SkinEntry {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerEntry {
-    /// The link that carries the sensor.
+    /// Link that carries the sensor.
     pub tip: String,
-    /// Middle of the sensor's dome in that link, m. Left out: the link's origin.
+    /// Centre of the sensor's dome in that link, m. Default: the link's origin.
     pub dome_m: Option<[f64; 3]>,
-    /// Middle of its sensing face in that link, m, instead of `dome_m`: for faces that are no dome. It takes `facing`.
+    /// Centre of the sensing face in that link, m, instead of `dome_m`, for faces that are not
+    /// domes. Requires `facing`.
     pub face_m: Option<[f64; 3]>,
-    /// Direction in which it feels, through the dome's pole, in that link. Left out: the link is turned as
-    /// [`crate::HandPose::base_from_tip`] has it.
+    /// Sensing direction, through the dome's pole, in that link. Default: from the link frame,
+    /// which then follows [`crate::HandPose::base_from_tip`].
     pub facing: Option<[f64; 3]>,
-    /// Radius of the dome, m. Left out: that of the link's one collision sphere; for a skin that is no dome, what its layout says.
+    /// Radius of the dome, m. Default: radius of the link's only collision sphere; for a skin
+    /// without domes, from its layout.
     pub dome_radius_m: Option<f64>,
-    /// The side from which it presses, 1 or 2: fingertips of one side press together against the other's.
+    /// Grasp side, 1 or 2. Fingertips of one side press together against those of the other.
     pub side: usize,
 }
 
-/// One joint. Angles in degrees or lengths in metres, as the joint turns or slides.
+/// One joint. Values in degrees or metres, for revolute or prismatic joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointEntry {
-    /// Reference posture of a revolute joint, degrees: what the inverse kinematics prefers where a task leaves freedom. The
-    /// hand points down in it. Left out: 0.
+    /// Reference position of a revolute joint, degrees. The inverse kinematics prefers it where a
+    /// task leaves freedom. The hand points down in this posture. Default: 0.
     pub rest_deg: Option<f64>,
-    /// Reference posture of a prismatic joint, m. Left out: 0.
+    /// Reference position of a prismatic joint, m. Default: 0.
     pub rest_m: Option<f64>,
-    /// Stiffness of its servo, N·m/rad or N/m.
+    /// Servo stiffness, N·m/rad or N/m.
     pub stiffness: f64,
-    /// Inertia that its servo moves, kg·m² or kg: for simulation.
+    /// Inertia that the servo moves, kg·m² or kg; for simulation.
     pub inertia: f64,
-    /// Limits that the URDF lacks or that shall be others: rad or m.
+    /// Lower position limit, rad or m, if the URDF has none or another.
     pub lower: Option<f64>,
-    /// See `lower`.
+    /// Upper position limit; see `lower`.
     pub upper: Option<f64>,
-    /// Top speed, rad/s or m/s, see `lower`.
+    /// Speed limit, rad/s or m/s; see `lower`.
     pub velocity: Option<f64>,
-    /// Largest torque or force, N·m or N, see `lower`.
+    /// Torque or force limit, N·m or N; see `lower`.
     pub effort: Option<f64>,
-}
-
-impl RobotFile {
-    /// Reads the text of a robot file.
-    ///
-    /// # Errors
-    /// What TOML says, with the place.
-    pub fn parse(text: &str) -> Result<RobotFile, toml::de::Error> {
-        toml::from_str(text)
-    }
 }

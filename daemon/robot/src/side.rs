@@ -1,34 +1,34 @@
-//! The two hands by name.
+//! Left and right hand.
 
-/// Which of the two arms with its hand.
+/// Arm with hand: left or right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Side {
+pub enum HandSide {
     /// The arm at positive y.
     Left,
     /// The arm at negative y.
     Right,
 }
 
-impl Side {
+impl HandSide {
     /// Both sides in the order of the robot's joints.
-    pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
+    pub const BOTH: [HandSide; 2] = [HandSide::Left, HandSide::Right];
 
-    /// 0 for left, 1 for right: the position in every per-hand array.
+    /// Returns the index in per-hand arrays: 0 for left, 1 for right.
     #[must_use]
     pub const fn index(self) -> usize {
         match self {
-            Side::Left => 0,
-            Side::Right => 1,
+            HandSide::Left => 0,
+            HandSide::Right => 1,
         }
     }
 
-    /// Sign of this side's y: +1 left, −1 right. A mirrored quantity is the right one times minus this.
+    /// Returns the sign of y on this side: +1 left, −1 right. It mirrors quantities between hands.
     #[must_use]
     pub const fn y_sign(self) -> f64 {
         match self {
-            Side::Left => 1.0,
-            Side::Right => -1.0,
+            HandSide::Left => 1.0,
+            HandSide::Right => -1.0,
         }
     }
 }

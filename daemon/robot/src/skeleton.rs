@@ -1,10 +1,11 @@
-//! Every link of a URDF as viewers want it: which joint carries it, where it is for given joint angles, what it looks like.
+//! Skeleton of a robot for viewers: all links of a URDF, their joints, places and shapes.
 //!
-//! * **In:** the text of a URDF, the names of a robot's joints, joint angles. **Out:** the place of each link in its parent, and its visual shapes.
-//! * **Invariants:** parents come before their children; joints are numbered as the robot's joint vectors have them, and one
-//!   that mimics another follows it. A joint that is none of the robot's stands at zero.
-//! * **Absent on purpose:** meshes, which would need files beside the URDF, and everything that the controller computes
-//!   with: that is [`crate::RobotModel`].
+//! * **Inputs:** text of a URDF, joint names, joint positions. **Outputs:** the place of each link
+//!   in its parent, and its visual shapes.
+//! * **Invariants:** parents precede their children. Joint numbers equal those of joint vectors; a
+//!   mimicking joint follows its master. Other joints stay at zero.
+//! * **Not included:** meshes, which need files besides the URDF, and data of the controller
+//!   ([`crate::RobotModel`]).
 
 use std::string::String;
 use std::vec::Vec;
@@ -14,16 +15,13 @@ use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
 use urdf_rs::{Geometry, Joint, JointType, Link, Pose, Robot, Visual};
 
 use crate::files::RobotFiles;
-use crate::urdf::{Misfit, ModelError, misfit};
+use crate::urdf::{ModelError, ModelProblem, problem};
 
-/// Colour of what the URDF gives none, red, green, blue, opaqueness, 0 to 1.
+/// Default colour: red, green, blue, opacity, 0 to 1.
 const PLAIN_RGBA: [f64; 4] = [0.6, 0.6, 0.6, 1.0];
 
 impl RobotFiles {
-    /// The links, for viewers.
-    ///
-    /// # Errors
-    /// As [`RobotFiles::load`].
+    /// Loads the skeleton.
     pub fn skeleton(&self) -> Result<Skeleton, ModelError> {
         let robot = self.load()?;
         let names = robot.joints().map(|joint| joint.name.as_str().into());
@@ -32,6 +30,15 @@ impl RobotFiles {
 }
 
 /// All links of a robot.
+///
+/// ```
+/// use robot_model::TWO_HAND_ARM;
+///
+/// let skeleton = TWO_HAND_ARM.skeleton()?;
+/// assert_eq!(skeleton.joint_names().len(), 22);
+/// assert!(skeleton.limbs()[0].parent.is_none(), "the root comes first");
+/// # Ok::<(), robot_model::ModelError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Skeleton {
     limbs: Vec<Limb>,
@@ -43,28 +50,28 @@ pub struct Skeleton {
 pub struct Limb {
     /// Name of the link.
     pub name: String,
-    /// Place of its parent in [`Skeleton::limbs`]; `None` for the root.
+    /// Index of its parent in [`Skeleton::limbs`]; `None` for the root.
     pub parent: Option<usize>,
-    /// Where the joint sits in the parent, at zero.
+    /// Pose of the joint in the parent at zero.
     pub origin: Placement,
-    /// Axis of the joint in its own frame, unit length.
+    /// Joint axis in the joint's frame, unit length.
     pub axis: [f64; 3],
-    /// Place in a joint vector of the value that moves it; `None` for a joint that nothing moves.
+    /// Index of the moving value in a joint vector; `None` for a joint without value.
     pub joint: Option<usize>,
-    /// Motion per motion of that value: 1, or the multiplier of a joint that mimics another.
+    /// Motion per motion of that value: 1, or the multiplier of a mimicking joint.
     pub ratio: f64,
     /// Motion at value zero.
     pub offset: f64,
-    /// Whether the joint slides along its axis instead of turning about it.
+    /// True if the joint slides along its axis instead of turning about it.
     pub slides: bool,
-    /// What the link looks like.
+    /// Visual shapes.
     pub shapes: Vec<Shape>,
 }
 
-/// A place and a direction.
+/// Position and orientation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// m.
+    /// Position, m.
     pub translation_m: [f64; 3],
     /// Unit quaternion x, y, z, w.
     pub rotation_xyzw: [f64; 4],
@@ -73,30 +80,30 @@ pub struct Placement {
 /// One visual shape of a link.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// Where its middle is in the link.
+    /// Pose of its centre in the link.
     pub origin: Placement,
-    /// What it is.
+    /// Geometry.
     pub form: Form,
-    /// Red, green, blue, opaqueness, 0 to 1.
+    /// Red, green, blue, opacity, 0 to 1.
     pub rgba: [f64; 4],
 }
 
-/// A primitive, m.
+/// Geometric primitive, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
-    /// About z.
+    /// Cylinder about z.
     Cylinder {
         /// Radius.
         radius_m: f64,
         /// Length along z.
         length_m: f64,
     },
-    /// A ball.
+    /// Sphere.
     Sphere {
         /// Radius.
         radius_m: f64,
     },
-    /// A block.
+    /// Block.
     Box {
         /// Full lengths along x, y, z.
         size_m: [f64; 3],
@@ -104,15 +111,12 @@ pub enum Form {
 }
 
 impl Skeleton {
-    /// Reads a URDF of any structure whose moving joints have these names in a joint vector.
-    ///
-    /// # Errors
-    /// [`ModelError`] if the text is not a URDF, or its links are no tree.
+    /// Reads a URDF of any structure; the moving joints have these names in joint vectors.
     pub fn read(urdf: &str, joint_names: Vec<String>) -> Result<Self, ModelError> {
         let robot = urdf_rs::read_from_string(urdf)?;
         let mut limbs = Vec::with_capacity(robot.links.len());
         let mut open = roots(&robot);
-        // Breadth first, so that parents come before their children. Every link is carried once, or it is no tree.
+        // Breadth first, so that parents precede children. In a tree each link has one carrier.
         while let Some((link, parent, joint)) = open.pop() {
             let index = limbs.len();
             if index >= robot.links.len() {
@@ -127,22 +131,22 @@ impl Skeleton {
         }
         if limbs.len() != robot.links.len() || !open.is_empty() {
             let was = format!(
-                "{} links of which {} hang together",
+                "{} links, of which {} are connected",
                 robot.links.len(),
                 limbs.len()
             );
-            return Err(misfit("the robot", was, "a tree of links").into());
+            return Err(problem("the robot", was, "a tree of links").into());
         }
         Ok(Self { limbs, joint_names })
     }
 
-    /// The links, parents first.
+    /// Returns the links, parents first.
     #[must_use]
     pub fn limbs(&self) -> &[Limb] {
         &self.limbs
     }
 
-    /// Names of the moving joints, in the order of joint vectors.
+    /// Returns the names of the moving joints, in the order of joint vectors.
     #[must_use]
     pub fn joint_names(&self) -> &[String] {
         &self.joint_names
@@ -150,7 +154,7 @@ impl Skeleton {
 }
 
 impl Limb {
-    /// Where the link is in its parent. A joint without a value stands at zero.
+    /// Returns the pose of the link in its parent. A joint without a value is at zero.
     #[must_use]
     pub fn placed(&self, q_rad: &[f64]) -> Placement {
         let coordinate = self.joint.and_then(|joint| q_rad.get(joint)).copied();
@@ -174,17 +178,17 @@ impl Limb {
 type Isometry = nalgebra::Isometry3<f64>;
 type Open<'a> = (&'a Link, Option<usize>, Option<&'a Joint>);
 
-/// Links that no joint carries.
+/// Returns the links that no joint carries.
 fn roots(robot: &Robot) -> Vec<Open<'_>> {
     let is_carried = |link: &&Link| !robot.joints.iter().any(|j| j.child.link == link.name);
     let roots = robot.links.iter().filter(is_carried);
     roots.map(|link| (link, None, None)).collect()
 }
 
-fn child<'a>(robot: &'a Robot, joint: &Joint) -> Result<&'a Link, Misfit> {
+fn child<'a>(robot: &'a Robot, joint: &Joint) -> Result<&'a Link, ModelProblem> {
     let name = &joint.child.link;
     let found = robot.links.iter().find(|link| link.name == *name);
-    found.ok_or_else(|| misfit(format!("link `{name}`"), "missing", "a link of this name"))
+    found.ok_or_else(|| problem(format!("link `{name}`"), "missing", "a link of this name"))
 }
 
 fn limb(
@@ -193,7 +197,7 @@ fn limb(
     parent: Option<usize>,
     joint: Option<&Joint>,
     names: &[String],
-) -> Result<Limb, Misfit> {
+) -> Result<Limb, ModelProblem> {
     let mut limb = Limb {
         name: link.name.clone(),
         parent,
@@ -229,13 +233,13 @@ fn limb(
     Ok(limb)
 }
 
-fn axis(joint: &Joint) -> Result<[f64; 3], Misfit> {
+fn axis(joint: &Joint) -> Result<[f64; 3], ModelProblem> {
     let axis = Vector3::from(joint.axis.xyz.0).try_normalize(1e-9);
     axis.filter(|axis| axis.iter().all(|x| x.is_finite()))
         .map(Into::into)
         .ok_or_else(|| {
             let was = format!("{:?}", joint.axis.xyz.0);
-            misfit(
+            problem(
                 format!("the axis of joint `{}`", joint.name),
                 was,
                 "a direction",
@@ -243,8 +247,8 @@ fn axis(joint: &Joint) -> Result<[f64; 3], Misfit> {
         })
 }
 
-/// `None` for what cannot be drawn from the URDF alone.
-fn shape(robot: &Robot, link: &Link, visual: &Visual) -> Result<Option<Shape>, Misfit> {
+/// Returns `None` if the URDF alone does not describe the shape.
+fn shape(robot: &Robot, link: &Link, visual: &Visual) -> Result<Option<Shape>, ModelProblem> {
     let what = || format!("a visual of link `{}`", link.name);
     let form = match &visual.geometry {
         Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
@@ -264,7 +268,7 @@ fn shape(robot: &Robot, link: &Link, visual: &Visual) -> Result<Option<Shape>, M
     }))
 }
 
-/// The material's own colour, or that of the robot's material of its name.
+/// Returns the colour of the material, or of the robot's material of the same name.
 fn colour(robot: &Robot, visual: &Visual) -> [f64; 4] {
     let own = visual.material.as_ref();
     let named = own.and_then(|own| robot.materials.iter().find(|m| m.name == own.name));
@@ -273,11 +277,11 @@ fn colour(robot: &Robot, visual: &Visual) -> [f64; 4] {
     colours.next().map_or(PLAIN_RGBA, |colour| colour.rgba.0)
 }
 
-fn pose(pose: &Pose, what: impl Fn() -> String) -> Result<Placement, Misfit> {
+fn pose(pose: &Pose, what: impl Fn() -> String) -> Result<Placement, ModelProblem> {
     let ([x, y, z], [roll, pitch, yaw]) = (pose.xyz.0, pose.rpy.0);
     if [x, y, z, roll, pitch, yaw].iter().any(|v| !v.is_finite()) {
         let was = format!("xyz {:?} rpy {:?}", pose.xyz.0, pose.rpy.0);
-        return Err(misfit(what(), was, "finite numbers (m, rad)"));
+        return Err(problem(what(), was, "finite numbers (m, rad)"));
     }
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     Ok(placement(&Isometry::from_parts(

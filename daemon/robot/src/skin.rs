@@ -1,21 +1,21 @@
-//! What a hand's fingertips feel with: where their elements sit, and how far the skin gives way.
+//! Tactile skin of fingertips: element layout and compression.
 
 use shm_schemas::layout::{DOME_HALF_ANGLE_RAD, NamedLayout};
 
-/// Force with which a fingertip presses at most, N: the ceiling of F_2 (tactile design).
-const PRESSED_N: f64 = 8.0;
+/// Largest force of one fingertip, N: the upper limit of F_2 (tactile design).
+const FORCE_MAX_N: f64 = 8.0;
 
-/// The skin of a hand's fingertips, which all have the same.
+/// Skin of a hand's fingertips, equal on all of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Skin {
-    /// Where its elements sit.
+    /// Element layout.
     pub layout: NamedLayout,
-    /// How far it gives way to a rigid flat face.
+    /// Compression under a rigid flat face.
     pub compression: Compression,
 }
 
-/// Compression of a fingertip over the force that presses it: a·F^p.
+/// Compression of a fingertip over its force: a·F^p.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Compression {
@@ -26,7 +26,7 @@ pub struct Compression {
 }
 
 impl Skin {
-    /// The paper's domes, with the compression of the simulated skin (measured on a rigid block).
+    /// Domes of the paper, with the compression of the simulated skin (measured on a rigid block).
     pub const DOME_41: Skin = Skin {
         layout: NamedLayout::Dome41,
         compression: Compression {
@@ -35,12 +35,13 @@ impl Skin {
         },
     };
 
-    /// How far beside its pole a dome of this radius, m, may touch a face, radians: its elements must still feel the whole patch
-    /// when it is pressed the hardest. The face of a ball is the same wherever it is touched, so friction sets no narrower bound.
-    /// `None` for every other face: an edge or one element alone does not tell how it is turned.
+    /// Returns the largest angle between the pole of a dome of this radius, m, and a touched face,
+    /// radians. At full force the elements must still cover the whole contact patch. A sphere looks
+    /// alike everywhere, so friction sets no narrower limit. `None` for other faces: an edge or a
+    /// single element does not measure orientation.
     #[must_use]
     pub fn tilt_max_rad(&self, radius_m: f64) -> Option<f64> {
-        let depth_m = self.compression.at_1n_m * libm::pow(PRESSED_N, self.compression.exponent);
+        let depth_m = self.compression.at_1n_m * libm::pow(FORCE_MAX_N, self.compression.exponent);
         let patch_rad = libm::acos((1.0 - depth_m / radius_m).clamp(-1.0, 1.0));
         let bears_rad = (DOME_HALF_ANGLE_RAD - patch_rad).max(0.0);
         (self.layout == NamedLayout::Dome41).then_some(bears_rad)

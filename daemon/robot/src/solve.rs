@@ -1,53 +1,60 @@
-//! Postures from scratch: repeated steps of the inverse kinematics, and the start that makes them converge.
+//! Postures from an arbitrary start: repeated inverse-kinematics steps, and the start posture that
+//! makes them converge.
 
 use core::fmt;
 
 use crate::forward::HandPose;
 use crate::ik::{IkStatus, IkWeights};
 use crate::model::HandModel;
-use crate::target::{GraspFrame, HandTarget};
+use crate::target::{GraspPose, HandTarget};
 use crate::vector::HandVector;
 
-/// Time that one iteration of [`HandModel::solve`] may use of each joint's speed, seconds: 0.4–1 rad per iteration. Ours:
-/// so wide that joints are rarely held back; at 0.05 s and a secondary gain of 1, 0.4 % of the workspace did not converge.
+/// Time per iteration of [`HandModel::solve`] for each joint's speed limit, seconds: 0.4–1 rad per
+/// iteration. Design choice: joints are rarely held back. At 0.05 s and a secondary gain of 1, 0.4
+/// % of the workspace did not converge.
 const SOLVE_STEP_S: f64 = 0.2;
 
-/// Iterations of [`HandModel::posture_for`]. Ours: 50 already give every posture of the workspace the same error.
+/// Iterations of [`HandModel::posture_for`]. Design choice: 50 already give every posture of the
+/// workspace the same error.
 pub const POSTURE_ITERATIONS: usize = 60;
 
-/// Tip error below which a posture counts as reached, metres. Ours: half the 2 µm position quantum.
+/// Tip error below which a posture is reached, metres. Design choice: half the 2 µm position
+/// quantum.
 pub const POSTURE_TIP_ERROR_MAX_M: f64 = 1e-6;
 
-/// How far one of several tips of a side may be from its target while their middle is there, metres (ours: a fingertip is soft
-/// over a tenth of that, and each closes until it touches by itself).
+/// Largest distance of one of several tips of a side from its target while their middle is at its
+/// target, metres. Design choice: each fingertip closes separately until it touches, so small
+/// differences are harmless.
 pub const POSTURE_SPREAD_ERROR_MAX_M: f64 = 2e-3;
 
-/// Dome-axis error below which a posture counts as reached, radians (1°). Ours.
+/// Dome-axis error below which a posture is reached, radians: 1°. Design choice.
 pub const POSTURE_DOME_ERROR_MAX_RAD: f64 = 0.0175;
 
-/// The same for a hand whose domes cannot all face each other, radians (ours: 45°): open, it touches nothing. What its domes bear
-/// where they touch is [`HandModel::dome_error_max_rad`].
+/// Dome-axis limit of an open hand whose domes cannot all face each other, radians: 45°. Design
+/// choice: an open hand touches nothing. [`HandModel::dome_error_max_rad`] is the limit in contact.
 const TILTED_DOME_ERROR_MAX_RAD: f64 = core::f64::consts::FRAC_PI_4;
 
-/// A posture with what is left of the error.
+/// Posture with its remaining errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
-    /// Joint angles, radians, inside the limits.
+    /// Joint positions, within the limits.
     pub q_rad: HandVector,
-    /// Distance of the farther side's middle from its target, metres; infinite if the target was not finite.
+    /// Distance of the farther side's middle from its target, metres; infinite if the target was
+    /// not finite.
     pub tip_error_m: f64,
     /// Distance of the farthest tip from its target, metres; infinite if the target was not finite.
     pub spread_error_m: f64,
-    /// Angle of the worse dome axis from its target, radians; infinite if the target was not finite.
+    /// Angle of the worse dome axis from its target, radians; infinite if the target was not
+    /// finite.
     pub dome_error_rad: f64,
 }
 
-/// A grasp that no posture of the hand meets.
+/// Error of a grasp that no posture of the hand reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unreachable {
-    /// The best posture found.
+    /// Best posture found.
     pub best: Solution,
-    /// Dome-axis error that it might have had, radians.
+    /// Largest permitted dome-axis error, radians.
     pub dome_error_max_rad: f64,
 }
 
@@ -91,7 +98,7 @@ impl fmt::Display for Unreachable {
 impl core::error::Error for Unreachable {}
 
 impl HandModel {
-    /// Up to `iterations` steps from `start_rad` towards `target`, without regard for time: for start postures, not for
+    /// Runs up to `iterations` steps from `start_rad` towards `target`. For start postures, not for
     /// the control tick. Stops early when a step fails.
     #[must_use]
     pub fn solve(
@@ -110,21 +117,22 @@ impl HandModel {
         Solution::new(self, &pose, target)
     }
 
-    /// The posture for a grasp, reached from the reference posture with the arm turned towards the grasp and the wrist
-    /// rolled to its closing yaw. Takes the closing yaw as it is: pass it through
-    /// [`closing_yaw_rad`](Self::closing_yaw_rad) first.
+    /// Returns the posture for a grasp. The search starts from the reference posture with the arm
+    /// turned towards the grasp and the wrist rolled to its closing yaw. It keeps the closing yaw;
+    /// pass it through [`closing_yaw_rad`](Self::closing_yaw_rad) first.
     ///
     /// # Errors
-    /// [`Unreachable`] if tips or dome axes stay farther off than [`POSTURE_TIP_ERROR_MAX_M`] and
-    /// [`POSTURE_DOME_ERROR_MAX_RAD`]; where the hand's domes cannot all face each other
-    /// ([`HandModel::domes_tilt`]), only a hand turned away is refused.
-    pub fn posture_for(&self, grasp: &GraspFrame) -> Result<Solution, Unreachable> {
+    /// [`Unreachable`] if the error of tips or dome axes exceeds [`POSTURE_TIP_ERROR_MAX_M`] or
+    /// [`POSTURE_DOME_ERROR_MAX_RAD`]. If the hand's domes cannot all face each other
+    /// ([`HandModel::domes_tilt`]), a wider limit applies.
+    pub fn posture_for(&self, grasp: &GraspPose) -> Result<Solution, Unreachable> {
         self.posture_within(grasp, self.open_dome_error_max_rad())
     }
 
-    /// Whether [`posture_for`](Self::posture_for) gets to a grasp. It ends as soon as it is there, which is some five times as fast.
+    /// Returns true if [`posture_for`](Self::posture_for) reaches the grasp. It ends at the first
+    /// success and is about five times as fast.
     #[must_use]
-    pub fn reaches(&self, grasp: &GraspFrame) -> bool {
+    pub fn reaches(&self, grasp: &GraspPose) -> bool {
         let target = grasp.target(self);
         let mut pose = self.forward(&self.start_for(grasp));
         for _ in 0..POSTURE_ITERATIONS {
@@ -140,7 +148,7 @@ impl HandModel {
         Solution::new(self, &pose, &target).is_within(self.open_dome_error_max_rad())
     }
 
-    /// How far its domes may be off where they need not touch, radians.
+    /// Returns the dome-axis limit of an open hand, radians.
     fn open_dome_error_max_rad(&self) -> f64 {
         if self.domes_tilt {
             TILTED_DOME_ERROR_MAX_RAD
@@ -149,18 +157,20 @@ impl HandModel {
         }
     }
 
-    /// The same, of a hand that touches what it grasps: its domes must bear how far they are turned from the closing axis.
+    /// Returns the posture for a grasp in contact, with the stricter dome-axis limit of a touching
+    /// hand.
     ///
     /// # Errors
-    /// [`Unreachable`], as [`posture_for`](Self::posture_for), with [`dome_error_max_rad`](Self::dome_error_max_rad).
-    pub fn touching_posture_for(&self, grasp: &GraspFrame) -> Result<Solution, Unreachable> {
+    /// [`Unreachable`], as [`posture_for`](Self::posture_for), with
+    /// [`dome_error_max_rad`](Self::dome_error_max_rad).
+    pub fn contact_posture_for(&self, grasp: &GraspPose) -> Result<Solution, Unreachable> {
         self.posture_within(grasp, self.dome_error_max_rad())
     }
 
-    /// The same for dome axes that are off by so much at most, radians.
+    /// Returns the posture for a grasp with this dome-axis limit, radians.
     pub(crate) fn posture_within(
         &self,
-        grasp: &GraspFrame,
+        grasp: &GraspPose,
         dome_error_max_rad: f64,
     ) -> Result<Solution, Unreachable> {
         let start_rad = self.start_for(grasp);
@@ -175,22 +185,24 @@ impl HandModel {
         }
     }
 
-    /// The reference posture with the arm turned towards a grasp and the wrist rolled to its closing yaw.
-    fn start_for(&self, grasp: &GraspFrame) -> HandVector {
+    /// Returns the reference posture with the arm turned towards a grasp and the wrist rolled to
+    /// its closing yaw.
+    fn start_for(&self, grasp: &GraspPose) -> HandVector {
         let mut start_rad = self.reference_rad;
-        let yaw_rad = grasp.as_done_by(self).closing_yaw_rad;
+        let yaw_rad = grasp.executed_by(self).closing_yaw_rad;
         self.turn_towards(&mut start_rad, &grasp.centre_m, yaw_rad);
         self.clamp_to_limits(&start_rad)
     }
 
-    /// The pose after one step without regard for time; `None` if it fails.
+    /// Returns the pose after one step, or `None` if the step fails.
     fn solve_step(&self, pose: &HandPose, target: &HandTarget) -> Option<HandPose> {
         let (jacobian, weights) = (self.jacobian(pose), &IkWeights::SOLVE);
         let step = self.ik_step(pose, &jacobian, target, SOLVE_STEP_S, weights);
         (step.status != IkStatus::Failed).then(|| self.forward(&step.q_rad))
     }
 
-    /// The nearest posture inside the limits; angles that are not finite become the reference posture's.
+    /// Returns the nearest posture within the limits. Values that are not finite become those of
+    /// the reference posture.
     #[must_use]
     pub fn clamp_to_limits(&self, q_rad: &HandVector) -> HandVector {
         HandVector::from_fn(self.joint_count, |index| {
@@ -205,12 +217,13 @@ impl HandModel {
 }
 
 impl Solution {
-    /// Whether tips and domes are as near as they must be.
+    /// Returns true if tips and domes are within their limits.
     fn is_within(&self, dome_error_max_rad: f64) -> bool {
         self.meets_tips() && self.dome_error_rad <= dome_error_max_rad
     }
 
-    /// Whether all tips are as near to their places as they must be: the middle of each side, and each tip beside it.
+    /// Returns true if all tips are within their limits: the middle of each side, and each tip
+    /// relative to it.
     #[must_use]
     pub fn meets_tips(&self) -> bool {
         self.tip_error_m <= POSTURE_TIP_ERROR_MAX_M

@@ -1,10 +1,17 @@
-//! A rigid transform as a rotation matrix and a translation.
+//! Rigid transform: a rotation matrix and a translation.
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Rigid transform `a_from_b`: takes coordinates in frame b to coordinates in frame a.
+/// Rigid transform `a_from_b`: converts coordinates in frame b to coordinates in frame a.
 ///
-/// The columns of `rotation` are the axes of b seen from a; `translation_m` is the origin of b seen from a, in metres.
+/// ```
+/// use nalgebra::Vector3;
+/// use robot_model::Transform;
+///
+/// let shifted = Transform { translation_m: Vector3::x(), ..Transform::IDENTITY };
+/// let twice = shifted.then(&shifted);
+/// assert_eq!(twice.point(&Vector3::zeros()), Vector3::new(2.0, 0.0, 0.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Transform {
@@ -15,13 +22,13 @@ pub struct Transform {
 }
 
 impl Transform {
-    /// The transform that changes nothing.
+    /// Identity.
     pub const IDENTITY: Transform = Transform {
         rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
         translation_m: Vector3::new(0.0, 0.0, 0.0),
     };
 
-    /// `a_from_b.then(&b_from_c)` is `a_from_c`.
+    /// Composes: `a_from_b.then(&b_from_c)` is `a_from_c`.
     #[must_use]
     #[inline]
     pub fn then(&self, next: &Transform) -> Transform {
@@ -31,13 +38,13 @@ impl Transform {
         }
     }
 
-    /// A point of frame b in the coordinates of frame a, metres.
+    /// Converts a point of frame b to frame a, metres.
     #[must_use]
     pub fn point(&self, point_m: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * point_m + self.translation_m
     }
 
-    /// Frame b turned by `angle_rad` about its own z axis.
+    /// Returns the transform with frame b turned by `angle_rad` about its z axis.
     #[must_use]
     #[inline]
     pub(crate) fn turned_about_z(&self, angle_rad: f64) -> Transform {
@@ -49,7 +56,7 @@ impl Transform {
         }
     }
 
-    /// Frame b moved along its own z axis.
+    /// Returns the transform with frame b moved along its z axis.
     #[must_use]
     pub(crate) fn moved_along_z(&self, by_m: f64) -> Transform {
         Transform {

@@ -1,17 +1,21 @@
-//! What turns a hand that points down about the vertical, as it was read off the reference posture.
+//! Joints that turn a hand about the vertical while it points down, determined at the reference
+//! posture.
 
-/// Bearing and roll at which a hand that points down has a closing yaw: yaw = bearing + `yaw_rad` − roll.
+/// Bearing and roll at which a hand that points down has a closing yaw: yaw = bearing + `yaw_rad` −
+/// roll.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Turning {
-    /// The arm's first joint turns it about the vertical: its angle is `sign`·bearing + `zero_rad`.
+    /// Arm's first joint, if it turns the hand about the vertical: its position is `sign`·bearing +
+    /// `zero_rad`.
     pub(crate) base: Option<Turn>,
-    /// The arm's last joint turns the hand about its pointing direction: its angle is `sign`·roll + `zero_rad`.
+    /// Arm's last joint, if it turns the hand about its pointing direction: its position is
+    /// `sign`·roll + `zero_rad`.
     pub(crate) wrist: Option<Turn>,
     pub(crate) yaw_rad: f64,
 }
 
-/// How a joint's angle follows another.
+/// Linear relation between a joint position and an angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Turn {

@@ -1,9 +1,13 @@
-//! The loader: a URDF and its robot file in, [`RobotModel`] out, or everything in them that does not fit.
+//! Loader: from a URDF and its robot file to a [`RobotModel`], or to the list of all problems.
 //!
-//! A robot fits if it has one or two hands, each of an arm of up to 7 joints that carries a palm, and of 2 to 4 fingertips that
-//! the palm carries over up to 4 joints each; up to 16 joints a hand. Joints are revolute, continuous or prismatic; those
-//! of a finger may mimic others of the hand. Collision shapes become capsules: a cylinder or a box is read as the
-//! capsule that contains it. A mesh cannot be; it is refused where two arms must keep apart and passed over where there is one. Joints that move no fingertip stand at zero.
+//! A robot has one or two hands. Each has an arm of up to 7 joints that carries a palm, and 2 to 4
+//! fingertips on chains of up to 4 joints; at most 16 joints per hand. Joints are revolute,
+//! continuous or prismatic. Finger joints may mimic other joints of the hand. Joints that move no
+//! fingertip stay at zero.
+//!
+//! Collision shapes become capsules: a cylinder or box is replaced by the capsule around it. Meshes
+//! cannot be converted: they are rejected for two arms, which must keep apart, and ignored for one
+//! arm.
 
 mod collision;
 mod error;
@@ -18,8 +22,8 @@ use std::string::String;
 use std::vec::Vec;
 
 use error::Findings;
-pub(crate) use error::misfit;
-pub use error::{Misfit, ModelError, ModelFile};
+pub(crate) use error::problem;
+pub use error::{ModelError, ModelFile, ModelProblem};
 use hand::load_hand;
 use joint::{joint_axis, load_joint};
 use tree::Tree;
@@ -27,13 +31,13 @@ use tree::Tree;
 use crate::model::HandModel;
 use crate::robot::RobotModel;
 use crate::robot_file::RobotFile;
-use crate::side::Side;
+use crate::side::HandSide;
 
 impl RobotModel {
-    /// Loads a robot from the texts of a URDF and of its robot file.
+    /// Loads a robot from the texts of a URDF and a robot file.
     ///
     /// # Errors
-    /// [`ModelError`] if either is not what it says, or with everything in which they do not fit.
+    /// [`ModelError`] if a text is invalid, or with all problems found.
     pub fn load(urdf_text: &str, robot_file: &str) -> Result<RobotModel, ModelError> {
         let file = RobotFile::parse(robot_file)?;
         let robot = urdf_rs::read_from_string(urdf_text)?;
@@ -43,30 +47,33 @@ impl RobotModel {
         let entries = [&file.hands.left, &file.hands.right];
         if entries.iter().all(|entry| entry.is_none()) {
             let needs = "[hands.left] or [hands.right]";
-            findings.add(misfit("the robot file", "without a hand", needs).of_robot_file());
+            findings.add(problem("the robot file", "without a hand", needs).in_robot_file());
         }
         let alone = entries.iter().any(|entry| entry.is_none());
-        let mut hand = |side: Side| match entries[side.index()] {
+        let mut hand = |side: HandSide| match entries[side.index()] {
             None => Some(HandModel::absent(side)),
             Some(entry) => load_hand(&tree, side, entry, &file.joints, alone, &mut findings),
         };
-        let hands = [hand(Side::Left), hand(Side::Right)];
+        let hands = [hand(HandSide::Left), hand(HandSide::Right)];
         let [Some(left), Some(right)] = hands else {
-            return findings.unless_any(None);
+            return findings.into_result(None);
         };
         check_apart(&left, &right, &mut findings);
         let hands = [left, right];
-        let mut robot = findings.unless_any(Some(RobotModel { hands }))?;
-        // Tried by the inverse kinematics, so only of a robot that is as it has to be.
-        robot.hands.iter_mut().for_each(HandModel::find_abilities);
+        let mut robot = findings.into_result(Some(RobotModel { hands }))?;
+        // Capabilities are found by inverse kinematics, which needs a valid robot.
+        robot
+            .hands
+            .iter_mut()
+            .for_each(HandModel::find_capabilities);
         Ok(robot)
     }
 }
 
-/// What of a robot's collision shapes is passed over or taken for something else, a sentence each.
+/// Returns one sentence for each collision shape that was ignored or approximated.
 ///
 /// # Errors
-/// [`ModelError`] if either text is not what it says.
+/// [`ModelError`] if a text is invalid.
 pub(crate) fn remarks(urdf_text: &str, robot_file: &str) -> Result<Vec<String>, ModelError> {
     let file = RobotFile::parse(robot_file)?;
     let robot = urdf_rs::read_from_string(urdf_text)?;
@@ -74,30 +81,30 @@ pub(crate) fn remarks(urdf_text: &str, robot_file: &str) -> Result<Vec<String>, 
     Ok(collision::remarks(&tree, &file))
 }
 
-/// Every joint that the robot file speaks of must be one, of numbers that make sense: also those that no hand is found to have.
+/// Checks every joint entry of the robot file, including joints that belong to no hand.
 fn check_entries(tree: &Tree, file: &RobotFile, findings: &mut Findings) {
     for (name, entry) in &file.joints {
         match tree.joint(name) {
-            Err(misfit) => findings.add(misfit),
+            Err(problem) => findings.add(problem),
             Ok(joint) if joint.joint_type == urdf_rs::JointType::Fixed => {
                 let item = format!("the type of joint `{name}`");
                 let needs = "a moving joint, or no entry in the robot file";
-                findings.add(misfit(item, "fixed", needs));
+                findings.add(problem(item, "fixed", needs));
             }
             Ok(joint) => {
                 let _ = load_joint(joint, Some(entry), findings);
-                let _ = findings.note(joint_axis(joint));
+                let _ = findings.value_of(joint_axis(joint));
             }
         }
     }
 }
 
-/// No joint moves both hands.
+/// Checks that no joint moves both hands.
 fn check_apart(left: &HandModel, right: &HandModel, findings: &mut Findings) {
     for joint in left.joints() {
         if right.joints().iter().any(|other| other.name == joint.name) {
             let item = format!("joint `{}`", joint.name);
-            findings.add(misfit(item, "part of both hands", "a joint of one"));
+            findings.add(problem(item, "part of both hands", "a joint of one"));
         }
     }
 }

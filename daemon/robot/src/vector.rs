@@ -1,4 +1,5 @@
-//! One value per joint, in fixed memory: reads as a slice of as many values as there are joints.
+//! Vectors with one value per joint, in fixed memory; they dereference to a slice of the used
+//! values.
 
 use core::ops::{Add, AddAssign, Deref, DerefMut, Mul, Sub};
 
@@ -11,8 +12,16 @@ pub type RobotVector = JointVector<ROBOT_JOINTS_MAX>;
 
 /// Up to `MAX` values.
 ///
-/// Generalised coordinates: a value `_rad` is in radians for a revolute joint and in metres for a prismatic one, `_rad_s`
-/// in rad/s or m/s, `_n_m` in N·m or N.
+/// Generalised coordinates: a value `_rad` is in radians for a revolute joint and in metres for a
+/// prismatic one, `_rad_s` in rad/s or m/s, `_n_m` in N·m or N.
+///
+/// ```
+/// use robot_model::HandVector;
+///
+/// let step = HandVector::repeat(3, 0.01);
+/// let q_rad = HandVector::zeros(3) + step * 2.0;
+/// assert_eq!(&q_rad[..], [0.02; 3]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointVector<const MAX: usize> {
@@ -23,13 +32,13 @@ pub struct JointVector<const MAX: usize> {
 }
 
 impl<const MAX: usize> JointVector<MAX> {
-    /// Of a robot without joints.
+    /// Vector of a robot without joints.
     pub(crate) const NONE: Self = Self {
         values: [0.0; MAX],
         count: 0,
     };
 
-    /// `count` values, each made from its index; at most `MAX` of them.
+    /// Creates `count` values, each from its index; at most `MAX`.
     pub fn from_fn(count: usize, mut value: impl FnMut(usize) -> f64) -> Self {
         let mut values = [0.0; MAX];
         let count = count.min(MAX);
@@ -39,38 +48,38 @@ impl<const MAX: usize> JointVector<MAX> {
         Self { values, count }
     }
 
-    /// The same value `count` times.
+    /// Creates a vector of `count` equal values.
     #[must_use]
     pub fn repeat(count: usize, value: f64) -> Self {
         Self::from_fn(count, |_| value)
     }
 
-    /// `count` zeros.
+    /// Creates a vector of `count` zeros.
     #[must_use]
     pub fn zeros(count: usize) -> Self {
         Self::repeat(count, 0.0)
     }
 
-    /// The values of a slice, the first `MAX` of them.
+    /// Copies a slice, at most the first `MAX` values.
     #[must_use]
     pub fn from_slice(values: &[f64]) -> Self {
         Self::from_fn(values.len(), |joint| values[joint])
     }
 
-    /// Each value made into another.
+    /// Applies a function to each value.
     #[must_use]
     pub fn map(&self, mut of: impl FnMut(f64) -> f64) -> Self {
         Self::from_fn(self.count, |joint| of(self[joint]))
     }
 
-    /// Each value and that of the same joint of `other` made into one; as many as both have.
+    /// Combines each value with that of the same joint of `other`; the shorter length counts.
     #[must_use]
     pub fn zip_map(&self, other: &Self, mut of: impl FnMut(f64, f64) -> f64) -> Self {
         let count = self.count.min(other.count);
         Self::from_fn(count, |joint| of(self[joint], other[joint]))
     }
 
-    /// The largest size of a value.
+    /// Returns the largest absolute value.
     #[must_use]
     pub fn amax(&self) -> f64 {
         self.iter()
@@ -79,7 +88,7 @@ impl<const MAX: usize> JointVector<MAX> {
 }
 
 impl<const MAX: usize> Default for JointVector<MAX> {
-    /// Of a robot without joints.
+    /// Vector of a robot without joints.
     fn default() -> Self {
         Self::NONE
     }

@@ -1,6 +1,6 @@
-//! The box over the table that a robot file keeps grasps from above to.
+//! Workspace: box over the table to which a robot file limits grasps from above.
 
-/// A box of grasps from above, each value's least and greatest, metres.
+/// Box of grasps from above; minimum and maximum of each value, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Workspace {
@@ -15,9 +15,9 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Whether every range is one of numbers, the least first.
+    /// Returns true if every range is finite and ordered.
     #[must_use]
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         [self.x_m, self.y_m, self.z_m, self.opening_m]
             .iter()
             .all(|[least, most]| least.is_finite() && most.is_finite() && least <= most)

@@ -7,19 +7,19 @@ use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
 use super::keys;
-use super::{Config, Place, Problem};
+use super::{Config, Location, Problem};
 
 #[derive(Clone, Debug)]
-pub(super) struct Leaf {
+pub(super) struct Entry {
     pub(super) key: String,
     pub(super) value: Value,
-    pub(super) place: Place,
+    pub(super) place: Location,
 }
 
 /// Keys of a file, sorted by name.
-pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Leaf>, Problem> {
+pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Entry>, Problem> {
     let syntax = |error: toml::de::Error| Problem::Syntax {
-        place: Place::File(
+        place: Location::File(
             path.to_owned(),
             line_of(text, error.span().map_or(0, |s| s.start)),
         ),
@@ -30,8 +30,8 @@ pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Leaf>, Problem> {
     let mut leaves = Vec::new();
     flatten("", &table, &mut |key, value| {
         let offset = offset_of(spans.get_ref(), key).unwrap_or(0);
-        let place = Place::File(path.to_owned(), line_of(text, offset));
-        leaves.push(Leaf {
+        let place = Location::File(path.to_owned(), line_of(text, offset));
+        leaves.push(Entry {
             key: key.to_owned(),
             value: value.clone(),
             place,
@@ -41,10 +41,10 @@ pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Leaf>, Problem> {
 }
 
 /// Key of `--set section.key=value`. A value that is not TOML is taken as text.
-pub(super) fn read_flag(flag: &str) -> Result<Leaf, Problem> {
+pub(super) fn read_flag(flag: &str) -> Result<Entry, Problem> {
     let why = "needs the form section.key=value".to_owned();
     let (key, value) = flag.split_once('=').ok_or(Problem::Syntax {
-        place: Place::Flag,
+        place: Location::Flag,
         why: format!("{flag:?} {why}"),
     })?;
     let (key, value) = (key.trim().to_owned(), value.trim());
@@ -52,15 +52,15 @@ pub(super) fn read_flag(flag: &str) -> Result<Leaf, Problem> {
     let value = parsed
         .and_then(|mut table| table.remove("value"))
         .unwrap_or_else(|| Value::String(value.to_owned()));
-    Ok(Leaf {
+    Ok(Entry {
         key,
         value,
-        place: Place::Flag,
+        place: Location::Flag,
     })
 }
 
 /// Configuration of these keys, with defaults for the others.
-pub(super) fn assemble<'a>(leaves: impl IntoIterator<Item = &'a Leaf>) -> Option<Config> {
+pub(super) fn assemble<'a>(leaves: impl IntoIterator<Item = &'a Entry>) -> Option<Config> {
     let mut root = Table::new();
     for leaf in leaves {
         insert(&mut root, &leaf.key, leaf.value.clone())?;
@@ -68,7 +68,7 @@ pub(super) fn assemble<'a>(leaves: impl IntoIterator<Item = &'a Leaf>) -> Option
     Config::deserialize(root).ok()
 }
 
-pub(super) fn flat(config: &Config) -> Vec<(String, Value)> {
+pub(super) fn entries_of(config: &Config) -> Vec<(String, Value)> {
     let mut leaves = Vec::new();
     if let Ok(table) = Table::try_from(config) {
         flatten("", &table, &mut |key, value| {
@@ -114,7 +114,7 @@ fn flatten(prefix: &str, table: &Table, each: &mut impl FnMut(&str, &Value)) {
 
 /// Returns true if a table under this key is a single value.
 fn is_value(key: &str) -> bool {
-    keys::needs(key).is_some() || keys::task_name(key).is_some()
+    keys::permitted_values(key).is_some() || keys::task_name(key).is_some()
 }
 
 fn offset_of(table: &DeTable<'_>, key: &str) -> Option<usize> {

@@ -3,11 +3,13 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use atas_core::settings::present_name;
+
 use super::TaskProblem;
 
 /// Location of a value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// File and line (from 1).
     File(PathBuf, usize),
     /// Command line.
@@ -27,23 +29,23 @@ pub enum Problem {
     /// Invalid TOML.
     Syntax {
         /// Location.
-        place: Place,
+        place: Location,
         /// Error of the parser.
         why: String,
     },
     /// Unknown key.
     UnknownKey {
         /// Location.
-        place: Place,
+        place: Location,
         /// Key.
         key: String,
         /// Suggested key.
         meant: Option<&'static str>,
     },
     /// Value that is not permitted.
-    Value {
+    InvalidValue {
         /// Location; `None` for a default value in conflict with another value.
-        place: Option<Place>,
+        place: Option<Location>,
         /// Key.
         key: String,
         /// Value.
@@ -54,7 +56,7 @@ pub enum Problem {
     /// Invalid user task.
     Task {
         /// Location.
-        place: Place,
+        place: Location,
         /// Task name.
         name: String,
         /// Error.
@@ -71,7 +73,7 @@ pub enum Problem {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError(pub Vec<Problem>);
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::File(path, line) => write!(f, "{}:{line}", path.display()),
@@ -84,9 +86,16 @@ impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { path, why } => {
-                write!(f, "{}: could not read it because of: {why}", path.display())
+                write!(f, "{}: could not read the file: {why}", path.display())
             }
             Self::Syntax { place, why } => write!(f, "{place}: is not TOML: {why}"),
+            Self::UnknownKey {
+                place,
+                key,
+                meant: Some(meant),
+            } if present_name(key) == Some(meant) => {
+                write!(f, "{place}: {key} was renamed to {meant}; use the new name")
+            }
             Self::UnknownKey {
                 place,
                 key,
@@ -104,7 +113,7 @@ impl fmt::Display for Problem {
                     "{place}: {key} is not a key; `atasd --check-config` prints all keys"
                 )
             }
-            Self::Value {
+            Self::InvalidValue {
                 place: Some(place),
                 key,
                 value,
@@ -112,7 +121,7 @@ impl fmt::Display for Problem {
             } => {
                 write!(f, "{place}: {key} is {value}, needs {needs}")
             }
-            Self::Value {
+            Self::InvalidValue {
                 place: None,
                 key,
                 value,

@@ -3,7 +3,7 @@
 //! Tunable numbers come from the controller's table [`PARAMETERS`]; the other keys are listed here.
 
 use atas_core::limits::TICK_RATE_HZ;
-use atas_core::settings::{ORDERED, PARAMETERS, Parameter, find};
+use atas_core::settings::{ORDERED_PAIRS, PARAMETERS, Parameter, find, present_name};
 
 use super::{Config, Cpu, HandSensor};
 
@@ -11,7 +11,7 @@ use super::{Config, Cpu, HandSensor};
 struct FixedKey {
     name: &'static str,
     needs: &'static str,
-    holds: fn(&Config) -> bool,
+    is_valid: fn(&Config) -> bool,
 }
 
 const LAYOUT: &str = "\"robot\", \"dome-41\", \"dome-1\", \"pad-N\", \"flat-RxC-P\", \"cylinder-RxC-P-Q\" or \
@@ -49,122 +49,122 @@ const FIXED: &[FixedKey] = &[
     FixedKey {
         name: "realtime.mode",
         needs: "\"require\", \"try\" or \"off\"",
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: "realtime.priority",
         needs: "a whole number from 1 to 98",
-        holds: |c| (1..=PRIORITY_MAX).contains(&c.realtime.priority),
+        is_valid: |c| (1..=PRIORITY_MAX).contains(&c.realtime.priority),
     },
     FixedKey {
         name: "realtime.cpu",
         needs: "\"any\" or the number of a core, 0 to 1023",
-        holds: |c| !matches!(c.realtime.cpu, Cpu::Core(1024..)),
+        is_valid: |c| !matches!(c.realtime.cpu, Cpu::Core(1024..)),
     },
     FixedKey {
         name: "realtime.rate_hz",
         needs: "a whole number from 100 to 10000",
-        holds: |c| (TICK_RATE_HZ.0..=TICK_RATE_HZ.1).contains(&c.realtime.rate_hz),
+        is_valid: |c| (TICK_RATE_HZ.0..=TICK_RATE_HZ.1).contains(&c.realtime.rate_hz),
     },
     FixedKey {
         name: "realtime.spin_us",
         needs: "a whole number from 0 to 100",
-        holds: |c| c.realtime.spin_us <= SPIN_MAX_US,
+        is_valid: |c| c.realtime.spin_us <= SPIN_MAX_US,
     },
     FixedKey {
         name: "realtime.keep_awake",
         needs: YES_NO,
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: "realtime.phase_lock",
         needs: YES_NO,
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: "realtime.phase_offset_us",
         needs: "a whole number from 0 to 5000",
-        holds: |c| c.realtime.phase_offset_us <= PHASE_OFFSET_MAX_US,
+        is_valid: |c| c.realtime.phase_offset_us <= PHASE_OFFSET_MAX_US,
     },
     FixedKey {
         name: "realtime.arrival_wait_us",
         needs: "a whole number from 10 to 500",
-        holds: |c| ARRIVAL_WAIT_US.contains(&c.realtime.arrival_wait_us),
+        is_valid: |c| ARRIVAL_WAIT_US.contains(&c.realtime.arrival_wait_us),
     },
     FixedKey {
         name: "robot.model",
-        needs: "a robot that ships, as `atas robot list` shows them, or the path of a robot file",
-        holds: |c| !c.robot.model.is_empty(),
+        needs: "the name of a shipped robot (`atas robot list`) or the path of a robot file",
+        is_valid: |c| !c.robot.model.is_empty(),
     },
     FixedKey {
         name: "robot.joints_required",
         needs: YES_NO,
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: "hands.left.layout",
         needs: LAYOUT,
-        holds: |c| has_layout(&c.hands.left),
+        is_valid: |c| has_layout(&c.hands.left),
     },
     FixedKey {
         name: "hands.left.fingers",
         needs: FINGERS,
-        holds: |c| has_fingers(&c.hands.left),
+        is_valid: |c| has_fingers(&c.hands.left),
     },
     FixedKey {
         name: "hands.left.rate_hz",
         needs: RATE,
-        holds: |c| has_rate(&c.hands.left),
+        is_valid: |c| has_rate(&c.hands.left),
     },
     FixedKey {
         name: "hands.left.required",
         needs: YES_NO,
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: "hands.right.layout",
         needs: LAYOUT,
-        holds: |c| has_layout(&c.hands.right),
+        is_valid: |c| has_layout(&c.hands.right),
     },
     FixedKey {
         name: "hands.right.fingers",
         needs: FINGERS,
-        holds: |c| has_fingers(&c.hands.right),
+        is_valid: |c| has_fingers(&c.hands.right),
     },
     FixedKey {
         name: "hands.right.rate_hz",
         needs: RATE,
-        holds: |c| has_rate(&c.hands.right),
+        is_valid: |c| has_rate(&c.hands.right),
     },
     FixedKey {
         name: "hands.right.required",
         needs: YES_NO,
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: "recording.stream",
         needs: YES_NO,
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: "recording.flight_folder",
         needs: "the path of a folder, or \"\"",
-        holds: |_| true,
+        is_valid: |_| true,
     },
     FixedKey {
         name: ACCESS_GROUP,
         needs: "\"none\", \"observe\" or \"command\"",
-        holds: |_| true,
+        is_valid: |_| true,
     },
 ];
 
 /// Minimum Jaro-Winkler similarity of a suggestion. Chosen by trying misspellings.
-pub(super) const LIKELY: f64 = 0.8;
-const FINGERS: &str = "a whole number from 1 to 4, or 0 for as many as the robot has there";
+pub(super) const SIMILARITY_MIN: f64 = 0.8;
+const FINGERS: &str = "a whole number from 1 to 4, or 0 for the number in the robot file";
 const RATE: &str = "a number from 1 to 10000";
 
 fn has_layout(hand: &HandSensor) -> bool {
-    hand.layout.is_sound()
+    hand.layout.is_valid()
 }
 
 fn has_fingers(hand: &HandSensor) -> bool {
@@ -203,7 +203,7 @@ pub(super) fn is_section(name: &str) -> bool {
 }
 
 /// Permitted values of a key; `None` for an unknown key.
-pub(super) fn needs(name: &str) -> Option<String> {
+pub(super) fn permitted_values(name: &str) -> Option<String> {
     let range = |p: &Parameter| format!("a number from {} to {}", p.lower, p.upper);
     let fixed = FIXED.iter().find(|key| key.name == name);
     fixed
@@ -212,26 +212,26 @@ pub(super) fn needs(name: &str) -> Option<String> {
 }
 
 /// Returns true if the value of a key is permitted.
-pub(super) fn holds(name: &str, config: &Config) -> bool {
+pub(super) fn is_valid(name: &str, config: &Config) -> bool {
     match (FIXED.iter().find(|key| key.name == name), find(name)) {
-        (Some(key), _) => (key.holds)(config),
+        (Some(key), _) => (key.is_valid)(config),
         (None, Some(parameter)) => parameter.check((parameter.get)(&config.settings())).is_ok(),
         (None, None) => false,
     }
 }
 
 /// Values in conflict with another one: `(key, value, permitted values)`.
-pub(super) fn contradictions(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
+pub(super) fn conflicts(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
     let settings = config.settings();
-    let ordered = ORDERED.iter().filter_map(move |&(lower, upper)| {
+    let ordered = ORDERED_PAIRS.iter().filter_map(move |&(lower, upper)| {
         let value = |name| find(name).map_or(f64::NAN, |p| (p.get)(&settings));
         let (below, above) = (value(lower), value(upper));
         (below > above).then(|| (lower, below, format!("at most {upper}, which is {above}")))
     });
-    ordered.chain(timing(config))
+    ordered.chain(timing_conflicts(config))
 }
 
-fn timing(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
+fn timing_conflicts(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> {
     let rate_hz = f64::from(config.realtime.rate_hz);
     let (spin_us, valid_s) = (f64::from(config.realtime.spin_us), config.safety.valid_s);
     let spin_max_us = SPIN_MAX_PERIODS * 1e6 / rate_hz;
@@ -248,8 +248,12 @@ fn timing(config: &Config) -> impl Iterator<Item = (&'static str, f64, String)> 
     spins.into_iter().chain(expires)
 }
 
-/// The key or section that was probably meant: the same key of another section, or else the likeliest spelling.
-pub(super) fn nearest(name: &str) -> Option<&'static str> {
+/// Suggestion for an unknown name: the same key in another section, else the most similar key or
+/// section.
+pub(super) fn suggestion(name: &str) -> Option<&'static str> {
+    if let Some(now) = present_name(name) {
+        return Some(now);
+    }
     let last = |key: &'static str| key.rsplit_once('.').map_or(key, |(_, last)| last);
     let wanted = name.rsplit_once('.').map_or(name, |(_, last)| last);
     if let Some(moved) = known_keys().find(|known| last(known) == wanted) {
@@ -260,15 +264,15 @@ pub(super) fn nearest(name: &str) -> Option<&'static str> {
     known_keys()
         .chain(sections)
         .map(|known| (strsim::jaro_winkler(known, name), known))
-        .filter(|(likeness, _)| *likeness > LIKELY)
+        .filter(|(likeness, _)| *likeness > SIMILARITY_MIN)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, known)| known)
 }
 
 /// Parameter suggested for an unknown name.
 #[must_use]
-pub fn nearest_parameter(name: &str) -> Option<&'static str> {
-    nearest(name).filter(|name| find(name).is_some())
+pub fn suggested_parameter(name: &str) -> Option<&'static str> {
+    suggestion(name).filter(|name| find(name).is_some())
 }
 
 #[cfg(test)]
@@ -276,31 +280,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ordered_pairs_name_parameters_and_hold_by_default() {
-        for (lower, upper) in ORDERED {
+    fn ordered_pairs_are_valid_by_default() {
+        for (lower, upper) in ORDERED_PAIRS {
             assert!(
                 find(lower).is_some() && find(upper).is_some(),
                 "{lower}, {upper}"
             );
         }
-        assert_eq!(contradictions(&Config::default()).count(), 0);
+        assert_eq!(conflicts(&Config::default()).count(), 0);
     }
 
     #[test]
-    fn every_default_holds() {
+    fn every_default_is_valid() {
         for key in known_keys() {
-            assert!(holds(key, &Config::default()), "{key}");
+            assert!(is_valid(key, &Config::default()), "{key}");
         }
     }
 
     #[test]
-    fn misspelt_keys_find_their_meaning() {
-        let check = |name, meant| assert_eq!(nearest(name), meant, "{name}");
+    fn misspelt_key_gets_a_suggestion() {
+        let check = |name, meant| assert_eq!(suggestion(name), meant, "{name}");
         check("grasp.drn", Some("grasp.dr_n"));
         check("grsp.dr_n", Some("grasp.dr_n"));
         check("grasp.touch_on_n", Some("perception.touch_on_n"));
         check("priority", Some("realtime.priority"));
         check("grsp", Some("grasp"));
+        check("grasp.keep_n", Some("grasp.carry_min_n"));
+        check("follow", Some("teleop"));
         check("zzz", None);
     }
 }

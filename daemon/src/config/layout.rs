@@ -4,7 +4,7 @@ use robot_model::HandModel;
 use serde::{Deserialize, Serialize};
 use shm_schemas::Layout;
 
-const OF_ROBOT: &str = "robot";
+const ROBOT_LAYOUT: &str = "robot";
 
 /// Layout of a hand's fingertips.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,25 +36,25 @@ pub struct CustomLayout {
 impl LayoutChoice {
     /// The layout of the robot file.
     #[must_use]
-    pub fn of_robot() -> Self {
-        Self::Named(OF_ROBOT.to_owned())
+    pub fn from_robot() -> Self {
+        Self::Named(ROBOT_LAYOUT.to_owned())
     }
 
     /// The layout, if it is valid.
     #[must_use]
     pub fn resolve(&self, hand: &HandModel) -> Option<Layout> {
         match self {
-            Self::Named(name) if name == OF_ROBOT => Some(hand.skin().layout.layout()),
-            Self::Named(name) => Layout::named(name),
+            Self::Named(name) if name == ROBOT_LAYOUT => Some(hand.skin().layout.layout()),
+            Self::Named(name) => Layout::from_name(name),
             Self::Custom(custom) => custom.resolve(),
         }
     }
 
     /// Returns true if the choice is valid for any robot.
     #[must_use]
-    pub fn is_sound(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         match self {
-            Self::Named(name) => name == OF_ROBOT || Layout::named(name).is_some(),
+            Self::Named(name) => name == ROBOT_LAYOUT || Layout::from_name(name).is_some(),
             Self::Custom(custom) => custom.resolve().is_some(),
         }
     }
@@ -70,11 +70,11 @@ impl CustomLayout {
         match (self.radius_m, &self.positions_m) {
             (Some(radius_m), None) if is_size(radius_m) => {
                 let elements = normals.map(|normal| (normal, normal.map(|d| d * radius_m)));
-                Layout::of_elements(elements, self.element_area_m2)
+                Layout::from_elements(elements, self.element_area_m2)
             }
             (None, Some(positions_m)) if positions_m.len() == self.normals.len() => {
                 let elements = normals.zip(positions_m.iter().copied());
-                Layout::of_elements(elements, self.element_area_m2)
+                Layout::from_elements(elements, self.element_area_m2)
             }
             _ => None,
         }
@@ -95,7 +95,7 @@ mod tests {
         }
     }
 
-    fn placed(normals: &[[f64; 3]], positions_m: &[[f64; 3]]) -> CustomLayout {
+    fn custom(normals: &[[f64; 3]], positions_m: &[[f64; 3]]) -> CustomLayout {
         CustomLayout {
             radius_m: None,
             positions_m: Some(positions_m.to_vec()),
@@ -104,14 +104,14 @@ mod tests {
     }
 
     #[test]
-    fn own_layout_with_the_elements_of_a_built_in_one_hashes_equally() {
+    fn custom_copy_of_built_in_layout_hashes_equally() {
         for name in ["dome-41", "flat-3x4-4.5", "cylinder-2x5-3-8"] {
-            let layout = Layout::named(name).expect("known");
+            let layout = Layout::from_name(name).expect("known");
             let (normals, positions_m) = (
                 &layout.normal[..layout.count],
                 &layout.position_m[..layout.count],
             );
-            let own = placed(normals, positions_m).resolve().expect("sound");
+            let own = custom(normals, positions_m).resolve().expect("sound");
             assert_eq!(own.hash(), layout.hash(), "{name}");
         }
         let built_in = Layout::dome_41();
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn unsound_layouts_are_refused() {
+    fn invalid_layout_is_rejected() {
         for normals in [
             vec![],
             vec![[0.0, 0.0, 0.9]],
@@ -131,11 +131,11 @@ mod tests {
             assert_eq!(dome(&normals).resolve(), None, "{normals:?}");
         }
         let out = [[0.0, 0.0, 1.0]];
-        assert_eq!(placed(&out, &[]).resolve(), None);
-        assert_eq!(placed(&out, &[[0.0, f64::INFINITY, 0.01]]).resolve(), None);
+        assert_eq!(custom(&out, &[]).resolve(), None);
+        assert_eq!(custom(&out, &[[0.0, f64::INFINITY, 0.01]]).resolve(), None);
         let both = CustomLayout {
             radius_m: Some(0.015),
-            ..placed(&out, &[[0.0, 0.0, 0.015]])
+            ..custom(&out, &[[0.0, 0.0, 0.015]])
         };
         assert_eq!(both.resolve(), None);
     }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use atas_process::configuration::{SYSTEM_FILE, SYSTEM_FOLDER, system_files};
 
-use super::document::{self, Leaf};
-use super::{Config, ConfigError, Place, Problem, keys, tasks};
+use super::document::{self, Entry};
+use super::{Config, ConfigError, Location, Problem, keys, tasks};
 
 /// Sources of a configuration; each load reads them again.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +23,7 @@ impl std::fmt::Display for Source {
     /// Prints the sources, for the log.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.files.is_empty() {
-            write!(f, "{SYSTEM_FILE} and {SYSTEM_FOLDER}, where they exist")?;
+            write!(f, "{SYSTEM_FILE} and {SYSTEM_FOLDER} (if they exist)")?;
         }
         for (index, file) in self.files.iter().enumerate() {
             write!(
@@ -48,21 +48,21 @@ impl Source {
     pub fn load(&self) -> Result<Config, ConfigError> {
         let mut problems = Vec::new();
         let mut merged = BTreeMap::new();
-        for leaf in self.leaves(&mut problems) {
-            check_leaf(&leaf, &mut problems);
+        for leaf in self.entries(&mut problems) {
+            check_entry(&leaf, &mut problems);
             merged.insert(leaf.key.clone(), leaf);
         }
         if !problems.is_empty() {
             return Err(ConfigError(problems));
         }
         let config = document::assemble(merged.values()).ok_or(ConfigError(problems))?;
-        check_together(&config, &merged)?;
+        check_conflicts(&config, &merged)?;
         Ok(config)
     }
 
-    fn leaves(&self, problems: &mut Vec<Problem>) -> Vec<Leaf> {
+    fn entries(&self, problems: &mut Vec<Problem>) -> Vec<Entry> {
         let mut leaves = Vec::new();
-        let mut take = |read: Result<Vec<Leaf>, Problem>| match read {
+        let mut take = |read: Result<Vec<Entry>, Problem>| match read {
             Ok(read) => leaves.extend(read),
             Err(problem) => problems.push(problem),
         };
@@ -88,7 +88,7 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] with every value in conflict with another.
     pub fn check(&self) -> Result<(), ConfigError> {
-        check_together(self, &BTreeMap::new())
+        check_conflicts(self, &BTreeMap::new())
     }
 
     /// Differing keys that are fixed at run time.
@@ -104,15 +104,15 @@ impl Config {
     }
 
     fn differences(&self, other: &Self, of: impl Fn(&str) -> bool) -> Vec<String> {
-        let theirs: BTreeMap<_, _> = document::flat(other).into_iter().collect();
-        let ours = document::flat(self).into_iter();
+        let theirs: BTreeMap<_, _> = document::entries_of(other).into_iter().collect();
+        let ours = document::entries_of(self).into_iter();
         ours.filter(|(key, value)| of(key) && theirs.get(key) != Some(value))
             .map(|(key, _)| key)
             .collect()
     }
 }
 
-fn read_file(path: &Path) -> Result<Vec<Leaf>, Problem> {
+fn read_file(path: &Path) -> Result<Vec<Entry>, Problem> {
     let text = fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
     document::read_text(path, &text)
 }
@@ -125,7 +125,7 @@ fn unreadable(path: &Path, error: &io::Error) -> Problem {
 }
 
 /// Checks a key with defaults for the others, so that one error does not hide another.
-fn check_leaf(leaf: &Leaf, problems: &mut Vec<Problem>) {
+fn check_entry(leaf: &Entry, problems: &mut Vec<Problem>) {
     let (key, place) = (leaf.key.clone(), leaf.place.clone());
     if let Some(name) = keys::task_name(&key) {
         if let Err(problem) = tasks::read(name, &leaf.value) {
@@ -141,19 +141,19 @@ fn check_leaf(leaf: &Leaf, problems: &mut Vec<Problem>) {
     let value = leaf.value.to_string();
     if keys::is_section(&key) {
         let needs = "to be a section with keys".to_owned();
-        return problems.push(Problem::Value {
+        return problems.push(Problem::InvalidValue {
             place: Some(place),
             key,
             value,
             needs,
         });
     }
-    let Some(needs) = keys::needs(&key) else {
-        let meant = keys::nearest(&key);
+    let Some(needs) = keys::permitted_values(&key) else {
+        let meant = keys::suggestion(&key);
         return problems.push(Problem::UnknownKey { place, key, meant });
     };
-    if !document::assemble([leaf]).is_some_and(|config| keys::holds(&key, &config)) {
-        problems.push(Problem::Value {
+    if !document::assemble([leaf]).is_some_and(|config| keys::is_valid(&key, &config)) {
+        problems.push(Problem::InvalidValue {
             place: Some(place),
             key,
             value,
@@ -163,15 +163,15 @@ fn check_leaf(leaf: &Leaf, problems: &mut Vec<Problem>) {
 }
 
 /// Checks conflicts between keys, and the robot file.
-fn check_together(config: &Config, leaves: &BTreeMap<String, Leaf>) -> Result<(), ConfigError> {
-    let place = |key: &str| -> Option<Place> { leaves.get(key).map(|leaf| leaf.place.clone()) };
-    let contradiction = |(key, value, needs): (&str, f64, String)| Problem::Value {
+fn check_conflicts(config: &Config, leaves: &BTreeMap<String, Entry>) -> Result<(), ConfigError> {
+    let place = |key: &str| -> Option<Location> { leaves.get(key).map(|leaf| leaf.place.clone()) };
+    let contradiction = |(key, value, needs): (&str, f64, String)| Problem::InvalidValue {
         place: place(key),
         key: key.to_owned(),
         value: value.to_string(),
         needs,
     };
-    let mut problems: Vec<_> = keys::contradictions(config).map(contradiction).collect();
+    let mut problems: Vec<_> = keys::conflicts(config).map(contradiction).collect();
     if let Err(error) = config.robot_model() {
         problems.push(Problem::Robot {
             why: error.to_string(),

@@ -4,18 +4,20 @@
 //! [`Tasks::text`] writes the format that [`read`] reads. The built-in tasks are printed in the
 //! same format, as a starting point.
 
+mod keywords;
 mod table;
-mod words;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use atas_core::tasks::{BUILT_IN, Fault, Motion, Part, Step, Task, Track, Transition};
+use atas_core::tasks::{
+    BUILT_IN, Motion, Part, RuleViolation, Step, StepSequence, Task, Transition,
+};
 use serde::{Deserialize, Deserializer, de};
 use toml::{Table, Value};
 
 /// Prefix of printed built-in tasks, because a user task needs another name.
-const OWN: &str = "my-";
+const USER_PREFIX: &str = "my-";
 const TASK_KEYS: [&str; 3] = ["acting", "helping", "table"];
 const STEP_KEYS: [&str; 7] = [
     "step",
@@ -62,9 +64,9 @@ impl Tasks {
     #[must_use]
     pub fn built_in_text() -> String {
         let mut text = String::new();
-        let follows = |task: &Task| task.acting.iter().any(|s| s.motion == Motion::Follow);
+        let follows = |task: &Task| task.acting.iter().any(|s| s.motion == Motion::Teleop);
         for task in BUILT_IN.into_iter().filter(|task| !follows(task)) {
-            write_task(&mut text, &format!("{OWN}{}", task.name), task);
+            write_task(&mut text, &format!("{USER_PREFIX}{}", task.name), task);
         }
         text
     }
@@ -109,7 +111,7 @@ pub(super) fn read(name: &str, value: &Value) -> Result<Task, TaskProblem> {
         at: "table".to_owned(),
         why,
     })?;
-    Task::checked_with_table(name, &acting, helping.as_deref(), table).map_err(|fault| {
+    Task::validated_with_table(name, &acting, helping.as_deref(), table).map_err(|fault| {
         let steps = match fault.part {
             Part::Acting => &acting[..],
             Part::Helping => helping.as_deref().unwrap_or_default(),
@@ -118,7 +120,7 @@ pub(super) fn read(name: &str, value: &Value) -> Result<Task, TaskProblem> {
     })
 }
 
-fn describe(fault: &Fault, steps: &[Step]) -> TaskProblem {
+fn describe(fault: &RuleViolation, steps: &[Step]) -> TaskProblem {
     let name = |index: usize| steps.get(index).map_or("", |step| step.name.as_str());
     TaskProblem {
         at: fault.step.map_or_else(
@@ -161,11 +163,11 @@ fn read_step(value: &Value) -> Result<Step, String> {
         format!("is {value}, needs {{ step = …, motion = …, transition = …, … }}")
     })?;
     check_keys(table, &STEP_KEYS)?;
-    let name =
-        atas_core::tasks::checked_name(text(table, "step")?).map_err(|rule| rule.to_string())?;
-    let motion = words::motion(text(table, "motion")?, optional_text(table, "waypoint")?)?;
-    let until = words::transition(text(table, "transition")?, table.get("point"))?;
-    let modules = words::modules(table.get("modules"))?;
+    let name = atas_core::tasks::validated_step_name(text(table, "step")?)
+        .map_err(|rule| rule.to_string())?;
+    let motion = keywords::motion(text(table, "motion")?, optional_text(table, "waypoint")?)?;
+    let until = keywords::transition(text(table, "transition")?, table.get("point"))?;
+    let modules = keywords::modules(table.get("modules"))?;
     let timeout_s = match table.get("timeout_s") {
         None => f64::INFINITY,
         Some(Value::Float(s)) if s.is_finite() => *s,
@@ -178,7 +180,7 @@ fn read_step(value: &Value) -> Result<Step, String> {
 fn check_keys(table: &Table, known: &[&'static str]) -> Result<(), String> {
     let unknown = table.keys().find(|key| !known.contains(&key.as_str()));
     unknown.map_or(Ok(()), |key| {
-        Err(words::unknown("key", key, known.iter().copied()))
+        Err(keywords::unknown("key", key, known.iter().copied()))
     })
 }
 
@@ -197,37 +199,37 @@ fn optional_text<'a>(table: &'a Table, key: &str) -> Result<Option<&'a str>, Str
 fn write_task(text: &mut String, name: &str, task: &Task) {
     // Writing to a string cannot fail.
     let _ = write!(text, "\n[tasks.{name}]\n");
-    write_track(text, "acting", &task.acting);
+    write_sequence(text, "acting", &task.acting);
     if let Some(helping) = &task.helping {
-        write_track(text, "helping", helping);
+        write_sequence(text, "helping", helping);
     }
     if let Some(table) = &task.table {
-        let _ = writeln!(text, "table = {}", table::written(table));
+        let _ = writeln!(text, "table = {}", table::table_text(table));
     }
 }
 
-fn write_track(text: &mut String, key: &str, track: &Track) {
+fn write_sequence(text: &mut String, key: &str, track: &StepSequence) {
     let _ = writeln!(text, "{key} = [");
     for step in track.iter() {
-        let _ = writeln!(text, "    {{ {} }},", written(step));
+        let _ = writeln!(text, "    {{ {} }},", step_text(step));
     }
     let _ = writeln!(text, "]");
 }
 
-fn written(step: &Step) -> String {
+fn step_text(step: &Step) -> String {
     let mut text = format!(
         "step = \"{}\", motion = \"{}\"",
         step.name,
-        step.motion.word()
+        step.motion.name()
     );
     if let Some(waypoint) = step.motion.waypoint() {
-        let _ = write!(text, ", waypoint = \"{}\"", waypoint.word());
+        let _ = write!(text, ", waypoint = \"{}\"", waypoint.name());
     }
     let modules: Vec<_> = step.modules.ids().map(|id| format!("\"{id}\"")).collect();
     if !modules.is_empty() {
         let _ = write!(text, ", modules = [{}]", modules.join(", "));
     }
-    let _ = write!(text, ", transition = \"{}\"", step.transition.word());
+    let _ = write!(text, ", transition = \"{}\"", step.transition.name());
     if let Transition::Met(point) = step.transition {
         let _ = write!(text, ", point = {point}");
     }

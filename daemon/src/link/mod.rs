@@ -8,7 +8,7 @@
 //!
 //! Invariants:
 //! * Entries without room are dropped and counted.
-//! * Answers to requests and final goal updates always have room: [`News`] has reserved
+//! * Answers to requests and final goal updates always have room: [`Notification`] has reserved
 //!   slots for them.
 //! * Every queue has one writer and one reader. Queues with several writers are at best lock-free:
 //!   a tick that preempts a writer on the same core would spin for ever.
@@ -16,13 +16,13 @@
 mod supervisor;
 mod tick;
 
-pub use supervisor::SupervisorEnd;
-pub use tick::TickEnd;
+pub use supervisor::SupervisorSide;
+pub use tick::RealtimeSide;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use atas_core::Order;
+use atas_core::OperatorRequest;
 use robot_model::RobotVector;
 use rtrb::RingBuffer;
 use shm_bus::stop;
@@ -32,7 +32,7 @@ use crate::input_log;
 
 /// Capacity for requests; a goal is rejected as BUSY if the queue is full. Design choice: the tick
 /// takes 1000 per second.
-const ORDERS: usize = 32;
+const REQUESTS: usize = 32;
 /// Capacity for stops, separate so that goals cannot delay a stop.
 const STOPS: usize = 4;
 /// Capacity for records: 1 s at 1 kHz of supervisor delay before records are dropped.
@@ -40,8 +40,8 @@ const RECORDS: usize = 1024;
 const EVENTS: usize = 1024;
 /// Capacity for notifications, and the slots reserved for answers and final updates: every queued
 /// request may end a goal and needs an answer.
-const NEWS: usize = 1024;
-const NEWS_KEPT: usize = 2 * (ORDERS + STOPS) + 2;
+const NOTIFICATIONS: usize = 1024;
+const NOTIFICATIONS_RESERVED: usize = 2 * (REQUESTS + STOPS) + 2;
 /// Record of one tick. Fixed size, no pointers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickRecord {
@@ -63,7 +63,7 @@ pub struct TickRecord {
 
 /// Message that a client waits for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum News {
+pub enum Notification {
     /// The request with this ticket was executed.
     Taken(u64),
     /// Goal update.
@@ -76,7 +76,7 @@ pub struct Ticketed {
     /// From 1; 0 for a request without an answer.
     pub ticket: u64,
     /// The request.
-    pub order: Order,
+    pub request: OperatorRequest,
 }
 
 #[derive(Debug, Default)]
@@ -84,13 +84,13 @@ struct Shared {
     dropped: AtomicU64,
     quit: AtomicBool,
     /// Time of the supervisor's last round, ns; 0 before the first.
-    supervised_ns: AtomicU64,
+    supervisor_alive_ns: AtomicU64,
     /// Lock-step: number of ticks since the start that may pass without work.
     advanced_to: AtomicU64,
 }
 
 impl Shared {
-    fn count(&self, dropped: u64) {
+    fn count_dropped(&self, dropped: u64) {
         if dropped > 0 {
             self.dropped.fetch_add(dropped, Ordering::Relaxed);
         }
@@ -111,35 +111,35 @@ impl Quit {
 /// Creates a link. `records` adds the input log for a recorder; `signal` carries stops from the
 /// stop socket.
 #[must_use]
-pub fn link(records: bool, signal: Arc<stop::Signal>) -> (TickEnd, SupervisorEnd) {
-    let (orders_in, orders) = RingBuffer::new(ORDERS);
+pub fn link(records: bool, signal: Arc<stop::Signal>) -> (RealtimeSide, SupervisorSide) {
+    let (orders_in, orders) = RingBuffer::new(REQUESTS);
     let (stops_in, stops) = RingBuffer::new(STOPS);
     let (records_in, records_out) = RingBuffer::new(RECORDS);
-    let (news_in, news) = RingBuffer::new(NEWS);
+    let (news_in, news) = RingBuffer::new(NOTIFICATIONS);
     let (events_in, events) = RingBuffer::new(EVENTS);
     let (snapshot_in, snapshot) = triple_buffer::triple_buffer(&Status::default());
     let (view_in, view) = triple_buffer::triple_buffer(&View::default());
     let (log_in, log) = records.then(input_log::input_log).unzip();
     let shared = Arc::<Shared>::default();
-    let tick = TickEnd {
-        orders,
+    let tick = RealtimeSide {
+        requests: orders,
         stops,
         signal,
-        signalled: None,
+        signalled_stop: None,
         records: records_in,
-        news: news_in,
+        notifications: news_in,
         events: events_in,
         snapshot: snapshot_in,
         view: view_in,
         input_log: log_in,
         shared: Arc::clone(&shared),
     };
-    let supervisor = SupervisorEnd {
-        orders: orders_in,
+    let supervisor = SupervisorSide {
+        requests: orders_in,
         stops: stops_in,
         tickets: 0,
         records: records_out,
-        news,
+        notifications: news,
         events,
         snapshot,
         view,
@@ -152,62 +152,65 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (TickEnd, SupervisorEnd
 #[cfg(test)]
 mod tests {
     use super::*;
-    use atas_core::Order;
+    use atas_core::OperatorRequest;
     use shm_schemas::{Cause, GoalState, ModuleEvent, Reason};
 
-    use super::tick::SILENT_NS;
+    use super::tick::SUPERVISOR_TIMEOUT_NS;
 
-    fn ends() -> (TickEnd, SupervisorEnd) {
+    fn sides() -> (RealtimeSide, SupervisorSide) {
         link(false, Arc::default())
     }
 
     #[test]
-    fn a_stop_overtakes_any_flood_and_the_world_that_settles() {
-        let (mut tick, mut supervisor) = ends();
+    fn stop_overtakes_queue_and_settling() {
+        let (mut tick, mut supervisor) = sides();
         let queued = (0..100)
-            .filter(|_| supervisor.order(Order::Recover).is_some())
+            .filter(|_| supervisor.request(OperatorRequest::Recover).is_some())
             .count();
-        assert_eq!(queued, ORDERS);
-        let stop = Order::Stop(Reason::of(Cause::SHUTDOWN));
-        let ticket = supervisor.order(stop);
+        assert_eq!(queued, REQUESTS);
+        let stop = OperatorRequest::Stop(Reason::new(Cause::SHUTDOWN));
+        let ticket = supervisor.request(stop);
         assert!(ticket.is_some());
-        let taken = tick.take_order(true).expect("the stop");
-        assert_eq!((Some(taken.ticket), taken.order), (ticket, stop));
-        assert_eq!(tick.take_order(true), None);
-        assert_eq!(tick.take_order(false).map(|t| t.ticket), Some(1));
+        let taken = tick.take_request(true).expect("the stop");
+        assert_eq!((Some(taken.ticket), taken.request), (ticket, stop));
+        assert_eq!(tick.take_request(true), None);
+        assert_eq!(tick.take_request(false).map(|t| t.ticket), Some(1));
     }
 
     #[test]
-    fn a_signalled_stop_comes_first_and_is_taken_when_its_command_is_out() {
+    fn signalled_stop_is_confirmed_after_publishing() {
         let signal = Arc::<stop::Signal>::default();
         let (mut tick, mut supervisor) = link(false, Arc::clone(&signal));
-        assert!(supervisor.order(Order::Recover).is_some());
+        assert!(supervisor.request(OperatorRequest::Recover).is_some());
         let number = signal.raise();
-        assert!(tick.has_orders());
-        let taken = tick.take_order(true).expect("the stop");
-        assert_eq!(taken.order, Order::Stop(Reason::of(Cause::ESTOP)));
+        assert!(tick.has_requests());
+        let taken = tick.take_request(true).expect("the stop");
+        assert_eq!(
+            taken.request,
+            OperatorRequest::Stop(Reason::new(Cause::ESTOP))
+        );
         assert!(!signal.is_taken(number));
-        tick.published();
+        tick.confirm_stop();
         assert!(signal.is_taken(number));
         assert_eq!(
-            tick.take_order(false).map(|t| t.order),
-            Some(Order::Recover)
+            tick.take_request(false).map(|t| t.request),
+            Some(OperatorRequest::Recover)
         );
     }
 
     #[test]
-    fn a_million_orders_pass_in_their_order_while_both_ends_hurry() {
+    fn million_requests_pass_in_order() {
         const MANY: u64 = 1_000_000;
-        let (mut tick, mut supervisor) = ends();
+        let (mut tick, mut supervisor) = sides();
         std::thread::scope(|threads| {
             threads.spawn(move || {
                 let mut taken = 0;
                 while taken < MANY {
-                    let ticket = tick.take_order(false).map_or(0, |order| order.ticket);
+                    let ticket = tick.take_request(false).map_or(0, |order| order.ticket);
                     assert!(ticket == 0 || ticket == taken + 1, "{ticket} after {taken}");
                     taken += u64::from(ticket != 0);
-                    tick.leave(&TickRecord::default(), &[]);
-                    tick.leave_news(ticket, None);
+                    tick.push_record(&TickRecord::default(), &[]);
+                    tick.push_notifications(ticket, None);
                     if ticket == 0 {
                         std::thread::yield_now();
                     }
@@ -215,66 +218,66 @@ mod tests {
             });
             let (mut given, mut answered) = (0, 0);
             while answered < MANY {
-                let waits = given - answered < super::ORDERS as u64;
-                if given < MANY && waits && supervisor.order(Order::Recover).is_some() {
+                let waits = given - answered < super::REQUESTS as u64;
+                if given < MANY && waits && supervisor.request(OperatorRequest::Recover).is_some() {
                     given += 1;
                 } else {
                     std::thread::yield_now();
                 }
                 while supervisor.next_record().is_some() {}
-                while let Some(news) = supervisor.next_news() {
+                while let Some(news) = supervisor.next_notification() {
                     answered += 1;
-                    assert_eq!(news, News::Taken(answered));
+                    assert_eq!(news, Notification::Taken(answered));
                 }
             }
         });
     }
 
     #[test]
-    fn what_finds_no_room_is_counted() {
-        let (mut tick, supervisor) = ends();
+    fn dropped_entries_are_counted() {
+        let (mut tick, supervisor) = sides();
         for _ in 0..RECORDS + 3 {
-            tick.leave(&TickRecord::default(), &[]);
+            tick.push_record(&TickRecord::default(), &[]);
         }
         assert_eq!(supervisor.dropped(), 3);
         let events = [ModuleEvent::default(); EVENTS + 2];
-        tick.leave(&TickRecord::default(), &events);
+        tick.push_record(&TickRecord::default(), &events);
         assert_eq!(supervisor.dropped(), 3 + 1 + 2);
     }
 
     #[test]
-    fn answers_and_final_updates_find_room_when_nothing_else_does() {
-        let (mut tick, mut supervisor) = ends();
+    fn answers_and_final_updates_have_reserved_slots() {
+        let (mut tick, mut supervisor) = sides();
         let update = |state| GoalUpdate {
             state,
             ..GoalUpdate::default()
         };
-        for _ in 0..2 * NEWS {
+        for _ in 0..2 * NOTIFICATIONS {
             let progress = update(GoalState::RUNNING);
-            tick.leave_news(0, Some(&progress));
+            tick.push_notifications(0, Some(&progress));
         }
         // Every queued request is executed and ends a goal.
-        let orders = (ORDERS + STOPS) as u64;
+        let orders = (REQUESTS + STOPS) as u64;
         for ticket in 1..=orders {
             let ended = update(GoalState::FAILED);
-            tick.leave_news(ticket, Some(&ended));
+            tick.push_notifications(ticket, Some(&ended));
         }
-        let (mut answers, mut ends) = (0, 0);
-        while let Some(news) = supervisor.next_news() {
+        let (mut answers, mut sides) = (0, 0);
+        while let Some(news) = supervisor.next_notification() {
             match news {
-                News::Taken(_) => answers += 1,
-                News::Goal(update) => ends += u64::from(update.state.is_final()),
+                Notification::Taken(_) => answers += 1,
+                Notification::Goal(update) => sides += u64::from(update.state.is_final()),
             }
         }
-        assert_eq!((answers, ends), (orders, orders));
+        assert_eq!((answers, sides), (orders, orders));
     }
 
     #[test]
-    fn the_newest_snapshot_replaces_the_older_ones() {
-        let (mut tick, mut supervisor) = ends();
+    fn newest_snapshot_replaces_older_ones() {
+        let (mut tick, mut supervisor) = sides();
         assert!(supervisor.newest_snapshot().is_none());
         for ticks in 1..10 {
-            tick.leave_snapshot(&Status {
+            tick.push_snapshot(&Status {
                 ticks,
                 ..Status::default()
             });
@@ -284,13 +287,16 @@ mod tests {
     }
 
     #[test]
-    fn a_silent_supervisor_is_a_reason_to_hold() {
-        let (tick, supervisor) = ends();
-        let silent_at = |ns| tick.supervision(ns).cause;
+    fn silent_supervisor_causes_hold() {
+        let (tick, supervisor) = sides();
+        let silent_at = |ns| tick.supervisor_timeout(ns).cause;
         assert_eq!(silent_at(u64::MAX), Cause::NONE, "before its first round");
-        supervisor.supervise(1_000);
-        assert_eq!(silent_at(1_000 + SILENT_NS), Cause::NONE);
-        assert_eq!(silent_at(1_001 + SILENT_NS), Cause::SUPERVISOR_SILENT);
-        assert_eq!(silent_at(0), Cause::NONE, "a clock that both read");
+        supervisor.report_alive(1_000);
+        assert_eq!(silent_at(1_000 + SUPERVISOR_TIMEOUT_NS), Cause::NONE);
+        assert_eq!(
+            silent_at(1_001 + SUPERVISOR_TIMEOUT_NS),
+            Cause::SUPERVISOR_SILENT
+        );
+        assert_eq!(silent_at(0), Cause::NONE, "time before the last round");
     }
 }

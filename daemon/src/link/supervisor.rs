@@ -3,21 +3,21 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use atas_core::Order;
+use atas_core::OperatorRequest;
 use rtrb::{Consumer, Producer};
 use shm_schemas::{ModuleEvent, Status, View};
 
-use super::{News, Quit, Shared, TickRecord, Ticketed};
+use super::{Notification, Quit, Shared, TickRecord, Ticketed};
 use crate::input_log::LogReader;
 
 /// Supervisor side of the link.
 #[derive(Debug)]
-pub struct SupervisorEnd {
-    pub(super) orders: Producer<Ticketed>,
+pub struct SupervisorSide {
+    pub(super) requests: Producer<Ticketed>,
     pub(super) stops: Producer<Ticketed>,
     pub(super) tickets: u64,
     pub(super) records: Consumer<TickRecord>,
-    pub(super) news: Consumer<News>,
+    pub(super) notifications: Consumer<Notification>,
     pub(super) events: Consumer<ModuleEvent>,
     pub(super) snapshot: triple_buffer::Output<Status>,
     pub(super) view: triple_buffer::Output<View>,
@@ -25,25 +25,32 @@ pub struct SupervisorEnd {
     pub(super) shared: Arc<Shared>,
 }
 
-impl SupervisorEnd {
-    /// Queues a request and returns its ticket, confirmed by [`News::Taken`]. `None` if the
+impl SupervisorSide {
+    /// Queues a request and returns its ticket, confirmed by [`Notification::Taken`]. `None` if the
     /// queue is full.
     #[must_use]
-    pub fn order(&mut self, order: Order) -> Option<u64> {
-        let queue = if matches!(order, Order::Stop(_)) {
+    pub fn request(&mut self, order: OperatorRequest) -> Option<u64> {
+        let queue = if matches!(order, OperatorRequest::Stop(_)) {
             &mut self.stops
         } else {
-            &mut self.orders
+            &mut self.requests
         };
         let ticket = self.tickets + 1;
-        queue.push(Ticketed { ticket, order }).ok()?;
+        queue
+            .push(Ticketed {
+                ticket,
+                request: order,
+            })
+            .ok()?;
         self.tickets = ticket;
         Some(ticket)
     }
 
     /// Records the time of a supervisor round.
-    pub fn supervise(&self, now_ns: u64) {
-        self.shared.supervised_ns.store(now_ns, Ordering::Relaxed);
+    pub fn report_alive(&self, now_ns: u64) {
+        self.shared
+            .supervisor_alive_ns
+            .store(now_ns, Ordering::Relaxed);
     }
 
     /// Lock-step: allows time to advance to this number of ticks since the start, also without
@@ -60,8 +67,8 @@ impl SupervisorEnd {
 
     /// The next notification.
     #[must_use]
-    pub fn next_news(&mut self) -> Option<News> {
-        self.news.pop().ok()
+    pub fn next_notification(&mut self) -> Option<Notification> {
+        self.notifications.pop().ok()
     }
 
     /// The next event.

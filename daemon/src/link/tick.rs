@@ -3,28 +3,28 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use atas_core::Order;
+use atas_core::OperatorRequest;
 use rtrb::{Consumer, Producer};
 use shm_bus::stop;
 use shm_schemas::{Cause, GoalUpdate, ModuleEvent, Reason, Status, View};
 
-use super::{NEWS_KEPT, News, Shared, TickRecord, Ticketed};
+use super::{NOTIFICATIONS_RESERVED, Notification, Shared, TickRecord, Ticketed};
 use crate::input_log::LogWriter;
 
 /// Silence of the supervisor after which the robot holds, ns. Without it there is no monitoring,
 /// status or request handling. Design choice: about 100 rounds.
-pub(super) const SILENT_NS: u64 = 500_000_000;
+pub(super) const SUPERVISOR_TIMEOUT_NS: u64 = 500_000_000;
 
 /// Tick side of the link.
 #[derive(Debug)]
-pub struct TickEnd {
-    pub(super) orders: Consumer<Ticketed>,
+pub struct RealtimeSide {
+    pub(super) requests: Consumer<Ticketed>,
     pub(super) stops: Consumer<Ticketed>,
     pub(super) signal: Arc<stop::Signal>,
     /// Number of the stop that this tick takes from the signal.
-    pub(super) signalled: Option<u64>,
+    pub(super) signalled_stop: Option<u64>,
     pub(super) records: Producer<TickRecord>,
-    pub(super) news: Producer<News>,
+    pub(super) notifications: Producer<Notification>,
     pub(super) events: Producer<ModuleEvent>,
     pub(super) snapshot: triple_buffer::Input<Status>,
     pub(super) view: triple_buffer::Input<View>,
@@ -32,36 +32,39 @@ pub struct TickEnd {
     pub(super) shared: Arc<Shared>,
 }
 
-impl TickEnd {
+impl RealtimeSide {
     /// The request for this tick: stops first, then the others in order, except while the lock-step
     /// world is settling.
     #[must_use]
-    pub fn take_order(&mut self, settling: bool) -> Option<Ticketed> {
-        self.signalled = self.signal.pending();
-        if self.signalled.is_some() {
-            let order = Order::Stop(Reason::of(Cause::ESTOP));
-            return Some(Ticketed { ticket: 0, order });
+    pub fn take_request(&mut self, settling: bool) -> Option<Ticketed> {
+        self.signalled_stop = self.signal.pending();
+        if self.signalled_stop.is_some() {
+            let order = OperatorRequest::Stop(Reason::new(Cause::ESTOP));
+            return Some(Ticketed {
+                ticket: 0,
+                request: order,
+            });
         }
         self.stops.pop().ok().or_else(|| {
             if settling {
                 None
             } else {
-                self.orders.pop().ok()
+                self.requests.pop().ok()
             }
         })
     }
 
     /// Confirms a stop from the signal after the tick's command was published.
-    pub fn published(&mut self) {
-        if let Some(number) = self.signalled.take() {
+    pub fn confirm_stop(&mut self) {
+        if let Some(number) = self.signalled_stop.take() {
             self.signal.take(number);
         }
     }
 
     /// Returns true if a request is waiting.
     #[must_use]
-    pub fn has_orders(&self) -> bool {
-        self.signal.pending().is_some() || !self.stops.is_empty() || !self.orders.is_empty()
+    pub fn has_requests(&self) -> bool {
+        self.signal.pending().is_some() || !self.stops.is_empty() || !self.requests.is_empty()
     }
 
     /// Number of ticks since the start up to which lock-step time may advance without work.
@@ -72,14 +75,18 @@ impl TickEnd {
 
     /// Reason to hold at `now_ns` if the supervisor has been silent for too long.
     #[must_use]
-    pub fn supervision(&self, now_ns: u64) -> Reason {
-        let supervised_ns = self.shared.supervised_ns.load(Ordering::Relaxed);
+    pub fn supervisor_timeout(&self, now_ns: u64) -> Reason {
+        let supervised_ns = self.shared.supervisor_alive_ns.load(Ordering::Relaxed);
         let silent_ns = now_ns.saturating_sub(supervised_ns);
-        if supervised_ns == 0 || silent_ns <= SILENT_NS {
+        if supervised_ns == 0 || silent_ns <= SUPERVISOR_TIMEOUT_NS {
             return Reason::default();
         }
         let s = |ns: u64| ns as f64 * 1e-9;
-        Reason::limit(Cause::SUPERVISOR_SILENT, s(silent_ns), s(SILENT_NS))
+        Reason::with_limit(
+            Cause::SUPERVISOR_SILENT,
+            s(silent_ns),
+            s(SUPERVISOR_TIMEOUT_NS),
+        )
     }
 
     /// Returns true if there is room to record another tick, or if recording is off.
@@ -95,35 +102,40 @@ impl TickEnd {
     }
 
     /// Pushes a record and its events.
-    pub fn leave(&mut self, record: &TickRecord, events: &[ModuleEvent]) {
+    pub fn push_record(&mut self, record: &TickRecord, events: &[ModuleEvent]) {
         let mut dropped = u64::from(self.records.push(*record).is_err());
         for event in events {
             dropped += u64::from(self.events.push(*event).is_err());
         }
-        self.shared.count(dropped);
+        self.shared.count_dropped(dropped);
     }
 
     /// Pushes the ticket of the executed request (0 if none) and the goal update.
-    pub fn leave_news(&mut self, ticket: u64, update: Option<&GoalUpdate>) {
+    pub fn push_notifications(&mut self, ticket: u64, update: Option<&GoalUpdate>) {
         let mut dropped = 0;
         if ticket != 0 {
-            dropped += u64::from(self.news.push(News::Taken(ticket)).is_err());
+            dropped += u64::from(
+                self.notifications
+                    .push(Notification::Taken(ticket))
+                    .is_err(),
+            );
         }
         if let Some(update) = update {
-            let has_room = update.state.is_final() || self.news.slots() > NEWS_KEPT;
-            let left = has_room && self.news.push(News::Goal(*update)).is_ok();
+            let has_room =
+                update.state.is_final() || self.notifications.slots() > NOTIFICATIONS_RESERVED;
+            let left = has_room && self.notifications.push(Notification::Goal(*update)).is_ok();
             dropped += u64::from(!left);
         }
-        self.shared.count(dropped);
+        self.shared.count_dropped(dropped);
     }
 
     /// Publishes a snapshot; it replaces an unread one.
-    pub fn leave_snapshot(&mut self, snapshot: &Status) {
+    pub fn push_snapshot(&mut self, snapshot: &Status) {
         self.snapshot.write(*snapshot);
     }
 
     /// Publishes a view written in place by `fill`; it replaces an unread one.
-    pub fn leave_view(&mut self, fill: impl FnOnce(&mut View)) {
+    pub fn push_view(&mut self, fill: impl FnOnce(&mut View)) {
         fill(self.view.input_buffer_mut());
         self.view.publish();
     }

@@ -24,36 +24,36 @@
 use crate::ports::STREAMS;
 use shm_schemas::capacity::HANDS;
 
-use super::schedule::{Began, TickStart};
+use super::schedule::{StartReason, TickStart};
 
 /// Maximum shift of one deadline, ns: 0.5 % of a 1 kHz period, invisible in the motion. Design
 /// choice.
-const SLEW_MAX_NS: u64 = 5_000;
-/// The same limit as a divisor of the period, for higher rates.
-const SLEW_PERIODS: u64 = 200;
+const SHIFT_MAX_NS: u64 = 5_000;
+/// Limit as a divisor of the period, for higher rates.
+const SHIFT_MAX_DIVISOR: u64 = 200;
 /// Divisor of the phase error per frame. Larger: slow to lock. Smaller: ticks follow the jitter of
 /// the stamps. Design choice.
-const GAIN: i64 = 8;
+const ERROR_DIVISOR: i64 = 8;
 /// Maximum step of the lag per frame, ns, and divisor for smaller errors. Together a Huber
 /// estimate: fine as a mean for a scatter of a few µs, robust as a median against a sensor process
 /// delayed by milliseconds. Design choice.
 const LAG_STEP_NS: i64 = 1_000;
-const LAG_GAIN: i64 = 16;
+const LAG_DIVISOR: i64 = 16;
 /// Maximum lag, periods. Design choice.
 const LAG_MAX_PERIODS: u64 = 5;
 /// Silence after which another hand becomes the reference, ns: half the age at which frames are
 /// rejected. Design choice.
-const SILENT_NS: u64 = 50_000_000;
+const REFERENCE_TIMEOUT_NS: u64 = 50_000_000;
 /// Phase error below which the ticks count as locked, as a divisor of the period. Design choice.
-const LOCKED_PERIODS: i64 = 20;
+const LOCKED_DIVISOR: i64 = 20;
 /// Consecutive time-outs after which no frame is awaited until one arrives: a lost sensor costs
 /// three waits. Design choice.
-const VAIN_MAX: u32 = 3;
+const TIMEOUTS_MAX: u32 = 3;
 /// Maximum difference of simultaneous stamps, as a divisor of the period; such streams are awaited
 /// together. Design choice.
-const TOGETHER_PERIODS: u64 = 20;
+const SIMULTANEOUS_DIVISOR: u64 = 20;
 /// Divisor of the filter of the frame period. Design choice.
-const FRAME_PERIOD_GAIN: u64 = 8;
+const FRAME_PERIOD_DIVISOR: u64 = 8;
 
 /// State of the phase lock.
 #[derive(Clone, Copy, Debug)]
@@ -61,11 +61,11 @@ pub struct PhaseLock {
     period_ns: u64,
     lag_ns: u64,
     /// Remainder of the last correction, ns.
-    rest_ns: i64,
+    remaining_ns: i64,
     error_ns: i64,
-    leader: Option<Leader>,
+    reference: Option<ReferenceHand>,
     /// Streams captured together with the reference stream, itself included.
-    together: [bool; STREAMS],
+    simultaneous: [bool; STREAMS],
     last_tick_ns: u64,
 }
 
@@ -82,33 +82,33 @@ pub struct Arrivals {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Awaited {
     /// Minimum stamps, ns; `None` if the stream is not awaited.
-    pub least_captured_ns: [Option<u64>; STREAMS],
+    pub captured_min_ns: [Option<u64>; STREAMS],
 }
 
 impl Awaited {
     /// Returns true if any stream is awaited.
     #[must_use]
-    pub fn is_something(&self) -> bool {
-        self.least_captured_ns.iter().any(Option::is_some)
+    pub fn is_any(&self) -> bool {
+        self.captured_min_ns.iter().any(Option::is_some)
     }
 
     /// Awaited streams whose newest stamp is too old.
     #[must_use]
     pub fn missing(&self, captured_ns: &[u64; STREAMS]) -> [bool; STREAMS] {
         core::array::from_fn(|stream| {
-            self.least_captured_ns[stream].is_some_and(|least| captured_ns[stream] < least)
+            self.captured_min_ns[stream].is_some_and(|least| captured_ns[stream] < least)
         })
     }
 }
 
 /// Hand whose frames the ticks follow.
 #[derive(Clone, Copy, Debug)]
-struct Leader {
+struct ReferenceHand {
     hand: usize,
     captured_ns: u64,
     received_ns: u64,
     frame_period_ns: u64,
-    vain: u32,
+    timeouts: u32,
 }
 
 impl PhaseLock {
@@ -119,33 +119,38 @@ impl PhaseLock {
         Self {
             period_ns,
             lag_ns,
-            rest_ns: 0,
+            remaining_ns: 0,
             error_ns: 0,
-            leader: None,
-            together: [false; STREAMS],
+            reference: None,
+            simultaneous: [false; STREAMS],
             last_tick_ns: 0,
         }
     }
 
     /// Updates the lock with a tick and returns the shift of the next deadline, ns. `streams`: left
     /// hand, right hand, joints; `None` if nothing was ever received.
-    pub fn correct(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> i64 {
-        if let Some((oldest_ns, newest_ns)) = self.follow(start, streams) {
-            self.learn_lag(oldest_ns, start);
-            self.learn_phase(start.deadline_ns, newest_ns);
+    pub fn update(&mut self, start: &TickStart, streams: [Option<Arrivals>; STREAMS]) -> i64 {
+        if let Some((oldest_ns, newest_ns)) = self.update_reference(start, streams) {
+            self.estimate_lag(oldest_ns, start);
+            self.compute_error(start.deadline_ns, newest_ns);
         }
-        self.learn_together(streams);
+        self.mark_simultaneous(streams);
         self.last_tick_ns = start.tick.now_ns;
-        let most_ns = SLEW_MAX_NS.min(self.period_ns / SLEW_PERIODS).cast_signed();
-        let move_ns = self.rest_ns.clamp(-most_ns, most_ns);
-        self.rest_ns -= move_ns;
+        let most_ns = SHIFT_MAX_NS
+            .min(self.period_ns / SHIFT_MAX_DIVISOR)
+            .cast_signed();
+        let move_ns = self.remaining_ns.clamp(-most_ns, most_ns);
+        self.remaining_ns -= move_ns;
         move_ns
     }
 
     /// Stamps that the tick with this deadline awaits; none unless a frame is due.
     #[must_use]
     pub fn awaited(&self, deadline_ns: u64) -> Awaited {
-        let Some(leader) = self.leader.filter(|leader| leader.vain < VAIN_MAX) else {
+        let Some(leader) = self
+            .reference
+            .filter(|leader| leader.timeouts < TIMEOUTS_MAX)
+        else {
             return Awaited::default();
         };
         // Frame whose arrival is nearest to the deadline.
@@ -156,20 +161,20 @@ impl PhaseLock {
         let stamp_ns = leader
             .captured_ns
             .saturating_add(frames.saturating_mul(frame_ns));
-        if !self.is_led(deadline_ns) || stamp_ns.abs_diff(target_ns) > self.period_ns / 2 {
+        if !self.has_reference(deadline_ns) || stamp_ns.abs_diff(target_ns) > self.period_ns / 2 {
             return Awaited::default();
         }
         let least_ns = stamp_ns - frame_ns.min(self.period_ns) / 2;
         Awaited {
-            least_captured_ns: self.together.map(|is| is.then_some(least_ns)),
+            captured_min_ns: self.simultaneous.map(|is| is.then_some(least_ns)),
         }
     }
 
     /// Returns true if frames still arrive and the phase error is small.
     #[must_use]
     pub fn is_locked(&self) -> bool {
-        let close_ns = self.period_ns.cast_signed() / LOCKED_PERIODS;
-        self.is_led(self.last_tick_ns) && self.error_ns.abs() <= close_ns
+        let close_ns = self.period_ns.cast_signed() / LOCKED_DIVISOR;
+        self.has_reference(self.last_tick_ns) && self.error_ns.abs() <= close_ns
     }
 
     /// Median time from a frame's stamp to its arrival, ns.
@@ -178,33 +183,34 @@ impl PhaseLock {
         self.lag_ns
     }
 
-    fn is_led(&self, now_ns: u64) -> bool {
-        self.leader
-            .is_some_and(|leader| now_ns.saturating_sub(leader.received_ns) < SILENT_NS)
+    fn has_reference(&self, now_ns: u64) -> bool {
+        self.reference
+            .is_some_and(|leader| now_ns.saturating_sub(leader.received_ns) < REFERENCE_TIMEOUT_NS)
     }
 
     /// Stamps of the oldest and newest frame of the reference hand since the previous tick, if any.
     /// The left hand has priority; a silent reference is replaced.
-    fn follow(
+    fn update_reference(
         &mut self,
         start: &TickStart,
         streams: [Option<Arrivals>; STREAMS],
     ) -> Option<(u64, u64)> {
         let now_ns = start.tick.now_ns;
-        if !self.is_led(now_ns) {
-            let sends = |hand: &Arrivals| now_ns.saturating_sub(hand.captured_ns) < SILENT_NS;
+        if !self.has_reference(now_ns) {
+            let sends =
+                |hand: &Arrivals| now_ns.saturating_sub(hand.captured_ns) < REFERENCE_TIMEOUT_NS;
             let hand = (0..HANDS).find(|hand| streams[*hand].as_ref().is_some_and(sends))?;
-            self.leader = Some(Leader {
+            self.reference = Some(ReferenceHand {
                 hand,
                 captured_ns: 0,
                 received_ns: now_ns,
                 frame_period_ns: self.period_ns,
-                vain: 0,
+                timeouts: 0,
             });
         }
-        let leader = self.leader.as_mut()?;
-        if start.began == Began::InVain {
-            leader.vain += 1;
+        let leader = self.reference.as_mut()?;
+        if start.reason == StartReason::TimedOut {
+            leader.timeouts += 1;
         }
         let hand = streams[leader.hand]?;
         if hand.captured_ns == leader.captured_ns {
@@ -214,39 +220,39 @@ impl PhaseLock {
         let since_ns = hand.captured_ns.saturating_sub(leader.captured_ns);
         let oldest_ns = hand.captured_ns - since_ns / steps * (steps - 1);
         if leader.captured_ns != 0 {
-            leader.learn_frame_period(since_ns / steps);
+            leader.filter_frame_period(since_ns / steps);
         }
         (leader.captured_ns, leader.received_ns) = (hand.captured_ns, now_ns);
-        if start.began != Began::InVain {
-            leader.vain = 0;
+        if start.reason != StartReason::TimedOut {
+            leader.timeouts = 0;
         }
         Some((oldest_ns, hand.captured_ns))
     }
 
     /// Marks the streams whose newest stamp is close to the reference's.
-    fn learn_together(&mut self, streams: [Option<Arrivals>; STREAMS]) {
-        let Some(leader) = self.leader else { return };
-        let close_ns = self.period_ns / TOGETHER_PERIODS;
-        self.together = streams.map(|stream| {
+    fn mark_simultaneous(&mut self, streams: [Option<Arrivals>; STREAMS]) {
+        let Some(leader) = self.reference else { return };
+        let close_ns = self.period_ns / SIMULTANEOUS_DIVISOR;
+        self.simultaneous = streams.map(|stream| {
             stream.is_some_and(|s| s.captured_ns.abs_diff(leader.captured_ns) <= close_ns)
         });
     }
 
     /// Estimates the lag. A frame that arrived during polling shows its lag. A waiting frame
     /// arrived earlier, a frame missing at the previous tick later.
-    fn learn_lag(&mut self, captured_ns: u64, start: &TickStart) {
+    fn estimate_lag(&mut self, captured_ns: u64, start: &TickStart) {
         let due_ns = captured_ns.saturating_add(self.lag_ns);
-        let is_late = due_ns <= self.last_tick_ns.saturating_add(SLEW_MAX_NS);
+        let is_late = due_ns <= self.last_tick_ns.saturating_add(SHIFT_MAX_NS);
         let step_ns = if is_late {
             LAG_STEP_NS
         } else {
-            match start.began {
-                Began::OnArrival => {
+            match start.reason {
+                StartReason::OnArrival => {
                     let error_ns = start.tick.now_ns.wrapping_sub(due_ns).cast_signed();
-                    (error_ns / LAG_GAIN).clamp(-LAG_STEP_NS, LAG_STEP_NS)
+                    (error_ns / LAG_DIVISOR).clamp(-LAG_STEP_NS, LAG_STEP_NS)
                 }
-                Began::FoundWaiting | Began::AtDeadline => -LAG_STEP_NS,
-                Began::InVain => 0,
+                StartReason::AlreadyArrived | StartReason::AtDeadline => -LAG_STEP_NS,
+                StartReason::TimedOut => 0,
             }
         };
         let most_ns = LAG_MAX_PERIODS * self.period_ns;
@@ -255,7 +261,7 @@ impl PhaseLock {
 
     /// Computes the error modulo the period, to the nearer side: it does not matter which tick
     /// takes a frame.
-    fn learn_phase(&mut self, deadline_ns: u64, captured_ns: u64) {
+    fn compute_error(&mut self, deadline_ns: u64, captured_ns: u64) {
         let period_ns = self.period_ns.cast_signed();
         let age_ns = deadline_ns.wrapping_sub(captured_ns).cast_signed();
         let ahead_ns = (self.lag_ns.cast_signed())
@@ -266,15 +272,15 @@ impl PhaseLock {
         } else {
             ahead_ns
         };
-        self.rest_ns = self.error_ns / GAIN;
+        self.remaining_ns = self.error_ns / ERROR_DIVISOR;
     }
 }
 
-impl Leader {
-    fn learn_frame_period(&mut self, observed_ns: u64) {
+impl ReferenceHand {
+    fn filter_frame_period(&mut self, observed_ns: u64) {
         let old_ns = self.frame_period_ns;
         let bounded_ns = observed_ns.clamp(old_ns / 2, old_ns.saturating_mul(2));
-        let new_ns = old_ns - old_ns / FRAME_PERIOD_GAIN + bounded_ns / FRAME_PERIOD_GAIN;
+        let new_ns = old_ns - old_ns / FRAME_PERIOD_DIVISOR + bounded_ns / FRAME_PERIOD_DIVISOR;
         self.frame_period_ns = new_ns.max(1_000);
     }
 }

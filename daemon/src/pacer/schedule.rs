@@ -4,16 +4,16 @@ use atas_core::Tick;
 
 /// Reason for the start of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Began {
+pub enum StartReason {
     /// Deadline; nothing was awaited.
     #[default]
     AtDeadline,
     /// The awaited payloads had arrived before the first poll.
-    FoundWaiting,
+    AlreadyArrived,
     /// The awaited payloads arrived during polling.
     OnArrival,
     /// The awaited payloads had not arrived at the time limit.
-    InVain,
+    TimedOut,
 }
 
 /// Start of a tick.
@@ -24,7 +24,7 @@ pub struct TickStart {
     /// Deadline, ns.
     pub deadline_ns: u64,
     /// Reason for the start.
-    pub began: Began,
+    pub reason: StartReason,
     /// Delay, ns: after the deadline; with awaited payloads, after the last unsuccessful poll or
     /// the time limit.
     pub late_ns: u64,
@@ -70,7 +70,7 @@ impl Schedule {
 
     /// Starts the next tick at `now_ns` with this delay. If whole periods have passed since its
     /// deadline, it takes the latest deadline, and the earlier ones count as missed.
-    pub fn begin(&mut self, now_ns: u64, began: Began, late_ns: u64) -> TickStart {
+    pub fn begin(&mut self, now_ns: u64, began: StartReason, late_ns: u64) -> TickStart {
         let deadline_ns = self.deadline_ns;
         let skipped = now_ns.saturating_sub(deadline_ns) / self.period_ns;
         self.missed += skipped;
@@ -80,7 +80,7 @@ impl Schedule {
         TickStart {
             tick: Tick { index, now_ns },
             deadline_ns,
-            began,
+            reason: began,
             late_ns,
             is_late: late_ns > self.period_ns / 10,
             missed: self.missed,
@@ -103,17 +103,20 @@ mod tests {
         for delay_ns in delays_ns {
             let deadline_ns = schedule.deadline_ns();
             now_ns = now_ns.max(deadline_ns) + delay_ns;
-            let start = schedule.begin(now_ns, Began::AtDeadline, now_ns - deadline_ns);
-            assert_eq!(start.deadline_ns, deadline_ns, "the deadline waited for");
+            let start = schedule.begin(now_ns, StartReason::AtDeadline, now_ns - deadline_ns);
+            assert_eq!(
+                start.deadline_ns, deadline_ns,
+                "the deadline is the awaited one"
+            );
             assert_eq!(
                 (schedule.deadline_ns() - START_NS) % period_ns,
                 0,
                 "the phase is kept"
             );
-            assert!(schedule.deadline_ns() > now_ns, "nothing is caught up");
+            assert!(schedule.deadline_ns() > now_ns, "no tick is made up");
             assert!(
                 executed.last().is_none_or(|last| start.tick.index > *last),
-                "no tick twice"
+                "no index twice"
             );
             executed.push(start.tick.index);
             assert_eq!(
@@ -130,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn known_cases() {
+    fn schedule_handles_known_delays() {
         check(&[0, 0, 0], 1000);
         check(&[999, 0, 1], 1000);
         check(&[1000, 0], 1000);
@@ -139,7 +142,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn never_bursts_keeps_phase_counts_skips(
+        fn schedule_keeps_phase_and_counts_skips(
             delays_ns in proptest::collection::vec(prop_oneof![0_u64..200, 0_u64..5_000_000, 0_u64..10_000_000_000], 1..200),
             period_ns in 100_000_u64..10_000_000,
         ) {

@@ -2,7 +2,7 @@
 //! it.
 
 /// Minimum margin, ns, far above the cost of reading the clock. Design choice.
-const LEAST_NS: u64 = 5_000;
+const MARGIN_MIN_NS: u64 = 5_000;
 /// Steps of the margin after a wake-up later or earlier than it covers, ns. It converges to the
 /// 99.5th percentile: one wake-up in `1 + UP / DOWN` = 201 is later. Design choice.
 const UP_NS: u64 = 2_000;
@@ -20,12 +20,12 @@ impl SpinMargin {
     /// spinning.
     #[must_use]
     pub fn new(max_ns: u64) -> Self {
-        Self::from(max_ns, max_ns)
+        Self::starting_at(max_ns, max_ns)
     }
 
     /// Starts at a margin, limited to the maximum.
     #[must_use]
-    pub fn from(margin_ns: u64, max_ns: u64) -> Self {
+    pub fn starting_at(margin_ns: u64, max_ns: u64) -> Self {
         Self {
             margin_ns: margin_ns.min(max_ns),
             max_ns,
@@ -49,7 +49,7 @@ impl SpinMargin {
         let wanted_ns = if late_ns > self.margin_ns {
             self.margin_ns + UP_NS
         } else {
-            self.margin_ns.saturating_sub(DOWN_NS).max(LEAST_NS)
+            self.margin_ns.saturating_sub(DOWN_NS).max(MARGIN_MIN_NS)
         };
         self.margin_ns = wanted_ns.min(self.max_ns);
     }
@@ -59,23 +59,23 @@ impl SpinMargin {
 mod tests {
     use super::*;
 
-    fn settled_ns(late_ns: impl Fn(u64) -> u64, max_ns: u64) -> u64 {
+    fn converged_ns(late_ns: impl Fn(u64) -> u64, max_ns: u64) -> u64 {
         let mut margin = SpinMargin::new(max_ns);
         (0..100_000).for_each(|i| margin.observe(late_ns(i)));
         margin.ns()
     }
 
     #[test]
-    fn follows_the_machine_and_stays_below_its_cap() {
+    fn margin_converges_below_its_maximum() {
         let near = |ns: u64, goal_ns: u64| ns.abs_diff(goal_ns) <= 3_000;
-        assert!(near(settled_ns(|_| 40_000, 100_000), 40_000));
+        assert!(near(converged_ns(|_| 40_000, 100_000), 40_000));
         // One outlier in a thousand has no effect.
         assert!(near(
-            settled_ns(|i| if i % 1000 == 0 { 8_000_000 } else { 20_000 }, 100_000),
+            converged_ns(|i| if i % 1000 == 0 { 8_000_000 } else { 20_000 }, 100_000),
             20_000
         ));
-        assert_eq!(settled_ns(|_| 5_000_000, 100_000), 100_000);
-        assert_eq!(settled_ns(|_| 5_000_000, 0), 0);
-        assert_eq!(settled_ns(|_| 0, 100_000), LEAST_NS);
+        assert_eq!(converged_ns(|_| 5_000_000, 100_000), 100_000);
+        assert_eq!(converged_ns(|_| 5_000_000, 0), 0);
+        assert_eq!(converged_ns(|_| 0, 100_000), MARGIN_MIN_NS);
     }
 }

@@ -11,9 +11,9 @@ use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::Builder;
 
-use atas_core::check::{self, Circumstances};
+use atas_core::check::{self, GoalContext};
 use atas_core::tasks::Task;
-use atas_core::{Goal, Settings, Wiring};
+use atas_core::{Goal, SensorSetup, Settings};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use robot_model::{RobotModel, RobotVector};
 use shm_schemas::{Cause, GoalRequest, Reason};
@@ -27,7 +27,7 @@ const STACK_BYTES: usize = 256 << 10;
 #[derive(Debug)]
 pub(super) struct Checker {
     jobs: Sender<Box<Job>>,
-    checked: Receiver<Checked>,
+    checked: Receiver<CheckResult>,
 }
 
 #[derive(Debug)]
@@ -39,7 +39,7 @@ struct Job {
 }
 
 #[derive(Debug)]
-pub(super) struct Checked {
+pub(super) struct CheckResult {
     pub(super) request: GoalRequest,
     pub(super) goal: Result<Goal, Reason>,
     /// Commanded joint positions at the start of the check, rad.
@@ -51,7 +51,7 @@ impl Checker {
     pub(super) fn start(state: &SupervisorState) -> io::Result<Self> {
         let (jobs, waiting) = bounded::<Box<Job>>(1);
         let (done, checked) = bounded(1);
-        let (robot, wiring) = (state.robot.clone(), state.wiring);
+        let (robot, wiring) = (state.robot.clone(), state.sensor_setup);
         Builder::new()
             .name(THREAD.to_owned())
             .stack_size(STACK_BYTES)
@@ -66,7 +66,7 @@ impl Checker {
     }
 
     /// Starts a check. Call only after the previous result was read.
-    pub(super) fn begin(&self, request: GoalRequest, state: &SupervisorState) {
+    pub(super) fn start_check(&self, request: GoalRequest, state: &SupervisorState) {
         let job = Job {
             request,
             settings: state.settings,
@@ -78,14 +78,14 @@ impl Checker {
     }
 
     /// The result, if the check is finished.
-    pub(super) fn fetch(&self) -> Option<Checked> {
+    pub(super) fn poll(&self) -> Option<CheckResult> {
         self.checked.try_recv().ok()
     }
 }
 
 impl Job {
-    fn check(self: Box<Self>, robot: &RobotModel, wiring: &Wiring) -> Checked {
-        let circumstances = Circumstances {
+    fn check(self: Box<Self>, robot: &RobotModel, wiring: &SensorSetup) -> CheckResult {
+        let circumstances = GoalContext {
             robot,
             wiring,
             settings: &self.settings,
@@ -95,9 +95,9 @@ impl Job {
         let checked = catch_unwind(AssertUnwindSafe(|| {
             check::check(&self.request, &circumstances)
         }));
-        Checked {
+        CheckResult {
             request: self.request,
-            goal: checked.unwrap_or(Err(Reason::of(Cause::MODULE_PANICKED))),
+            goal: checked.unwrap_or(Err(Reason::new(Cause::MODULE_PANICKED))),
             commanded_rad: self.commanded_rad,
         }
     }

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use atas_core::Order;
-use atas_core::settings::{PARAMETERS, Parameter};
+use atas_core::OperatorRequest;
+use atas_core::settings::{PARAMETERS, Parameter, present_name};
 use shm_bus::{Bus, BusError, ControlCall, ControlServer, now_ns};
 use shm_schemas::{
     Cause, ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp,
@@ -11,21 +11,21 @@ use shm_schemas::{
 };
 
 use super::SupervisorState;
-use crate::link::SupervisorEnd;
+use crate::link::SupervisorSide;
 
 const REQUESTS_PER_ROUND: usize = 16;
 /// Time limit for a tick to execute a request. Ticks stop only in lock-step without a simulator, or
 /// after a failure.
-const PATIENCE: Duration = Duration::from_secs(1);
+const EXECUTION_TIMEOUT: Duration = Duration::from_secs(1);
 
 #[derive(Debug)]
 pub(super) struct ControlService {
     server: ControlServer,
-    waiting: Vec<Waiting>,
+    pending: Vec<PendingRequest>,
 }
 
 #[derive(Debug)]
-struct Waiting {
+struct PendingRequest {
     ticket: u64,
     call: ControlCall,
     reply: ControlReply,
@@ -41,17 +41,17 @@ impl ControlService {
     pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
         Ok(Self {
             server: bus.control_server()?,
-            waiting: Vec::new(),
+            pending: Vec::new(),
         })
     }
 
-    pub(super) fn serve(&mut self, state: &mut SupervisorState, link: &mut SupervisorEnd) {
+    pub(super) fn serve(&mut self, state: &mut SupervisorState, link: &mut SupervisorSide) {
         for _ in 0..REQUESTS_PER_ROUND {
             let call = match self.server.poll() {
                 Ok(Some(call)) => call,
                 Ok(None) => break,
                 Err(error) => {
-                    tracing::warn!(%error, "a control request could not be read");
+                    tracing::warn!(%error, "could not read a control request");
                     break;
                 }
             };
@@ -60,7 +60,7 @@ impl ControlService {
             match answer(&request, state, link) {
                 Answer::Now(reply) => send(call, reply),
                 Answer::After(ticket, reply) => {
-                    self.waiting.push(Waiting {
+                    self.pending.push(PendingRequest {
                         ticket,
                         call,
                         reply,
@@ -69,21 +69,22 @@ impl ControlService {
                 }
             }
         }
-        self.give_up();
+        self.reject_expired();
     }
 
-    pub(super) fn settle(&mut self, ticket: u64) {
-        for waiting in self.waiting.extract_if(.., |w| w.ticket == ticket) {
+    pub(super) fn complete(&mut self, ticket: u64) {
+        for waiting in self.pending.extract_if(.., |w| w.ticket == ticket) {
             send(waiting.call, waiting.reply);
         }
     }
 
-    fn give_up(&mut self) {
+    fn reject_expired(&mut self) {
         for waiting in self
-            .waiting
-            .extract_if(.., |w| w.since.elapsed() > PATIENCE)
+            .pending
+            .extract_if(.., |w| w.since.elapsed() > EXECUTION_TIMEOUT)
         {
-            let why = "queued, but no tick has taken it within 1 s; in lock-step, is the simulator running?";
+            let why = "queued, but no tick has executed it within 1 s; in lock-step, check that \
+                the simulator runs";
             send(waiting.call, refused(why));
         }
     }
@@ -101,10 +102,10 @@ fn send(call: ControlCall, mut reply: ControlReply) {
 fn answer(
     request: &ControlRequest,
     state: &mut SupervisorState,
-    link: &mut SupervisorEnd,
+    link: &mut SupervisorSide,
 ) -> Answer {
     let ordered = match request.op {
-        ControlOp::ESTOP => order(Order::Stop(Reason::of(Cause::ESTOP)), link),
+        ControlOp::ESTOP => queue_request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)), link),
         ControlOp::RECOVER => recover(state, link),
         ControlOp::PARAM_GET => return Answer::Now(get(request, state)),
         ControlOp::PARAM_LIST => return Answer::Now(list(request, state)),
@@ -125,18 +126,19 @@ fn answer(
 fn advance(
     request: &ControlRequest,
     state: &SupervisorState,
-    link: &SupervisorEnd,
+    link: &SupervisorSide,
 ) -> ControlReply {
     /// Largest range in which every whole number is an exact `f64`.
     const TICKS_MAX: f64 = (1_u64 << 53) as f64;
     if state.flags & StatusFlags::LOCKSTEP == 0 {
         return refused(
-            "could not advance because the daemon follows the clock, needs virtual time; start it with --lockstep",
+            "could not advance: the daemon follows the clock and has no virtual time; start it \
+             with --lockstep",
         );
     }
     if !(0.0..=TICKS_MAX).contains(&request.value) {
         return refused(&format!(
-            "could not advance to tick {}, needs a number of ticks since the start, 0 to 2^53",
+            "could not advance to tick {}: needs a number of ticks since the start, 0 to 2^53",
             request.value
         ));
     }
@@ -144,27 +146,26 @@ fn advance(
     done()
 }
 
-fn cancel(request: &ControlRequest, link: &mut SupervisorEnd) -> Result<u64, String> {
+fn cancel(request: &ControlRequest, link: &mut SupervisorSide) -> Result<u64, String> {
     let name = request.name.as_str();
     let goal_id = name
         .parse()
-        .map_err(|_| format!("could not cancel {name:?}, needs the id of a goal in decimal"))?;
-    order(Order::Cancel { goal_id }, link)
+        .map_err(|_| format!("could not cancel {name:?}: needs the id of a goal in decimal"))?;
+    queue_request(OperatorRequest::Cancel { goal_id }, link)
 }
 
-fn order(order: Order, link: &mut SupervisorEnd) -> Result<u64, String> {
-    link.order(order)
-        .ok_or_else(|| "the queue of orders is full; try again".to_owned())
+fn queue_request(order: OperatorRequest, link: &mut SupervisorSide) -> Result<u64, String> {
+    link.request(order)
+        .ok_or_else(|| "the queue of requests is full; try again".to_owned())
 }
 
-fn recover(state: &SupervisorState, link: &mut SupervisorEnd) -> Result<u64, String> {
+fn recover(state: &SupervisorState, link: &mut SupervisorSide) -> Result<u64, String> {
     match state.mode {
-        Mode::SAFE_STOP => order(Order::Recover, link),
-        Mode::FAULT => {
-            Err("could not recover because the daemon itself failed; restart it".to_owned())
-        }
+        Mode::SAFE_STOP => queue_request(OperatorRequest::Recover, link),
+        Mode::FAULT => Err("could not recover: the daemon itself failed; restart it".to_owned()),
         mode => Err(format!(
-            "could not recover because the mode is {mode}, needs safe-stop; nothing to do"
+            "could not recover: the mode is {mode} and only safe-stop needs a recovery; nothing to \
+             do"
         )),
     }
 }
@@ -172,28 +173,29 @@ fn recover(state: &SupervisorState, link: &mut SupervisorEnd) -> Result<u64, Str
 fn bias(
     request: &ControlRequest,
     state: &SupervisorState,
-    link: &mut SupervisorEnd,
+    link: &mut SupervisorSide,
 ) -> Result<u64, String> {
     let Some(hand) = (0..Hand::BOTH.len()).find(|hand| *hand as f64 == request.value) else {
         return Err(format!(
-            "could not take the bias of hand {}, needs 0 (left) or 1 (right)",
+            "could not take the bias of hand {}: needs 0 (left) or 1 (right)",
             request.value
         ));
     };
-    if !state.wiring.joints_required {
+    if !state.sensor_setup.joints_required {
         return Err(
-            "could not take the bias because this daemon senses only (robot.joints_required is false) and takes one in mode ready, \
-             which needs a robot; start the sensor's process anew with --zero"
+            "could not take the bias: this daemon only senses (robot.joints_required is false), \
+             and zeroing needs mode ready, thus a robot; restart the sensor process with --zero"
                 .to_owned(),
         );
     }
     if state.mode != Mode::READY {
         return Err(format!(
-            "could not take the bias because the mode was {}, needs ready with an empty hand; release what it holds",
+            "could not take the bias: the mode is {} and must be ready with an empty hand; release \
+             the object",
             state.mode
         ));
     }
-    order(Order::Bias { hand }, link)
+    queue_request(OperatorRequest::Bias { hand }, link)
 }
 
 fn get(request: &ControlRequest, state: &SupervisorState) -> ControlReply {
@@ -217,14 +219,15 @@ fn list(request: &ControlRequest, state: &SupervisorState) -> ControlReply {
     }
 }
 
-fn set(request: &ControlRequest, state: &mut SupervisorState, link: &mut SupervisorEnd) -> Answer {
+fn set(request: &ControlRequest, state: &mut SupervisorState, link: &mut SupervisorSide) -> Answer {
     let (index, parameter) = match find(request) {
         Ok(found) => found,
         Err(why) => return Answer::Now(unknown(&why)),
     };
     if parameter.is_safety() && !state.is_stopped() {
         let why = format!(
-            "could not set {} because the mode was {}, needs a stopped robot; `atas estop` first, `atas recover` after",
+            "could not set {}: the mode is {}, but the change needs a stopped robot; run `atas estop` \
+             before and `atas recover` after",
             parameter.name, state.mode
         );
         return Answer::Now(ControlReply {
@@ -252,7 +255,10 @@ fn find(request: &ControlRequest) -> Result<(usize, &'static Parameter), String>
         .iter()
         .enumerate()
         .find(|(_, parameter)| parameter.name == name);
-    found.ok_or_else(|| match crate::config::nearest_parameter(name) {
+    found.ok_or_else(|| match crate::config::suggested_parameter(name) {
+        Some(now) if present_name(name) == Some(now) => {
+            format!("{name} was renamed to {now}; use the new name")
+        }
         Some(meant) => format!("no parameter has the name {name:?}; did you mean {meant}?"),
         None => format!("no parameter has the name {name:?}; `atas param list` shows them all"),
     })
@@ -294,7 +300,7 @@ fn unknown(why: &str) -> ControlReply {
 
 fn unknown_op(op: ControlOp) -> ControlReply {
     unknown(&format!(
-        "could not do operation {} because this daemon does not know it; update it",
+        "could not execute operation {}: this daemon does not know it; update the daemon",
         op.0
     ))
 }

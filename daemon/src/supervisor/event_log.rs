@@ -8,11 +8,11 @@ use shm_schemas::{Cause, EventKind, GoalState, Hand, Mode, ModuleEvent};
 use crate::link::TickRecord;
 
 /// Minimum time between two lines with the same topic.
-const QUIET: Duration = Duration::from_secs(1);
+const REPEAT_INTERVAL: Duration = Duration::from_secs(1);
 
 #[derive(Debug, Default)]
 pub(super) struct EventLog {
-    repeated: HashMap<About, Repeated>,
+    repeated: HashMap<Topic, Repeated>,
     bus_failures: u64,
     missed: u64,
     dropped: u64,
@@ -20,7 +20,7 @@ pub(super) struct EventLog {
 
 /// Topic of a line; each hand has its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum About {
+enum Topic {
     Hand(Hand, Cause),
     Missed,
     Bus,
@@ -38,7 +38,7 @@ impl EventLog {
         let (tick, reason) = (event.tick, event.reason);
         match event.kind {
             EventKind::MODE if event.mode == Mode::FAULT => {
-                let panic = crate::panics::take_note().unwrap_or_default();
+                let panic = crate::panics::take_message().unwrap_or_default();
                 tracing::error!(tick, mode = %event.mode, panic, "{reason}");
             }
             EventKind::MODE if reason.cause == Cause::SHUTDOWN => {
@@ -57,7 +57,9 @@ impl EventLog {
                 }
             }
             EventKind::WARNING => {
-                if let Some(suppressed) = self.is_news(About::Hand(event.hand, reason.cause)) {
+                if let Some(suppressed) =
+                    self.take_suppressed(Topic::Hand(event.hand, reason.cause))
+                {
                     tracing::warn!(tick, suppressed, "{reason}");
                 }
             }
@@ -67,10 +69,10 @@ impl EventLog {
         }
     }
 
-    pub(super) fn watch_record(&mut self, record: &TickRecord) {
+    pub(super) fn check_record(&mut self, record: &TickRecord) {
         let missed = record.report.missed_ticks;
         if missed > self.missed
-            && let Some(suppressed) = self.is_news(About::Missed)
+            && let Some(suppressed) = self.take_suppressed(Topic::Missed)
         {
             tracing::warn!(
                 tick = record.report.tick,
@@ -81,35 +83,35 @@ impl EventLog {
         }
         self.missed = missed;
         if record.bus_failures > self.bus_failures
-            && let Some(suppressed) = self.is_news(About::Bus)
+            && let Some(suppressed) = self.take_suppressed(Topic::Bus)
         {
             tracing::error!(
                 failures = record.bus_failures,
                 suppressed,
-                "the tick could not use the bus"
+                "bus calls of the tick failed"
             );
         }
         self.bus_failures = record.bus_failures;
     }
 
-    pub(super) fn watch_dropped(&mut self, dropped: u64) {
+    pub(super) fn check_dropped(&mut self, dropped: u64) {
         if dropped > self.dropped
-            && let Some(suppressed) = self.is_news(About::Dropped)
+            && let Some(suppressed) = self.take_suppressed(Topic::Dropped)
         {
             tracing::warn!(
                 dropped,
                 suppressed,
-                "records dropped so far: the supervisor does not keep up"
+                "records dropped: the supervisor is too slow"
             );
         }
         self.dropped = dropped;
     }
 
     /// Number of suppressed lines with this topic, if another line is due.
-    fn is_news(&mut self, about: About) -> Option<u64> {
+    fn take_suppressed(&mut self, about: Topic) -> Option<u64> {
         let now = Instant::now();
         match self.repeated.get_mut(&about) {
-            Some(repeated) if now.duration_since(repeated.since) < QUIET => {
+            Some(repeated) if now.duration_since(repeated.since) < REPEAT_INTERVAL => {
                 repeated.suppressed += 1;
                 None
             }
@@ -133,13 +135,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn repetitions_are_counted_not_written() {
+    fn repetitions_are_counted_not_logged() {
         let mut event_log = EventLog::default();
-        let held = |hand| About::Hand(hand, Cause::GRIP_FOUND);
-        assert_eq!(event_log.is_news(held(Hand::LEFT)), Some(0));
-        assert_eq!(event_log.is_news(held(Hand::LEFT)), None);
-        assert_eq!(event_log.is_news(About::Missed), Some(0));
+        let held = |hand| Topic::Hand(hand, Cause::GRIP_FOUND);
+        assert_eq!(event_log.take_suppressed(held(Hand::LEFT)), Some(0));
+        assert_eq!(event_log.take_suppressed(held(Hand::LEFT)), None);
+        assert_eq!(event_log.take_suppressed(Topic::Missed), Some(0));
         // A restart with an object in each hand logs both.
-        assert_eq!(event_log.is_news(held(Hand::RIGHT)), Some(0));
+        assert_eq!(event_log.take_suppressed(held(Hand::RIGHT)), Some(0));
     }
 }

@@ -4,7 +4,7 @@
 //!   `flight-<seconds since 1970>-<tick>-<mode>.csv`, one line per tick after a first line with the
 //!   cause.
 //! * **Invariants:** a separate thread writes, so that a full or slow disk blocks nothing; failures
-//!   are logged. At most [`FILES`] files exist.
+//!   are logged. At most [`FILES_MAX`] files exist.
 //!
 //! Stops by a shutdown are not saved.
 
@@ -21,22 +21,22 @@ use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, TickReport};
 /// Number of saved ticks before a fault.
 const TICKS: usize = 256;
 /// Maximum number of files; the oldest are removed. 256 ticks are about 150 KiB. Design choice.
-const FILES: usize = 64;
+const FILES_MAX: usize = 64;
 /// Minimum time between two files, so that a recurring fault does not displace older files. Design
 /// choice.
-const QUIET: Duration = Duration::from_secs(1);
+const FILE_INTERVAL: Duration = Duration::from_secs(1);
 /// Stack of the writing thread, bytes, locked memory.
 const STACK_BYTES: usize = 128 << 10;
 
 #[derive(Debug)]
 pub(super) struct FlightRecorder {
     reports: VecDeque<TickReport>,
-    writer: Option<Sender<Flight>>,
+    writer: Option<Sender<FlightRecord>>,
     saved_at: Option<Instant>,
 }
 
 #[derive(Debug)]
-struct Flight {
+struct FlightRecord {
     fault: ModuleEvent,
     reports: Vec<TickReport>,
 }
@@ -59,7 +59,7 @@ impl FlightRecorder {
         })
     }
 
-    pub(super) fn note(&mut self, report: &TickReport) {
+    pub(super) fn record(&mut self, report: &TickReport) {
         if self.reports.len() == TICKS {
             self.reports.pop_front();
         }
@@ -67,14 +67,14 @@ impl FlightRecorder {
     }
 
     /// Saves the last ticks if this event is a fault.
-    pub(super) fn watch(&mut self, event: &ModuleEvent) {
+    pub(super) fn save_on_fault(&mut self, event: &ModuleEvent) {
         let Some(writer) = &self.writer else { return };
-        if !is_fault(event) || self.saved_at.is_some_and(|at| at.elapsed() < QUIET) {
+        if !is_fault(event) || self.saved_at.is_some_and(|at| at.elapsed() < FILE_INTERVAL) {
             return;
         }
         self.saved_at = Some(Instant::now());
         let until_fault = |report: &&TickReport| report.tick <= event.tick;
-        let flight = Flight {
+        let flight = FlightRecord {
             fault: *event,
             reports: self.reports.iter().filter(until_fault).copied().collect(),
         };
@@ -93,20 +93,21 @@ fn is_fault(event: &ModuleEvent) -> bool {
         && event.reason.cause != Cause::SHUTDOWN
 }
 
-fn write_all(folder: &Path, flights: &Receiver<Flight>) {
+fn write_all(folder: &Path, flights: &Receiver<FlightRecord>) {
     for flight in flights {
         match write(folder, &flight) {
-            Ok(file) => tracing::info!(file = %file.display(), "flight recorder"),
+            Ok(file) => tracing::info!(file = %file.display(), "flight record saved"),
             Err(error) => tracing::warn!(
                 folder = %folder.display(), %error,
-                "could not write the last ticks; is the disk full, and the folder writable?"
+                "could not write the last ticks; check that the disk has space and the folder is \
+                 writable"
             ),
         }
     }
 }
 
 /// Writes under a temporary name first, so that a file is always complete.
-fn write(folder: &Path, flight: &Flight) -> io::Result<PathBuf> {
+fn write(folder: &Path, flight: &FlightRecord) -> io::Result<PathBuf> {
     fs::create_dir_all(folder)?;
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     let (seconds, fault) = (now.map_or(0, |now| now.as_secs()), &flight.fault);
@@ -126,7 +127,7 @@ fn remove_oldest(folder: &Path) -> io::Result<()> {
     let entries = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
     let mut files: Vec<PathBuf> = entries.filter(is_ours).collect();
     files.sort();
-    let surplus = files.len().saturating_sub(FILES);
+    let surplus = files.len().saturating_sub(FILES_MAX);
     files[..surplus].iter().try_for_each(fs::remove_file)
 }
 
@@ -141,17 +142,17 @@ mod tests {
             tick,
             kind: EventKind::MODE,
             mode: Mode::HOLD,
-            reason: Reason::limit(Cause::LOOP_STALLED, 3e7, 2e7),
+            reason: Reason::with_limit(Cause::LOOP_STALLED, 3e7, 2e7),
             ..ModuleEvent::default()
         }
     }
 
     #[test]
-    fn a_file_holds_the_ticks_up_to_the_fault_and_why() {
+    fn file_contains_ticks_and_cause() {
         let folder = TempDir::new().expect("a temporary folder");
-        let mut recorder = FlightRecorder::new(None).expect("no thread to refuse");
+        let mut recorder = FlightRecorder::new(None).expect("no thread to start");
         for tick in 0..1000 {
-            recorder.note(&TickReport {
+            recorder.record(&TickReport {
                 tick,
                 ..TickReport::default()
             });
@@ -160,7 +161,7 @@ mod tests {
         let reports = recorder.reports.into_iter().collect();
         let file = write(
             folder.path(),
-            &Flight {
+            &FlightRecord {
                 fault: fault(999),
                 reports,
             },
@@ -182,13 +183,13 @@ mod tests {
     }
 
     #[test]
-    fn files_are_bounded_and_others_are_left_alone() {
+    fn file_count_is_bounded() {
         let folder = TempDir::new().expect("a temporary folder");
         fs::write(folder.path().join("a-note.txt"), "").expect("writable");
-        for tick in 0..FILES as u64 + 5 {
+        for tick in 0..FILES_MAX as u64 + 5 {
             write(
                 folder.path(),
-                &Flight {
+                &FlightRecord {
                     fault: fault(tick),
                     reports: vec![],
                 },
@@ -196,12 +197,12 @@ mod tests {
             .expect("written");
         }
         let names: Vec<_> = fs::read_dir(folder.path()).expect("readable").collect();
-        assert_eq!(names.len(), FILES + 1);
+        assert_eq!(names.len(), FILES_MAX + 1);
         assert!(folder.path().join("a-note.txt").exists());
     }
 
     #[test]
-    fn only_faults_are_written() {
+    fn only_faults_are_saved() {
         let check = |event: ModuleEvent, is: bool| assert_eq!(is_fault(&event), is);
         check(fault(0), true);
         check(
@@ -227,7 +228,7 @@ mod tests {
         );
         check(
             ModuleEvent {
-                reason: Reason::of(Cause::SHUTDOWN),
+                reason: Reason::new(Cause::SHUTDOWN),
                 ..fault(0)
             },
             false,

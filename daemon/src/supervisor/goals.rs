@@ -1,17 +1,17 @@
 //! Goals: received, checked, passed to the tick, and reported until they end.
 
-use atas_core::Order;
+use atas_core::OperatorRequest;
 use robot_model::RobotVector;
 use shm_bus::{ActiveGoal, Bus, GoalServer, now_ns};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
-use super::checker::{Checked, Checker};
+use super::checker::{CheckResult, Checker};
 use super::{OpenError, SupervisorState};
-use crate::link::SupervisorEnd;
+use crate::link::SupervisorSide;
 
 /// Maximum joint motion during a check for which its result still holds, rad: less than half a
 /// millimetre at the hand. Design choice.
-const MOVED_RAD: f64 = 0.001;
+const JOINT_MOTION_MAX_RAD: f64 = 0.001;
 /// Maximum number of checks of one goal while the arms move, then it is rejected as busy. Design
 /// choice: 0.1 s of rounds.
 const CHECKS_MAX: u32 = 25;
@@ -53,36 +53,36 @@ impl GoalService {
     }
 
     /// Receives new goals, forwards cancellations, detects clients that have gone.
-    pub(super) fn serve(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
+    pub(super) fn serve(&mut self, state: &SupervisorState, link: &mut SupervisorSide) {
         if let Some(candidate) = self.candidate.take() {
-            match self.checker.fetch() {
-                Some(checked) => self.conclude(candidate, checked, state, link),
+            match self.checker.poll() {
+                Some(checked) => self.finish_check(candidate, checked, state, link),
                 None => self.candidate = Some(candidate),
             }
         }
         if self.candidate.is_none() {
-            let busy = self.busy();
+            let busy = self.busy_reason();
             match self.server.poll() {
                 // No check could make the goal executable, and its first finding would hide the
                 // cause.
-                Ok(Some(client)) if !state.wiring.joints_required => {
-                    reject(&client, Reason::of(Cause::SENSE_ONLY), state);
+                Ok(Some(client)) if !state.sensor_setup.joints_required => {
+                    reject(&client, Reason::new(Cause::SENSE_ONLY), state);
                 }
                 Ok(Some(client)) => match busy {
                     Some(reason) => reject(&client, reason, state),
                     None => self.check(Candidate { client, checks: 0 }, state),
                 },
                 Ok(None) => {}
-                Err(error) => tracing::warn!(%error, "a goal could not be read"),
+                Err(error) => tracing::warn!(%error, "could not read a goal"),
             }
         }
-        self.open.retain_mut(|goal| goal.attend(link));
+        self.open.retain_mut(|goal| goal.forward_client(link));
     }
 
     /// Forwards an update; the final one closes the goal.
-    pub(super) fn tell(&mut self, update: &GoalUpdate) {
+    pub(super) fn forward_update(&mut self, update: &GoalUpdate) {
         if let Some(goal) = self.open.iter_mut().find(|goal| goal.id == update.goal_id) {
-            // `attend` detects a client that has gone.
+            // `forward_client` detects a client that has gone.
             let _heard = goal.client.update(update);
             goal.ended = update.state.is_final();
         }
@@ -91,14 +91,14 @@ impl GoalService {
 
     /// Reason why no other goal can start. While the arms move, a check of paths from their present
     /// position would not hold.
-    fn busy(&self) -> Option<Reason> {
+    fn busy_reason(&self) -> Option<Reason> {
         let goes_on = self.open.iter().find(|goal| !goal.cancelled);
-        goes_on.map(|goal| Reason::limit(Cause::BUSY, f64::from(goal.kind.0), 0.0))
+        goes_on.map(|goal| Reason::with_limit(Cause::BUSY, f64::from(goal.kind.0), 0.0))
     }
 
     fn check(&mut self, candidate: Candidate, state: &SupervisorState) {
         // The client can write to this memory: check and use the same copy.
-        self.checker.begin(*candidate.client.request(), state);
+        self.checker.start_check(*candidate.client.request(), state);
         self.candidate = Some(Candidate {
             checks: candidate.checks + 1,
             ..candidate
@@ -106,12 +106,12 @@ impl GoalService {
     }
 
     /// Passes a checked goal to the tick, or rejects it.
-    fn conclude(
+    fn finish_check(
         &mut self,
         candidate: Candidate,
-        checked: Checked,
+        checked: CheckResult,
         state: &SupervisorState,
-        link: &mut SupervisorEnd,
+        link: &mut SupervisorSide,
     ) {
         let moved = have_moved(&checked.commanded_rad, &state.commanded_rad);
         if moved && candidate.checks < CHECKS_MAX {
@@ -121,10 +121,10 @@ impl GoalService {
         let goal = checked.goal.and_then(|goal| {
             let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
             if moved || id_in_use || self.open.len() >= OPEN_MAX {
-                return Err(Reason::of(Cause::BUSY));
+                return Err(Reason::new(Cause::BUSY));
             }
-            let queued = link.order(Order::Start(goal));
-            queued.map(|_ticket| ()).ok_or(Reason::of(Cause::BUSY))
+            let queued = link.request(OperatorRequest::Start(goal));
+            queued.map(|_ticket| ()).ok_or(Reason::new(Cause::BUSY))
         });
         match goal {
             Ok(()) => self.open.push(OpenGoal {
@@ -144,7 +144,7 @@ fn have_moved(before_rad: &Option<RobotVector>, now_rad: &Option<RobotVector>) -
     match (before_rad, now_rad) {
         (Some(before_rad), Some(now_rad)) => {
             let mut joints = before_rad.iter().zip(now_rad.iter());
-            joints.any(|(before_rad, now_rad)| (before_rad - now_rad).abs() > MOVED_RAD)
+            joints.any(|(before_rad, now_rad)| (before_rad - now_rad).abs() > JOINT_MOTION_MAX_RAD)
         }
         (None, None) => false,
         _ => true,
@@ -154,13 +154,15 @@ fn have_moved(before_rad: &Option<RobotVector>, now_rad: &Option<RobotVector>) -
 impl OpenGoal {
     /// Forwards the client's cancellation or end; returns false if the client has gone. Retries
     /// next round if the queue is full.
-    fn attend(&mut self, link: &mut SupervisorEnd) -> bool {
+    fn forward_client(&mut self, link: &mut SupervisorSide) -> bool {
         let goal_id = self.id;
         if !self.client.client_alive() {
-            return link.order(Order::ClientGone { goal_id }).is_none();
+            return link
+                .request(OperatorRequest::ClientDisconnected { goal_id })
+                .is_none();
         }
         if !self.cancelled && self.client.cancel_requested() {
-            self.cancelled = link.order(Order::Cancel { goal_id }).is_some();
+            self.cancelled = link.request(OperatorRequest::Cancel { goal_id }).is_some();
         }
         true
     }

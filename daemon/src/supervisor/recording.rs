@@ -33,11 +33,11 @@ impl RecordStream {
     pub(super) fn publish(&self, input_log: Option<&mut LogReader>) {
         if let (Some(inputs), Some(input_log)) = (&self.inputs, input_log) {
             while let Some(part) = input_log.next_part() {
-                super::telemetry::report_failure(inputs.send(&part));
-                input_log.give_back(part);
+                super::telemetry::log_failure(inputs.send(&part));
+                input_log.recycle(part);
             }
         }
-        super::telemetry::report_failure(self.headers.connect_readers());
+        super::telemetry::log_failure(self.headers.connect_readers());
     }
 }
 
@@ -56,7 +56,12 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
     header.rate_hz = config.realtime.rate_hz;
     header.flags = state.flags;
     header.config = Text::new(&config.text());
-    atas_core::record::write_origin(&mut header, &state.robot, &state.wiring, &config.settings());
+    atas_core::record::write_origin(
+        &mut header,
+        &state.robot,
+        &state.sensor_setup,
+        &config.settings(),
+    );
     header
 }
 

@@ -46,8 +46,8 @@ impl Signals {
 #[derive(Debug)]
 pub(super) struct ServiceManager {
     watchdog: Option<Duration>,
-    fed_at: Instant,
-    fed_ticks: u64,
+    watchdog_at: Instant,
+    watchdog_ticks: u64,
 }
 
 impl ServiceManager {
@@ -56,27 +56,27 @@ impl ServiceManager {
         let watchdog = sd_notify::watchdog_enabled().map(|period| period / 3);
         Self {
             watchdog,
-            fed_at: Instant::now(),
-            fed_ticks: 0,
+            watchdog_at: Instant::now(),
+            watchdog_ticks: 0,
         }
     }
 
     /// Reports READY after the first tick, and feeds the watchdog while ticks advance.
-    pub(super) fn attend(&mut self, ticks: u64) {
-        if ticks == self.fed_ticks {
+    pub(super) fn report_ticks(&mut self, ticks: u64) {
+        if ticks == self.watchdog_ticks {
             return;
         }
-        if self.fed_ticks == 0 {
+        if self.watchdog_ticks == 0 {
             self.ready();
         } else if self
             .watchdog
-            .is_none_or(|period| self.fed_at.elapsed() < period)
+            .is_none_or(|period| self.watchdog_at.elapsed() < period)
         {
             return;
         } else {
             notify(&[NotifyState::Watchdog]);
         }
-        (self.fed_at, self.fed_ticks) = (Instant::now(), ticks);
+        (self.watchdog_at, self.watchdog_ticks) = (Instant::now(), ticks);
     }
 
     pub(super) fn ready(&self) {
@@ -86,7 +86,8 @@ impl ServiceManager {
     pub(super) fn reloading(&self) {
         match NotifyState::monotonic_usec_now() {
             Ok(time) => notify(&[NotifyState::Reloading, time]),
-            Err(error) => tracing::warn!(%error, "the service manager did not hear of the reload"),
+            Err(error) => tracing::warn!(%error, "could not report the reload to the service \
+                manager"),
         }
     }
 
@@ -98,6 +99,6 @@ impl ServiceManager {
 /// Does nothing without a service manager.
 fn notify(states: &[NotifyState<'_>]) {
     if let Err(error) = sd_notify::notify(states) {
-        tracing::warn!(%error, "the service manager could not be told");
+        tracing::warn!(%error, "could not notify the service manager");
     }
 }

@@ -1,11 +1,11 @@
 //! State of the supervisor, and changes of the configuration at run time.
 
-use atas_core::{Order, Settings, Wiring};
+use atas_core::{OperatorRequest, SensorSetup, Settings};
 use robot_model::{RobotModel, RobotVector};
 use shm_schemas::{Mode, StatusFlags};
 
 use crate::config::{Config, Source};
-use crate::link::{SupervisorEnd, TickRecord};
+use crate::link::{SupervisorSide, TickRecord};
 
 /// State shared by the parts of the supervisor.
 #[derive(Debug)]
@@ -19,14 +19,14 @@ pub struct SupervisorState {
     /// The robot.
     pub robot: RobotModel,
     /// Sensor set-up of the controller.
-    pub wiring: Wiring,
+    pub sensor_setup: SensorSetup,
     /// [`shm_schemas::StatusFlags`].
     pub flags: u32,
     /// Start time of the daemon, ns.
     pub started_ns: u64,
     /// Start time on the clock of the tick stamps, ns: in virtual time the first tick, and 0
     /// before.
-    pub stamps_from_ns: u64,
+    pub clock_start_ns: u64,
     /// Mode after the last tick.
     pub mode: Mode,
     /// Index of the last tick.
@@ -36,7 +36,7 @@ pub struct SupervisorState {
     /// The settings of `config`.
     pub settings: Settings,
     /// Number of records read.
-    pub ticks_seen: u64,
+    pub record_count: u64,
 }
 
 impl SupervisorState {
@@ -46,7 +46,7 @@ impl SupervisorState {
         source: Source,
         config: Config,
         robot: RobotModel,
-        wiring: Wiring,
+        wiring: SensorSetup,
         flags: u32,
     ) -> Self {
         let started_ns = shm_bus::now_ns();
@@ -56,26 +56,26 @@ impl SupervisorState {
             source,
             config,
             robot,
-            wiring,
+            sensor_setup: wiring,
             flags,
             started_ns,
-            stamps_from_ns: match flags & StatusFlags::LOCKSTEP {
+            clock_start_ns: match flags & StatusFlags::LOCKSTEP {
                 0 => started_ns,
                 _ => 0,
             },
             mode: Mode::INIT,
             tick: 0,
             commanded_rad: None,
-            ticks_seen: 0,
+            record_count: 0,
         }
     }
 
-    pub(super) fn learn(&mut self, record: &TickRecord) {
-        self.learn_clock(record.report.stamp.captured_ns);
+    pub(super) fn update(&mut self, record: &TickRecord) {
+        self.update_clock_start(record.report.stamp.captured_ns);
         self.mode = record.report.mode;
         self.tick = record.report.tick;
         self.commanded_rad = record.commanded_rad;
-        self.ticks_seen += 1;
+        self.record_count += 1;
         if record.phase_locked {
             self.flags |= StatusFlags::PHASE_LOCKED;
         } else {
@@ -84,11 +84,11 @@ impl SupervisorState {
     }
 
     /// Start of virtual time; another simulator restarts it.
-    fn learn_clock(&mut self, tick_ns: u64) {
+    fn update_clock_start(&mut self, tick_ns: u64) {
         let is_virtual = self.flags & StatusFlags::LOCKSTEP != 0;
-        let is_first = self.ticks_seen == 0 || tick_ns < self.stamps_from_ns;
+        let is_first = self.record_count == 0 || tick_ns < self.clock_start_ns;
         if is_virtual && is_first {
-            self.stamps_from_ns = tick_ns;
+            self.clock_start_ns = tick_ns;
         }
     }
 
@@ -97,7 +97,7 @@ impl SupervisorState {
         &mut self,
         index: usize,
         value: f64,
-        link: &mut SupervisorEnd,
+        link: &mut SupervisorSide,
     ) -> Result<u64, String> {
         let mut settings = self.config.settings();
         let parameter = &atas_core::settings::PARAMETERS[index];
@@ -105,30 +105,31 @@ impl SupervisorState {
             .set(parameter.name, value)
             .map_err(|e| e.to_string())?;
         let config = self.config.with_settings(&settings);
-        self.adopt(config, Order::SetParameter { index, value }, link)
+        self.apply(config, OperatorRequest::SetParameter { index, value }, link)
     }
 
     /// Reloads the configuration: all of it, with the settings in one tick, or nothing. A running
     /// goal keeps its task.
-    pub(super) fn reload(&mut self, link: &mut SupervisorEnd) -> Result<u64, String> {
+    pub(super) fn reload(&mut self, link: &mut SupervisorSide) -> Result<u64, String> {
         let config = self.source.load().map_err(|e| e.to_string())?;
         let fixed = self.config.fixed_differences(&config);
         if !fixed.is_empty() {
             let keys = fixed.join(", ");
             return Err(format!(
-                "could not change {keys} while running; restart the daemon for that"
+                "could not change {keys} while running: these keys are fixed; restart the daemon"
             ));
         }
         let safety = self.config.safety_differences(&config);
         if !safety.is_empty() && !self.is_stopped() {
             return Err(format!(
-                "could not change {} because the mode was {}, needs a stopped robot; `atas estop` first, `atas recover` after",
+                "could not change {}: the mode is {}, but the change needs a stopped robot; run `atas \
+                 estop` before and `atas recover` after",
                 safety.join(", "),
                 self.mode
             ));
         }
-        let order = Order::Configure(config.settings());
-        self.adopt(config, order, link)
+        let order = OperatorRequest::Configure(config.settings());
+        self.apply(config, order, link)
     }
 
     /// Returns true if nothing moves without a recovery by a person; only then may safety values
@@ -137,16 +138,16 @@ impl SupervisorState {
         matches!(self.mode, Mode::INIT | Mode::SAFE_STOP)
     }
 
-    fn adopt(
+    fn apply(
         &mut self,
         config: Config,
-        order: Order,
-        link: &mut SupervisorEnd,
+        order: OperatorRequest,
+        link: &mut SupervisorSide,
     ) -> Result<u64, String> {
         config.check().map_err(|e| e.to_string())?;
         let ticket = link
-            .order(order)
-            .ok_or("the queue of orders is full; try again")?;
+            .request(order)
+            .ok_or("the queue of requests is full; try again")?;
         self.config_hash = config.hash();
         self.settings = config.settings();
         self.config = config;

@@ -6,10 +6,10 @@ use shm_bus::{Bus, BusError, Publisher};
 use shm_schemas::{ModuleEvent, Status, Text, TickReport, View, service};
 
 use super::SupervisorState;
-use crate::figures::Figures;
-use crate::link::{SupervisorEnd, TickRecord};
+use crate::link::{SupervisorSide, TickRecord};
+use crate::statistics::TickStatistics;
 
-const STATUS_EVERY: Duration = Duration::from_millis(20);
+const STATUS_PERIOD: Duration = Duration::from_millis(20);
 
 /// Publishers and the state that they add to the tick data.
 #[derive(Debug)]
@@ -19,7 +19,7 @@ pub(super) struct Telemetry {
     events: Publisher<ModuleEvent>,
     views: Publisher<View>,
     views_sent: u64,
-    figures: Option<Figures>,
+    statistics: Option<TickStatistics>,
     snapshot: Status,
     sequence: u64,
     due: Instant,
@@ -33,7 +33,7 @@ impl Telemetry {
             events: bus.publisher(service::MODULE_EVENT)?,
             views: bus.publisher(service::VIEW)?,
             views_sent: 0,
-            figures: Figures::new(),
+            statistics: TickStatistics::new(),
             snapshot: Status::default(),
             sequence: 0,
             due: Instant::now(),
@@ -41,73 +41,77 @@ impl Telemetry {
     }
 
     pub(super) fn publish_record(&mut self, record: &TickRecord) {
-        if let Some(figures) = &mut self.figures {
+        if let Some(figures) = &mut self.statistics {
             figures.record(record);
         }
-        report_failure(self.reports.send(&record.report));
+        log_failure(self.reports.send(&record.report));
     }
 
     pub(super) fn publish_event(&mut self, event: &ModuleEvent) {
-        report_failure(self.events.send(event));
+        log_failure(self.events.send(event));
     }
 
-    pub(super) fn publish_view(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
+    pub(super) fn publish_view(&mut self, state: &SupervisorState, link: &mut SupervisorSide) {
         let Some(newest) = link.newest_view() else {
             return;
         };
         let sent = self.views.send_with(|view| {
             *view = *newest;
             view.stamp.sequence = self.views_sent;
-            view.stamp.writer_epoch = state.wiring.writer_epoch;
+            view.stamp.writer_epoch = state.sensor_setup.writer_epoch;
         });
         self.views_sent += 1;
-        report_failure(sent);
+        log_failure(sent);
     }
 
     /// Publishes the status that belongs to a notification, before the notification is forwarded.
-    pub(super) fn publish_news(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
+    pub(super) fn publish_notified_status(
+        &mut self,
+        state: &SupervisorState,
+        link: &mut SupervisorSide,
+    ) {
         if let Some(snapshot) = link.newest_snapshot() {
             self.snapshot = snapshot;
             self.send_status(state, link);
         }
     }
 
-    pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &mut SupervisorEnd) {
+    pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &mut SupervisorSide) {
         if let Some(snapshot) = link.newest_snapshot() {
             self.snapshot = snapshot;
         }
         if Instant::now() < self.due {
             // New readers get the last status within a round instead of a period.
-            report_failure(self.status.connect_readers());
+            log_failure(self.status.connect_readers());
             return;
         }
         self.send_status(state, link);
         // New readers get the past events even if no event follows.
-        report_failure(self.events.connect_readers());
+        log_failure(self.events.connect_readers());
     }
 
-    fn send_status(&mut self, state: &SupervisorState, link: &SupervisorEnd) {
-        self.due = Instant::now() + STATUS_EVERY;
+    fn send_status(&mut self, state: &SupervisorState, link: &SupervisorSide) {
+        self.due = Instant::now() + STATUS_PERIOD;
         let mut status = self.snapshot;
         status.stamp.sequence = self.sequence;
-        status.stamp.writer_epoch = state.wiring.writer_epoch;
+        status.stamp.writer_epoch = state.sensor_setup.writer_epoch;
         status.version = Text::new(env!("CARGO_PKG_VERSION"));
         status.config_hash = state.config_hash;
-        status.started_ns = state.stamps_from_ns;
+        status.started_ns = state.clock_start_ns;
         status.pid = std::process::id();
         status.flags = state.flags;
         status.rate_hz = state.config.realtime.rate_hz;
         status.dropped_records = link.dropped();
-        if let Some(figures) = &self.figures {
+        if let Some(figures) = &self.statistics {
             figures.write(&mut status);
         }
         self.sequence += 1;
-        report_failure(self.status.send(&status));
+        log_failure(self.status.send(&status));
     }
 }
 
-pub(super) fn report_failure(sent: Result<(), BusError>) {
+pub(super) fn log_failure(sent: Result<(), BusError>) {
     if let Err(error) = sent {
-        tracing::debug!(%error, "an observer missed something");
+        tracing::debug!(%error, "could not publish to an observer");
     }
 }

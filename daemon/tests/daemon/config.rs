@@ -27,7 +27,7 @@ pub(crate) fn source(texts: &[&str], flags: &[&str]) -> (TempDir, Source) {
     )
 }
 
-pub(crate) fn check_refused(texts: &[&str], flags: &[&str], wanted: &str) {
+pub(crate) fn check_rejected(texts: &[&str], flags: &[&str], wanted: &str) {
     let (folder, source) = source(texts, flags);
     let message = source.load().expect_err("must be refused").to_string();
     let folder = format!("{}/", folder.path().display());
@@ -42,8 +42,8 @@ pub(crate) fn check_refused(texts: &[&str], flags: &[&str], wanted: &str) {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
-    let check = |text: &str, wanted: &str| check_refused(&[text], &[], wanted);
+fn invalid_values_are_reported_with_location() {
+    let check = |text: &str, wanted: &str| check_rejected(&[text], &[], wanted);
     // Unknown keys.
     check(
         "\n[grasp]\ndrn = 1.0",
@@ -52,6 +52,18 @@ fn what_is_wrong_is_said() {
     check(
         "[grsp]\ndr_n = 1.0",
         "0.toml:2: grsp.dr_n is not a key; did you mean grasp.dr_n?",
+    );
+    check(
+        "[safety]\ndisagree_n = 0.4",
+        "0.toml:2: safety.disagree_n was renamed to safety.force_mismatch_n; use the new name",
+    );
+    check(
+        "[follow]\nmove_m_s = 0.1",
+        "0.toml:2: follow.move_m_s was renamed to teleop.move_m_s; use the new name",
+    );
+    check(
+        "[follow]",
+        "0.toml:1: follow was renamed to teleop; use the new name",
     );
     check("[grsp]", "0.toml:1: grsp is not a key; did you mean grasp?");
     check(
@@ -125,7 +137,8 @@ fn what_is_wrong_is_said() {
     );
     check(
         "robot.model = \"\"",
-        "0.toml:1: robot.model is \"\", needs a robot that ships, as `atas robot list` shows them, or the path of a robot file",
+        "0.toml:1: robot.model is \"\", needs the name of a shipped robot (`atas robot list`) or \
+         the path of a robot file",
     );
     check(
         "robot.joints_required = 1",
@@ -133,7 +146,8 @@ fn what_is_wrong_is_said() {
     );
     check(
         "hands.left.fingers = 5",
-        "0.toml:1: hands.left.fingers is 5, needs a whole number from 1 to 4, or 0 for as many as the robot has there",
+        "0.toml:1: hands.left.fingers is 5, needs a whole number from 1 to 4, or 0 for the number \
+         in the robot file",
     );
     check(
         "hands.right.rate_hz = 0",
@@ -172,17 +186,17 @@ fn what_is_wrong_is_said() {
 }
 
 #[test]
-fn layouts_must_be_sound() {
+fn invalid_layout_is_rejected() {
     let needs = "needs \"robot\", \"dome-41\", \"dome-1\", \"pad-N\", \"flat-RxC-P\", \"cylinder-RxC-P-Q\" or \
                  { normals = [[x, y, z], …], radius_m = … or positions_m = [[x, y, z], …], element_area_m2 = … } \
                  with 1 to 64 unit vectors that do not point along x";
-    check_refused(
+    check_rejected(
         &["hands.left.layout = \"dome-42\""],
         &[],
         &format!("0.toml:1: hands.left.layout is \"dome-42\", {needs}"),
     );
     let own = "{ normals = [[0.0, 0.0, 2.0]], radius_m = 0.015, element_area_m2 = 0.0001 }";
-    check_refused(
+    check_rejected(
         &[&format!("hands.left.layout = {own}")],
         &[],
         &format!(
@@ -199,13 +213,13 @@ fn syntax_errors_name_the_line() {
 }
 
 #[test]
-fn flags_and_files_that_do_not_read_are_named() {
-    check_refused(
+fn unreadable_flags_and_files_are_named() {
+    check_rejected(
         &[],
         &["grasp.dr_n"],
         "--set: is not TOML: \"grasp.dr_n\" needs the form section.key=value",
     );
-    check_refused(
+    check_rejected(
         &[],
         &["grasp.dr_n=x"],
         "--set: grasp.dr_n is \"x\", needs a number from 0.005 to 10",
@@ -216,10 +230,10 @@ fn flags_and_files_that_do_not_read_are_named() {
     };
     let message = missing.load().expect_err("must be refused").to_string();
     assert!(
-        message.contains("/nowhere/atas.toml: could not read it because of: No such file"),
+        message.contains("/nowhere/atas.toml: could not read the file: No such file"),
         "{message}"
     );
-    check_refused(
+    check_rejected(
         &[],
         &["robot.model=/nowhere/robot.toml"],
         &format!(
@@ -230,7 +244,7 @@ fn flags_and_files_that_do_not_read_are_named() {
 }
 
 #[test]
-fn later_wins_and_the_text_reads_back() {
+fn later_value_wins_and_text_reads_back() {
     let texts = [
         "[grasp]\ndr_n = 0.1\nslip_on = 0.95\n[realtime]\ncpu = 3",
         "grasp.dr_n = 1",
@@ -255,7 +269,7 @@ fn later_wins_and_the_text_reads_back() {
 }
 
 #[test]
-fn one_optoforce_dome_without_a_robot() {
+fn single_optoforce_sensor_works_without_a_robot() {
     let text = "\
         [robot]\njoints_required = false\n\
         [hands.left]\nlayout = \"dome-1\"\nfingers = 1\n\
@@ -263,12 +277,12 @@ fn one_optoforce_dome_without_a_robot() {
         [intake]\nelement_force_n = 2000.0\n\
         [perception]\ntouch_on_n = 19.8\ntouch_off_n = 9.9\n";
     let (_folder, source) = source(&[text], &[]);
-    let robot = robot_model::RobotModel::two_hand_arm().expect("it ships");
+    let robot = robot_model::RobotModel::two_hand_arm().expect("the robot is shipped");
     let wiring = source
         .load()
         .expect("valid")
-        .wiring(&robot, 1)
-        .expect("sound");
+        .sensor_setup(&robot, 1)
+        .expect("valid");
     assert!(!wiring.joints_required && wiring.hands[0].required && !wiring.hands[1].required);
     assert_eq!(
         (wiring.hands[0].layout.count, wiring.hands[0].fingers),
@@ -278,19 +292,19 @@ fn one_optoforce_dome_without_a_robot() {
 
 proptest! {
     #[test]
-    fn any_text_is_read_or_refused_but_never_panics(text in "(?s).{0,200}") {
+    fn any_text_causes_no_panic(text in "(?s).{0,200}") {
         let (_folder, source) = source(&[&text], &[]);
         let _either = source.load();
     }
 
     #[test]
-    fn any_flag_is_read_or_refused_but_never_panics(flag in "[a-z_.]{0,20}=?.{0,20}") {
+    fn any_flag_causes_no_panic(flag in "[a-z_.]{0,20}=?.{0,20}") {
         let (_folder, source) = source(&[], &[&flag]);
         let _either = source.load();
     }
 
     #[test]
-    fn any_numbers_are_read_or_refused(key in proptest::sample::select(atasd::config::known_keys().collect::<Vec<_>>()), value: f64) {
+    fn accepted_numbers_are_valid_settings(key in proptest::sample::select(atasd::config::known_keys().collect::<Vec<_>>()), value: f64) {
         let (_folder, source) = source(&[&format!("{key} = {value:?}")], &[]);
         if let Ok(config) = source.load() {
             prop_assert!(config.settings().check().is_ok());

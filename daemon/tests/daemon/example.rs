@@ -48,7 +48,7 @@ fn check_lines(have: &str, want: &str) {
 }
 
 #[test]
-fn parses_to_the_defaults() {
+fn example_parses_to_the_defaults() {
     let source = Source {
         files: vec![path()],
         flags: vec![],
@@ -58,7 +58,7 @@ fn parses_to_the_defaults() {
 }
 
 #[test]
-fn names_every_key() {
+fn example_contains_every_key() {
     let text = text();
     for key in known_keys() {
         let (_, last) = key.rsplit_once('.').expect("section.key");
@@ -72,7 +72,7 @@ fn names_every_key() {
 /// `ATAS_BLESS=1 cargo test -p atasd example` regenerates this part after a change of the
 /// controller's table.
 #[test]
-fn shows_every_parameter_with_its_meaning_and_range() {
+fn example_documents_every_parameter() {
     let text = text();
     let at = text
         .find("\n[intake]")
@@ -87,7 +87,7 @@ fn shows_every_parameter_with_its_meaning_and_range() {
 }
 
 #[test]
-fn the_task_of_the_example_is_sound() {
+fn example_task_is_valid() {
     let text = text();
     let (_, task) = text.split_once("#\n# [tasks").expect("has a task");
     let (task, _) = task.split_once("# ]\n").expect("has an end");

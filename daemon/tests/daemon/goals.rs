@@ -7,7 +7,7 @@ use shm_schemas::{
     GoalUpdate, Hand, Mode, Status,
 };
 
-use crate::support::{Daemon, PATIENCE, PATIENT, World, wait_for};
+use crate::support::{Daemon, TIMEOUT, TOLERANT, World, wait_for};
 
 const PERIOD_NS: u64 = 1_000_000;
 
@@ -33,8 +33,8 @@ pub(crate) struct LockStep {
 }
 
 impl LockStep {
-    pub(crate) fn on(bus: &FreshBus) -> Self {
-        let mut world = World::on(bus);
+    pub(crate) fn open(bus: &FreshBus) -> Self {
+        let mut world = World::open(bus);
         world.publish(PERIOD_NS);
         Self {
             world,
@@ -44,15 +44,15 @@ impl LockStep {
     }
 
     /// Publishes the next state if the daemon has answered the last one.
-    fn turn(&mut self) {
+    fn step(&mut self) {
         self.world.command.answers_sequence = u64::MAX;
-        self.world.listen();
+        self.world.receive();
         if self.world.command.answers_sequence == self.tick {
             self.tick += 1;
             self.commands = fnv1a(self.commands, &self.world.command.crc32.to_le_bytes());
             self.world.publish((self.tick + 1) * PERIOD_NS);
         } else {
-            self.world.greet();
+            self.world.connect_readers();
         }
     }
 
@@ -63,13 +63,13 @@ impl LockStep {
     ) -> GoalUpdate {
         let begin = std::time::Instant::now();
         loop {
-            self.turn();
+            self.step();
             if let Some(update) = pending.next().expect("the daemon lives").filter(&wanted) {
                 return update;
             }
             assert!(
-                begin.elapsed() < PATIENCE,
-                "waited in vain for an update in {:?}",
+                begin.elapsed() < TIMEOUT,
+                "timed out waiting for an update in {:?}",
                 self.world.newest
             );
             std::thread::yield_now();
@@ -79,7 +79,7 @@ impl LockStep {
     /// Runs until a condition holds.
     pub(crate) fn wait_for(&mut self, what: &str, holds: impl Fn() -> bool) {
         wait_for(what, || {
-            self.turn();
+            self.step();
             holds().then_some(())
         });
     }
@@ -87,27 +87,27 @@ impl LockStep {
     /// Runs until the status matches.
     pub(crate) fn until(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) {
         wait_for(what, || {
-            self.turn();
+            self.step();
             wanted(&self.world.newest).then_some(())
         });
     }
 
     pub(crate) fn send(&mut self, goals: &GoalClient, goal: &GoalRequest) -> PendingGoal {
         wait_for("the goal server", || {
-            self.turn();
+            self.step();
             goals.send(goal).ok()
         })
     }
 }
 
 #[test]
-fn goals_that_make_no_sense_are_rejected_with_the_reason() {
+fn invalid_goals_are_rejected_with_reason() {
     let bus = FreshBus::new("reject");
-    let mut world = LockStep::on(&bus);
+    let mut world = LockStep::open(&bus);
     let _daemon = Daemon::start(&bus, &["--lockstep"]);
     let goals = world.world.bus.goal_client().expect("there is room");
     let good = grasp(1);
-    let mut check = |goal: GoalRequest, cause: Cause, said: &str| {
+    let mut check = |goal: GoalRequest, cause: Cause, message: &str| {
         let mut pending = world.send(&goals, &goal);
         let update = world.until_update(&mut pending, |u| u.state.is_final());
         assert_eq!(
@@ -115,7 +115,7 @@ fn goals_that_make_no_sense_are_rejected_with_the_reason() {
             (GoalState::REJECTED, cause, goal.goal_id)
         );
         assert!(
-            update.reason.to_string().contains(said),
+            update.reason.to_string().contains(message),
             "{}",
             update.reason
         );
@@ -181,12 +181,12 @@ fn goals_that_make_no_sense_are_rejected_with_the_reason() {
 /// Runs one goal in lock-step; returns ticks and states of its updates, and a hash of all commands.
 fn run_goals() -> (Vec<(u64, GoalState)>, u64) {
     let bus = FreshBus::new("story");
-    let mut world = LockStep::on(&bus);
+    let mut world = LockStep::open(&bus);
     let _daemon = Daemon::start(&bus, &["--lockstep"]);
     let goals = world.world.bus.goal_client().expect("there is room");
     let mut pending = world.send(&goals, &grasp(5));
     let mut story = Vec::new();
-    while !pending.ended() {
+    while !pending.has_ended() {
         let update = world.until_update(&mut pending, |_| true);
         story.push((update.tick, update.state));
     }
@@ -194,48 +194,48 @@ fn run_goals() -> (Vec<(u64, GoalState)>, u64) {
 }
 
 #[test]
-fn lock_step_depends_on_the_goal_only() {
+fn lock_step_run_is_reproducible() {
     let (updates, commands) = run_goals();
     assert_eq!(
         updates.first(),
         Some(&(100, GoalState::ACCEPTED)),
-        "after the world has settled"
+        "after settling"
     );
     assert_eq!(
         updates.last().map(|last| last.1),
         Some(GoalState::FAILED),
-        "there is nothing to grasp"
+        "there is no object"
     );
-    assert_eq!(run_goals(), (updates, commands), "bit for bit");
+    assert_eq!(run_goals(), (updates, commands), "bit-exact");
 }
 
 #[test]
-fn lock_step_goes_on_without_a_goal_as_far_as_it_is_let() {
+fn lock_step_advances_to_the_requested_tick() {
     let bus = FreshBus::new("advance");
-    let mut world = LockStep::on(&bus);
+    let mut world = LockStep::open(&bus);
     let _daemon = Daemon::start(&bus, &["--lockstep"]);
     let mut let_on = |ticks: f64, outcome, reached: u64| {
         let reply = wait_for("an answer", || {
-            world.turn();
+            world.step();
             let request = ControlRequest {
                 op: ControlOp::ADVANCE,
                 value: ticks,
                 ..ControlRequest::default()
             };
             let controls = world.world.bus.control_client().ok()?;
-            controls.call(&request, PATIENCE).ok()
+            controls.call(&request, TIMEOUT).ok()
         });
         assert_eq!(reply.outcome, outcome, "{ticks}: {}", reply.text);
         wait_for("the ticks that it may make", || {
-            world.turn();
+            world.step();
             (world.tick == reached).then_some(())
         });
         // Further ticks would show before another answer.
         for _ in 0..1000 {
-            world.turn();
+            world.step();
             std::thread::yield_now();
         }
-        assert_eq!(world.tick, reached, "it goes no farther");
+        assert_eq!(world.tick, reached, "time stops there");
     };
     let (done, refused) = (ControlOutcome::DONE, ControlOutcome::REFUSED);
     let_on(0.0, done, 100);
@@ -246,9 +246,9 @@ fn lock_step_goes_on_without_a_goal_as_far_as_it_is_let() {
 }
 
 #[test]
-fn busy_cancelled_and_abandoned() {
+fn busy_cancelled_and_abandoned_goals_end() {
     let bus = FreshBus::new("busy");
-    let mut world = LockStep::on(&bus);
+    let mut world = LockStep::open(&bus);
     let _daemon = Daemon::start(&bus, &["--lockstep"]);
     let goals = world.world.bus.goal_client().expect("there is room");
     let mut first = world.send(&goals, &grasp(1));
@@ -273,16 +273,16 @@ fn busy_cancelled_and_abandoned() {
     world.until_update(&mut third, |u| u.state == GoalState::ACCEPTED);
     drop(third);
     wait_for("the goal to end", || {
-        world.turn();
+        world.step();
         (world.world.newest.goal_id == 3 && world.world.newest.goal_state == GoalState::FAILED)
             .then_some(())
     });
 }
 
 #[test]
-fn a_flood_of_goals_is_bounded_and_a_stop_gets_through() {
+fn stop_works_during_a_flood_of_goals() {
     let bus = FreshBus::new("flood");
-    let mut world = World::on(&bus);
+    let mut world = World::open(&bus);
     let config = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\n";
     let _daemon = Daemon::start_with(&bus, config, &[], |_| ());
     world.until_mode(Mode::READY);
@@ -298,11 +298,11 @@ fn a_flood_of_goals_is_bounded_and_a_stop_gets_through() {
 }
 
 #[test]
-fn parameters_are_read_listed_and_set_within_their_range() {
+fn parameters_are_read_listed_and_set() {
     let bus = FreshBus::new("params");
-    let mut world = World::on(&bus);
+    let mut world = World::open(&bus);
     // Zeroing needs mode ready.
-    let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    let _daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
     world.until_mode(Mode::READY);
     let before = world.until("a status", |s| s.ticks > 0).config_hash;
     let mut ask = |op, name, value| {
@@ -320,19 +320,19 @@ fn parameters_are_read_listed_and_set_within_their_range() {
     assert_eq!(
         text.lines().next(),
         Some("grasp.dr_n"),
-        "the name, then what it means"
+        "the name, then its meaning"
     );
     assert_eq!(ask(ControlOp::PARAM_SET, "grasp.dr_n", 0.08).0, done);
     assert_eq!(ask(ControlOp::PARAM_GET, "grasp.dr_n", 0.0).1, 0.08);
-    for (value, said) in [(99.0, "grasp.dr_n is 99"), (f64::NAN, "grasp.dr_n is NaN")] {
+    for (value, message) in [(99.0, "grasp.dr_n is 99"), (f64::NAN, "grasp.dr_n is NaN")] {
         let (outcome, now, text) = ask(ControlOp::PARAM_SET, "grasp.dr_n", value);
         assert_eq!((outcome, now), (refused, 0.08));
-        assert!(text.contains(said), "{text}");
+        assert!(text.contains(message), "{text}");
     }
     let (outcome, _, text) = ask(ControlOp::PARAM_SET, "grasp.slip_off", 1.0);
     assert_eq!(outcome, refused);
     assert!(
-        text.contains("grasp.slip_off is 1 and grasp.slip_on is"),
+        text.contains("grasp.slip_off is 1, needs at most grasp.slip_on, which is"),
         "{text}"
     );
     let (outcome, _, text) = ask(ControlOp::PARAM_GET, "grasp.drn", 0.0);
@@ -351,6 +351,10 @@ fn parameters_are_read_listed_and_set_within_their_range() {
     assert_eq!(ask(ControlOp::BIAS, "", 1.0).0, done);
     assert_eq!(ask(ControlOp::BIAS, "", 2.0).0, refused);
     assert_eq!(ask(ControlOp(99), "", 0.0).0, unknown);
-    assert_eq!(ask(ControlOp::ADVANCE, "", 1.0).0, refused, "by the clock");
+    assert_eq!(
+        ask(ControlOp::ADVANCE, "", 1.0).0,
+        refused,
+        "the daemon follows the clock"
+    );
     world.until("the new configuration", |s| s.config_hash != before);
 }

@@ -10,7 +10,7 @@ use rustix::process::Signal;
 use shm_bus::FreshBus;
 use shm_schemas::{Mode, StatusFlags};
 
-use crate::support::{Daemon, PATIENT, World};
+use crate::support::{Daemon, TOLERANT, World};
 
 /// Sleeps before counting: connections are made and memory is touched.
 const WARM_UP: usize = 100;
@@ -27,7 +27,7 @@ fn tick_thread(pid: u32) -> String {
     name.to_str().expect("a number").to_owned()
 }
 
-fn say(line: &str) {
+fn print(line: &str) {
     // A closed standard error is not a failure.
     let _ = writeln!(std::io::stderr(), "{line}");
 }
@@ -40,11 +40,11 @@ fn can_trace() -> bool {
     match tried {
         Ok(status) if status.success() => true,
         Ok(_) => {
-            say("SKIPPED: strace may not trace here; the tick's system calls were not counted");
+            print("SKIPPED: strace may not trace here; the tick's system calls were not counted");
             false
         }
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            say("SKIPPED: strace is not installed; the tick's system calls were not counted");
+            print("SKIPPED: strace is not installed; the tick's system calls were not counted");
             false
         }
         Err(error) => panic!("strace does not start: {error}"),
@@ -52,12 +52,12 @@ fn can_trace() -> bool {
 }
 
 #[test]
-fn a_tick_makes_no_system_call_but_its_sleep() {
+fn tick_makes_one_system_call() {
     if !can_trace() {
         return;
     }
     let bus = FreshBus::new("strace");
-    let mut world = World::on(&bus);
+    let mut world = World::open(&bus);
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let trace = folder.path().join("trace");
     let out = trace.display().to_string();
@@ -69,7 +69,7 @@ fn a_tick_makes_no_system_call_but_its_sleep() {
         "--set=safety.valid_s=0.02",
         "--record-stream",
     ];
-    let mut daemon = Daemon::start_under(&strace, &bus, PATIENT, &flags, |_| ());
+    let mut daemon = Daemon::start_under(&strace, &bus, TOLERANT, &flags, |_| ());
     let begin = world.until_mode(Mode::READY).ticks;
     world.until("ticks", |s| s.ticks > begin + WARM_UP as u64 + TICKS / 2);
     let thread = tick_thread(daemon.pid());
@@ -93,7 +93,7 @@ fn a_tick_makes_no_system_call_but_its_sleep() {
     assert!(others.is_empty(), "{others:?}");
     let counted = calls.len() - steady;
     assert!(counted as u64 >= TICKS / 4, "{counted} sleeps");
-    say(&format!(
+    print(&format!(
         "{counted} ticks: {counted} clock_nanosleep, nothing else"
     ));
 }
@@ -106,10 +106,10 @@ fn page_faults(pid: u32, thread: &str) -> u64 {
 }
 
 #[test]
-fn a_tick_makes_no_page_fault() {
+fn tick_makes_no_page_fault() {
     let bus = FreshBus::new("faults");
-    let mut world = World::on(&bus);
-    let daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
+    let mut world = World::open(&bus);
+    let daemon = Daemon::start_with(&bus, TOLERANT, &["--record-stream"], |_| ());
     let begin = world.until_mode(Mode::READY);
     world.until("warm", |s| s.ticks > begin.ticks + TICKS);
     let thread = tick_thread(daemon.pid());
@@ -118,7 +118,7 @@ fn a_tick_makes_no_page_fault() {
     world.until("ticks", |s| s.ticks > since + TICKS);
     let faults = page_faults(daemon.pid(), &thread) - before;
     if begin.flags & StatusFlags::MEMORY_LOCKED == 0 {
-        return say(&format!(
+        return print(&format!(
             "SKIPPED: memory may not be locked here; {faults} page faults"
         ));
     }

@@ -17,12 +17,12 @@ use crate::support::{Daemon, World, wait_for};
 
 /// Recorder on its own thread, started before the daemon, so that it misses nothing.
 struct Recorder {
-    ends: Arc<AtomicBool>,
+    is_ending: Arc<AtomicBool>,
     thread: JoinHandle<Recording>,
 }
 
 impl Recorder {
-    fn on(bus: &FreshBus) -> Self {
+    fn start(bus: &FreshBus) -> Self {
         let (name, ends) = (BusName::clone(bus), Arc::new(AtomicBool::new(false)));
         let (is_there, there) = mpsc::channel();
         let thread = std::thread::spawn({
@@ -31,11 +31,11 @@ impl Recorder {
                 let bus = Bus::open(&name, "recorder", Realtime::No).expect("the bus opens");
                 let mut headers = bus.subscriber(service::RUN_HEADER).expect("there is room");
                 let mut inputs = bus.subscriber(service::TICK_INPUTS).expect("there is room");
-                is_there.send(()).expect("somebody waits");
+                is_there.send(()).expect("the test waits");
                 let mut recording = Recording::default();
                 loop {
                     let last = ends.load(Ordering::Acquire);
-                    recording.take(&mut headers, &mut inputs);
+                    recording.receive(&mut headers, &mut inputs);
                     if last {
                         return recording;
                     }
@@ -44,12 +44,15 @@ impl Recorder {
             }
         });
         there.recv().expect("the recorder begins");
-        Self { ends, thread }
+        Self {
+            is_ending: ends,
+            thread,
+        }
     }
 
     /// Ends the recorder and returns its recording.
     fn end(self) -> Recording {
-        self.ends.store(true, Ordering::Release);
+        self.is_ending.store(true, Ordering::Release);
         self.thread.join().expect("the recorder ends")
     }
 }
@@ -61,7 +64,11 @@ struct Recording {
 }
 
 impl Recording {
-    fn take(&mut self, headers: &mut Subscriber<RunHeader>, inputs: &mut Subscriber<TickInputs>) {
+    fn receive(
+        &mut self,
+        headers: &mut Subscriber<RunHeader>,
+        inputs: &mut Subscriber<TickInputs>,
+    ) {
         headers.newest(&mut self.header).expect("readable");
         let parts = &mut self.parts;
         let keep = |part: &TickInputs| parts.push(*part);
@@ -106,38 +113,39 @@ fn grasp(goal_id: u64) -> GoalRequest {
     }
 }
 
-/// Tolerant configuration, so that a goal runs on a loaded machine.
-const PATIENT: &str = "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\ngrasp.dr_n = 0.07\n\
+/// Configuration of a loaded machine: tolerates late frames, and ticks slowly, so that a recorder
+/// delayed by a second still has room for all parts.
+const TOLERANT: &str = "realtime.rate_hz = 100\nsafety.valid_s = 0.03\nintake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\ngrasp.dr_n = 0.07\n\
      [tasks.nod]\nacting = [{ step = \"there\", motion = \"reach\", waypoint = \"above\", modules = [\"carry\"], transition = \"arrived\", \
      timeout_s = 20.0 }]\n";
 
 /// Publishes for `millis`, or until a condition holds. Frames come in pairs, so that ticks have
-/// several; a recorder delayed by 0.2 s still has room.
-fn go_on(world: &mut World, millis: u64, mut until: impl FnMut(&mut World) -> bool) {
+/// several.
+fn publish_for(world: &mut World, millis: u64, mut until: impl FnMut(&mut World) -> bool) {
     let begin = Instant::now();
     while begin.elapsed() < Duration::from_millis(millis) && !until(world) {
         world.publish(shm_bus::now_ns());
         world.publish(shm_bus::now_ns());
-        world.listen();
-        std::thread::sleep(Duration::from_micros(1500));
+        world.receive();
+        std::thread::sleep(Duration::from_millis(15));
     }
 }
 
 #[test]
-fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
+fn live_run_with_all_requests_replays_bit_exactly() {
     let bus = FreshBus::new("replay");
-    let mut world = World::on(&bus);
-    let recorder = Recorder::on(&bus);
-    let mut daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
-    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    let mut world = World::open(&bus);
+    let recorder = Recorder::start(&bus);
+    let mut daemon = Daemon::start_with(&bus, TOLERANT, &["--record-stream"], |_| ());
+    publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     let goals: GoalClient = world.bus.goal_client().expect("there is room");
     let mut goal = wait_for("the goal server", || goals.send(&grasp(1)).ok());
-    go_on(&mut world, 300, |_| false);
+    publish_for(&mut world, 300, |_| false);
     world.control(ControlOp::PARAM_SET, "grasp.approach_m_s", 0.003);
     daemon.signal(Signal::HUP);
-    go_on(&mut world, 200, |_| false);
+    publish_for(&mut world, 200, |_| false);
     goal.cancel();
-    go_on(&mut world, 30_000, |_| {
+    publish_for(&mut world, 30_000, |_| {
         let update = goal.next().expect("the daemon lives");
         update.is_some_and(|update| update.state == GoalState::CANCELLED)
     });
@@ -147,29 +155,29 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
         ..grasp(2)
     };
     let mut goal = goals.send(&own).expect("there is room");
-    go_on(&mut world, 30_000, |_| {
+    publish_for(&mut world, 30_000, |_| {
         let update = goal.next().expect("the daemon lives");
         update.is_some_and(|update| update.state == GoalState::SUCCEEDED)
     });
     // Zeroing needs mode ready.
-    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     world.control(ControlOp::BIAS, "", 1.0);
-    world.odd_position_rad = Some(f64::NAN);
-    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::SAFE_STOP);
-    world.odd_position_rad = None;
-    go_on(&mut world, 100, |_| false);
+    world.injected_position_rad = Some(f64::NAN);
+    publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::SAFE_STOP);
+    world.injected_position_rad = None;
+    publish_for(&mut world, 100, |_| false);
     world.control(ControlOp::RECOVER, "", 0.0);
-    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     daemon.signal(Signal::TERM);
     assert!(daemon.wait().success());
     let recording = recorder.end();
     let last = recording.parts.last().expect("ticks");
     assert_eq!(last.command.mode, Mode::SAFE_STOP);
-    world.listen();
+    world.receive();
 
     assert_eq!(
         recording.header.config_hash, world.newest.config_hash,
-        "reloaded as it was"
+        "the recorded configuration is the reloaded one"
     );
     for kind in [
         OrderKind::START,
@@ -207,16 +215,16 @@ fn a_live_run_with_everything_that_can_be_ordered_replays_bit_for_bit() {
 }
 
 #[test]
-fn a_recorder_that_missed_something_is_told() {
+fn replay_reports_missing_parts() {
     let bus = FreshBus::new("missed");
-    let mut world = World::on(&bus);
-    let recorder = Recorder::on(&bus);
-    let _daemon = Daemon::start_with(&bus, PATIENT, &["--record-stream"], |_| ());
-    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    let mut world = World::open(&bus);
+    let recorder = Recorder::start(&bus);
+    let _daemon = Daemon::start_with(&bus, TOLERANT, &["--record-stream"], |_| ());
+    publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     let mut recording = recorder.end();
     assert_eq!(
         recording.replay(3),
-        Err(ReplayError::NoBeginning { missing: 3 })
+        Err(ReplayError::MissingStart { missing: 3 })
     );
     let lost = recording.parts.remove(5);
     let tick = recording.parts[5].tick;
@@ -231,16 +239,16 @@ fn a_recorder_that_missed_something_is_told() {
 }
 
 #[test]
-fn without_the_flag_only_the_header_is_published() {
+fn without_recording_only_the_header_is_published() {
     let bus = FreshBus::new("norecord");
-    let mut world = World::on(&bus);
-    let recorder = Recorder::on(&bus);
-    let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
-    go_on(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    let mut world = World::open(&bus);
+    let recorder = Recorder::start(&bus);
+    let _daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
+    publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     let recording = recorder.end();
     assert!(recording.parts.is_empty(), "no inputs");
     assert_ne!(
         recording.header.config_hash, 0,
-        "whoever looks on asks which robot runs"
+        "observers read the robot from the header"
     );
 }

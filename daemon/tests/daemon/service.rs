@@ -10,7 +10,7 @@ use shm_bus::FreshBus;
 use shm_schemas::{ControlOp, ControlOutcome, Mode};
 use tempfile::TempDir;
 
-use crate::support::{Daemon, PATIENCE, World, wait_for};
+use crate::support::{Daemon, TIMEOUT, World, wait_for};
 
 struct Manager {
     folder: TempDir,
@@ -21,17 +21,17 @@ impl Manager {
     fn new() -> Self {
         let folder = TempDir::new().expect("a temporary folder");
         let socket = UnixDatagram::bind(folder.path().join("notify")).expect("bound");
-        socket.set_read_timeout(Some(PATIENCE)).expect("set");
+        socket.set_read_timeout(Some(TIMEOUT)).expect("set");
         Self { folder, socket }
     }
 
-    fn watch(&self, command: &mut Command) {
+    fn set_environment(&self, command: &mut Command) {
         command
             .env("NOTIFY_SOCKET", self.folder.path().join("notify"))
             .env("WATCHDOG_USEC", "30000");
     }
 
-    fn hear(&self) -> std::io::Result<String> {
+    fn receive(&self) -> std::io::Result<String> {
         let mut buffer = [0; 256];
         let length = self.socket.recv(&mut buffer)?;
         Ok(String::from_utf8_lossy(&buffer[..length]).trim().to_owned())
@@ -39,53 +39,57 @@ impl Manager {
 }
 
 #[test]
-fn a_watchdog_that_ticks_do_not_feed_starves() {
+fn watchdog_is_not_fed_without_ticks() {
     let bus = FreshBus::new("starve");
-    let mut world = World::on(&bus);
+    let mut world = World::open(&bus);
     let manager = Manager::new();
-    let _daemon = Daemon::start_with(&bus, "", &["--lockstep"], |c| manager.watch(c));
+    let _daemon = Daemon::start_with(&bus, "", &["--lockstep"], |c| manager.set_environment(c));
     manager.socket.set_nonblocking(true).expect("set");
     let mut tick = 0;
     wait_for("a fed watchdog", || {
         tick += 1;
         world.publish(tick * 1_000_000);
-        (manager.hear().ok()? == "WATCHDOG=1").then_some(())
+        (manager.receive().ok()? == "WATCHDOG=1").then_some(())
     });
     // Payloads already published may still cause a tick; then none follows.
     let quiet = Duration::from_millis(200);
     manager.socket.set_nonblocking(false).expect("set");
     manager.socket.set_read_timeout(Some(quiet)).expect("set");
-    let last_words: Vec<_> = std::iter::from_fn(|| manager.hear().ok())
+    let last_words: Vec<_> = std::iter::from_fn(|| manager.receive().ok())
         .take(50)
         .collect();
     assert!(last_words.len() < 50, "fed without ticks: {last_words:?}");
 }
 
 #[test]
-fn the_service_manager_hears_ready_watchdog_and_stopping() {
+fn service_manager_receives_all_notifications() {
     let bus = FreshBus::new("notify");
     let manager = Manager::new();
-    let mut daemon = Daemon::start_with(&bus, "", &[], |c| manager.watch(c));
-    let hear = || manager.hear().expect("a message");
-    assert_eq!(hear(), "READY=1");
-    assert_eq!(hear(), "WATCHDOG=1");
+    let mut daemon = Daemon::start_with(&bus, "", &[], |c| manager.set_environment(c));
+    let next_message = || manager.receive().expect("a message");
+    assert_eq!(next_message(), "READY=1");
+    assert_eq!(next_message(), "WATCHDOG=1");
     daemon.signal(Signal::HUP);
     wait_for("reloading", || {
-        hear()
+        next_message()
             .starts_with("RELOADING=1\nMONOTONIC_USEC=")
             .then_some(())
     });
-    wait_for("ready again", || (hear() == "READY=1").then_some(()));
+    wait_for("ready again", || {
+        (next_message() == "READY=1").then_some(())
+    });
     daemon.signal(Signal::TERM);
-    wait_for("stopping", || (hear() == "STOPPING=1").then_some(()));
+    wait_for("stopping", || {
+        (next_message() == "STOPPING=1").then_some(())
+    });
     let ended = daemon.wait();
     assert!(ended.success(), "{ended}");
 }
 
 #[test]
-fn the_configuration_is_read_again_or_kept() {
+fn reload_applies_or_keeps_the_configuration() {
     let bus = FreshBus::new("reload");
-    let mut world = World::on(&bus);
+    let mut world = World::open(&bus);
     let mut daemon = Daemon::start_with(&bus, "", &[], |_| ());
     world.until("a robot that may move", |s| s.mode == Mode::READY);
     let get = |world: &mut World| world.control(ControlOp::PARAM_GET, "grasp.dr_n", 0.0).value;
@@ -95,11 +99,11 @@ fn the_configuration_is_read_again_or_kept() {
     daemon.signal(Signal::HUP);
     wait_for("the new value", || (get(&mut world) == 0.1).then_some(()));
 
-    let mut check_refused = |text: &str, said: &str| {
+    let mut check_refused = |text: &str, message: &str| {
         write(text);
         let reply = world.control(ControlOp::RELOAD, "", 0.0);
         assert_eq!(reply.outcome, ControlOutcome::REFUSED);
-        assert!(reply.text.as_str().contains(said), "{}", reply.text);
+        assert!(reply.text.as_str().contains(message), "{}", reply.text);
         assert_eq!(get(&mut world), 0.1, "nothing changed");
     };
     check_refused(

@@ -4,22 +4,22 @@ use shm_bus::FreshBus;
 use shm_schemas::{Cause, ControlOp, ControlOutcome, GoalState, Mode, StatusFlags};
 
 use crate::goals::{LockStep, grasp};
-use crate::support::{Daemon, PATIENT, World, wait_for};
+use crate::support::{Daemon, TOLERANT, World, wait_for};
 
 const SENSE_ONLY: &str = "robot.joints_required = false\n";
 
 #[test]
-fn the_start_is_told_on_the_clock_of_the_stamps() {
+fn start_time_uses_the_clock_of_stamps() {
     let bus = FreshBus::new("clock");
-    let mut world = World::on(&bus);
+    let mut world = World::open(&bus);
     let begun_ns = shm_bus::now_ns();
-    let real = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    let real = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
     let status = world.until_mode(Mode::READY);
     assert!((begun_ns..status.stamp.captured_ns).contains(&status.started_ns));
     drop((real, world));
 
     let bus = FreshBus::new("clock");
-    let mut world = LockStep::on(&bus);
+    let mut world = LockStep::open(&bus);
     let _virtual = Daemon::start(&bus, &["--lockstep"]);
     world.until("a tick", |status| status.ticks > 50);
     let status = world.world.newest;
@@ -30,15 +30,15 @@ fn the_start_is_told_on_the_clock_of_the_stamps() {
 }
 
 #[test]
-fn a_daemon_that_senses_only_says_why_it_does_nothing_else() {
+fn sense_only_daemon_reports_its_reason() {
     let bus = FreshBus::new("senses");
-    let mut world = World::on(&bus);
+    let mut world = World::open(&bus);
     world.sends_frames = false;
-    let config = format!("{PATIENT}{SENSE_ONLY}");
+    let config = format!("{TOLERANT}{SENSE_ONLY}");
     let _daemon = Daemon::start_with(&bus, &config, &[], |_| ());
-    let is_told = |flags: u32| flags & StatusFlags::SENSE_ONLY != 0;
+    let is_sense_only = |flags: u32| flags & StatusFlags::SENSE_ONLY != 0;
     let blind = world.until("a status", |status| status.ticks > 0);
-    assert!(is_told(blind.flags), "{blind:?}");
+    assert!(is_sense_only(blind.flags), "{blind:?}");
     assert_eq!(blind.reason.cause, Cause::FRAMES_STOPPED);
     world.sends_frames = true;
     world.until("frames", |status| status.reason.cause == Cause::SENSE_ONLY);
@@ -53,7 +53,13 @@ fn a_daemon_that_senses_only_says_why_it_does_nothing_else() {
     assert_eq!(answer, (1, GoalState::REJECTED, Cause::SENSE_ONLY));
     let zero = world.control(ControlOp::BIAS, "", 0.0);
     assert_eq!(zero.outcome, ControlOutcome::REFUSED);
-    let told = zero.text.as_str();
-    assert!(told.contains("robot.joints_required is false"), "{told}");
-    assert!(told.ends_with("with --zero"), "all of it has room: {told}");
+    let output = zero.text.as_str();
+    assert!(
+        output.contains("robot.joints_required is false"),
+        "{output}"
+    );
+    assert!(
+        output.ends_with("with --zero"),
+        "the text is not truncated: {output}"
+    );
 }

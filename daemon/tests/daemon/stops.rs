@@ -5,15 +5,15 @@ use std::time::Duration;
 use shm_bus::{BusError, FreshBus, stop};
 use shm_schemas::{Cause, ControlOp, ControlOutcome, Mode, StopOutcome};
 
-use crate::support::{Daemon, PATIENT, World};
+use crate::support::{Daemon, TOLERANT, World};
 
 const WITHIN: Duration = Duration::from_secs(2);
 
 #[test]
-fn a_stop_is_in_the_commands_when_it_is_answered() {
+fn stop_is_in_effect_when_answered() {
     let bus = FreshBus::new("stops");
-    let mut world = World::on(&bus);
-    let daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    let mut world = World::open(&bus);
+    let daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
     for _ in 0..20 {
         world.until_mode(Mode::READY);
         let answer = stop::request(&bus, "a test", WITHIN).expect("answered");
@@ -28,10 +28,10 @@ fn a_stop_is_in_the_commands_when_it_is_answered() {
 }
 
 #[test]
-fn every_control_client_taken_leaves_the_stop_its_way() {
+fn stop_works_with_all_control_clients_taken() {
     let bus = FreshBus::new("crowded");
-    let mut world = World::on(&bus);
-    let _daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    let mut world = World::open(&bus);
+    let _daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
     world.until_mode(Mode::READY);
     let clients: Vec<_> = std::iter::from_fn(|| world.bus.control_client().ok()).collect();
     assert!(clients.len() > 8 && world.bus.control_client().is_err());
@@ -41,10 +41,10 @@ fn every_control_client_taken_leaves_the_stop_its_way() {
 }
 
 #[test]
-fn a_daemon_that_ended_is_not_waited_for() {
+fn stop_fails_at_once_without_daemon() {
     let bus = FreshBus::new("ended");
-    let mut world = World::on(&bus);
-    let daemon = Daemon::start_with(&bus, PATIENT, &[], |_| ());
+    let mut world = World::open(&bus);
+    let daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
     world.until_mode(Mode::READY);
     drop(daemon);
     let nobody = stop::request(&bus, "a test", WITHIN).expect_err("no daemon");

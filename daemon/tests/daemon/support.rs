@@ -14,10 +14,10 @@ use shm_schemas::{
 use tempfile::TempDir;
 
 /// Time limit of waiting, long enough for any machine.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(30);
+pub(crate) const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Configuration for tests on a busy machine: tolerates late frames.
-pub(crate) const PATIENT: &str =
+pub(crate) const TOLERANT: &str =
     "intake.hold_age_s = 0.3\nintake.reject_age_s = 5.0\nsafety.stall_s = 1.0\n";
 
 /// Daemon process. Killed on drop; its log is printed if the test failed.
@@ -113,7 +113,7 @@ pub(crate) fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
         if let Some(answer) = ask() {
             return answer;
         }
-        assert!(begin.elapsed() < PATIENCE, "waited in vain for {what}");
+        assert!(begin.elapsed() < TIMEOUT, "timed out waiting for {what}");
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -130,27 +130,24 @@ pub(crate) struct World {
     pub(crate) newest: Status,
     pub(crate) sends_frames: bool,
     /// Published in place of the first joint's position.
-    pub(crate) odd_position_rad: Option<f64>,
+    pub(crate) injected_position_rad: Option<f64>,
     position_rad: [f64; shm_schemas::capacity::JOINTS],
     sequence: u64,
 }
 
 impl World {
-    pub(crate) fn on(name: &FreshBus) -> Self {
+    pub(crate) fn open(name: &FreshBus) -> Self {
         let bus = Bus::open(name, "world", Realtime::No).expect("the bus opens");
         let robot = robot_model::RobotModel::two_hand_arm().expect("the built-in robot loads");
         let mut position_rad = [0.0; shm_schemas::capacity::JOINTS];
-        for side in robot_model::Side::BOTH {
+        for side in robot_model::HandSide::BOTH {
             position_rad[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference_rad());
             // Straight ahead, the fingers of both hands would cross.
             position_rad[robot.joint_range(side).start] += 0.4 * side.y_sign();
         }
         Self {
-            frames: service::HAND_FRAME
-                .map(|name| bus.publisher(name).expect("nobody else publishes")),
-            joints: bus
-                .publisher(service::JOINT_STATE)
-                .expect("nobody else publishes"),
+            frames: service::HAND_FRAME.map(|name| bus.publisher(name).expect("sole publisher")),
+            joints: bus.publisher(service::JOINT_STATE).expect("sole publisher"),
             commands: bus
                 .subscriber(service::JOINT_COMMAND)
                 .expect("there is room"),
@@ -159,7 +156,7 @@ impl World {
             command: JointCommand::default(),
             newest: Status::default(),
             sends_frames: true,
-            odd_position_rad: None,
+            injected_position_rad: None,
             position_rad,
             sequence: 0,
             bus,
@@ -184,7 +181,7 @@ impl World {
             position_rad: self.position_rad,
             ..JointState::default()
         };
-        if let Some(odd_rad) = self.odd_position_rad {
+        if let Some(odd_rad) = self.injected_position_rad {
             state.position_rad[0] = odd_rad;
         }
         state.seal();
@@ -192,14 +189,14 @@ impl World {
     }
 
     /// Delivers the last tick to a daemon that has joined since.
-    pub(crate) fn greet(&self) {
+    pub(crate) fn connect_readers(&self) {
         self.frames
             .iter()
             .for_each(|publisher| publisher.connect_readers().expect("sent"));
         self.joints.connect_readers().expect("sent");
     }
 
-    pub(crate) fn listen(&mut self) {
+    pub(crate) fn receive(&mut self) {
         if self.commands.newest(&mut self.command).expect("readable")
             && self.command.joint_count > 0
         {
@@ -213,7 +210,7 @@ impl World {
     pub(crate) fn until(&mut self, what: &str, wanted: impl Fn(&Status) -> bool) -> Status {
         wait_for(what, || {
             self.publish(now_ns());
-            self.listen();
+            self.receive();
             wanted(&self.newest).then_some(self.newest)
         })
     }
@@ -232,7 +229,7 @@ impl World {
         let client = self
             .control
             .get_or_insert_with(|| self.bus.control_client().expect("there is room"));
-        client.call(&request, PATIENCE).expect("the daemon answers")
+        client.call(&request, TIMEOUT).expect("the daemon answers")
     }
 }
 

@@ -9,12 +9,12 @@ use rustix::process::Signal;
 use shm_bus::FreshBus;
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, Text};
 
-use crate::config::{check_refused, source};
+use crate::config::{check_rejected, source};
 use crate::goals::LockStep;
 use crate::support::Daemon;
 
 /// Task without an object: there, up.
-fn nod(step: &str) -> String {
+fn reach_task(step: &str) -> String {
     format!(
         "[tasks.nod]\nacting = [\n\
          {{ step = \"{step}\", motion = \"reach\", waypoint = \"before-source\", modules = [\"carry\"], transition = \"arrived\", timeout_s = 20.0 }},\n\
@@ -39,13 +39,13 @@ fn goal(goal_id: u64, task: &str) -> GoalRequest {
 
 /// The output of `atasd --print-tasks` is an equivalent configuration.
 #[test]
-fn printed_built_in_tasks_read_back_as_equal_tables() {
+fn printed_built_in_tasks_read_back() {
     let (_folder, source) = source(&[&Tasks::built_in_text()], &[]);
     let config = source.load().expect("valid");
     // Users cannot define teleoperation tasks.
     let written: Vec<_> = BUILT_IN
         .into_iter()
-        .filter(|task| !task.name.starts_with("follow"))
+        .filter(|task| !task.name.starts_with("teleop"))
         .collect();
     assert_eq!(config.tasks.as_slice().len(), written.len());
     for task in written {
@@ -63,8 +63,8 @@ fn printed_built_in_tasks_read_back_as_equal_tables() {
 }
 
 #[test]
-fn later_tasks_win_and_short_names_are_enough() {
-    let texts = [nod("there"), nod("somewhere")];
+fn later_task_wins_and_short_names_work() {
+    let texts = [reach_task("there"), reach_task("somewhere")];
     let (_folder, source) = source(&[&texts[0], &texts[1]], &[]);
     let config = source.load().expect("valid");
     assert_eq!(config.tasks.as_slice()[0].acting[0].name, "somewhere");
@@ -82,10 +82,10 @@ fn later_tasks_win_and_short_names_are_enough() {
 }
 
 #[test]
-fn what_is_wrong_with_a_task_is_said_with_its_step() {
+fn invalid_task_is_reported_with_its_step() {
     let check = |steps: &str, wanted: &str| {
         let text = format!("\n[tasks.own]\nacting = [{steps}]");
-        check_refused(&[&text], &[], &format!("0.toml:2: tasks.own: {wanted}"));
+        check_rejected(&[&text], &[], &format!("0.toml:2: tasks.own: {wanted}"));
     };
     let step = |rest: &str| format!("{{ step = \"go\", {rest} }}");
     let with = |motion: &str, rest: &str| step(&format!("motion = \"{motion}\", {rest}"));
@@ -144,10 +144,10 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
         "step 1 (go): waits for the other hand, which has no steps",
     );
     let carry = "waypoint = \"home\", modules = [\"carry\"], transition = \"arrived\"";
-    for (timeout, said) in [("0", "0"), ("-2.5", "-2.5"), ("4000", "4000")] {
+    for (timeout, message) in [("0", "0"), ("-2.5", "-2.5"), ("4000", "4000")] {
         check(
             &with("reach", &format!("{carry}, timeout_s = {timeout}")),
-            &format!("step 1 (go): timeout_s is {said}, needs more than 0 and at most 3600"),
+            &format!("step 1 (go): timeout_s is {message}, needs more than 0 and at most 3600"),
         );
     }
     for timeout in ["inf", "nan"] {
@@ -158,7 +158,7 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
     }
     check(
         &with("reach", carry),
-        "step 1 (go): has no timeout_s; only steps until held or met may do without",
+        "step 1 (go): has no timeout_s, needs one unless its transition is held or met",
     );
     // Rules.
     check("", "has no steps, needs at least one");
@@ -186,7 +186,7 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
             "lower",
             "modules = [\"transfer\", \"force limit\"], transition = \"concluded\", timeout_s = 5.0",
         ),
-        "step 1 (go): needs \"module 4, release\" and transition = \"concluded\": it has no other end",
+        "step 1 (go): needs \"module 4, release\" and transition = \"concluded\": no other transition ends this motion",
     );
     check(
         &with("reach", &format!("{carry}, timeout_s = 5.0"))
@@ -194,40 +194,40 @@ fn what_is_wrong_with_a_task_is_said_with_its_step() {
         "step 1 (a name too long!!): needs a step name of 1 to 16 lowercase letters, digits, spaces and hyphens",
     );
     let text = format!("[tasks.grasp]\nacting = [{good}]");
-    check_refused(
+    check_rejected(
         &[&text],
         &[],
         "0.toml:1: tasks.grasp: is the name of a built-in task; choose another one",
     );
     let wait = with("stay", "transition = \"met\", point = 2");
     let text = format!("[tasks.two]\nacting = [{wait}]\nhelping = [{good}]");
-    check_refused(
+    check_rejected(
         &[&text],
         &[],
-        "0.toml:1: tasks.two: step 1 (go): waits for the other hand at point 2, which waits in turn, or never comes there",
+        "0.toml:1: tasks.two: step 1 (go): waits at meeting point 2, which the other hand never reaches",
     );
     let text = format!(
         "[tasks.two]\nacting = [{good}]\nhelping = [{good}, {}]",
         with("squar", ends)
     );
-    check_refused(
+    check_rejected(
         &[&text],
         &[],
         "0.toml:1: tasks.two: helping step 2 (go): \"squar\" is no motion; did you mean \"square\"?",
     );
-    check_refused(
+    check_rejected(
         &["tasks.own = 5"],
         &[],
         "0.toml:1: tasks.own: is 5, needs to be a section with acting = [ steps ]",
     );
-    check_refused(
+    check_rejected(
         &["tasks = 5"],
         &[],
         "0.toml:1: tasks is 5, needs to be a section with keys",
     );
 }
 
-fn read_off(table: &str) -> String {
+fn behaviour_table_task(table: &str) -> String {
     format!(
         "[tasks.own]\nacting = [{{ step = \"lift\", motion = \"carry\", waypoint = \"lifted\", modules = [\"carry\", \
          \"force limit\", \"behaviour table\"], transition = \"arrived\", timeout_s = 20.0 }}]\ntable = {{ {table} }}"
@@ -235,12 +235,12 @@ fn read_off(table: &str) -> String {
 }
 
 #[test]
-fn a_behaviour_table_reads_back_or_is_refused_by_name() {
+fn behaviour_table_reads_back_or_is_rejected() {
     let bits = "bits = [\"slipping\", \"above-f2\"]";
     let levels = "fingers_m_s = [0.0, 0.002], hand = [0.0, -0.1, 0.1, 1]";
     let rows = "rows = \"03 12 00 01\"";
     let whole = format!("{bits}, {levels}, {rows}");
-    let (_folder, source) = source(&[&read_off(&whole)], &[]);
+    let (_folder, source) = source(&[&behaviour_table_task(&whole)], &[]);
     let config = source.load().expect("valid");
     let table = config.tasks.as_slice()[0].table.expect("it has one");
     assert_eq!(table.levels(1), [1, 2]);
@@ -248,7 +248,7 @@ fn a_behaviour_table_reads_back_or_is_refused_by_name() {
     assert_eq!(again.load().expect("valid"), config);
     let check = |table: String, wanted: &str| {
         let wanted = format!("0.toml:1: tasks.own: table: {wanted}");
-        check_refused(&[&read_off(&table)], &[], &wanted);
+        check_rejected(&[&behaviour_table_task(&table)], &[], &wanted);
     };
     check(
         format!("bits = [\"slipping\", \"above-f3\"], {levels}, {rows}"),
@@ -260,23 +260,24 @@ fn a_behaviour_table_reads_back_or_is_refused_by_name() {
     );
     check(
         format!("{bits}, {levels}, rows = \"03 12 00 21\""),
-        "names in row 3 a level that there is not",
+        "names an unknown level in row 3",
     );
     check(
         format!("{bits}, fingers_m_s = [0.5], hand = [1.0], rows = \"00 00 00 00\""),
-        "has the level 0.5 for fingers_m_s, needs a number from -0.02 to 0.02",
+        "has level 0.5 for fingers_m_s, needs a number from -0.02 to 0.02",
     );
     check(
         format!("{whole}, hash = \"00\""),
         &format!(
-            "says hash = \"00\", and its own is {:016x}; leave the hash out of a table that was changed",
+            "has hash = \"00\", but its content has {:016x}; leave the hash out after changing a \
+             table",
             table.hash()
         ),
     );
 }
 
 /// Runs a goal; returns its steps and its end.
-fn pursue(
+fn run_goal(
     world: &mut LockStep,
     goal: &GoalRequest,
     mut meanwhile: impl FnMut(&mut LockStep),
@@ -298,21 +299,21 @@ fn pursue(
 }
 
 #[test]
-fn a_reload_exchanges_tasks_but_never_a_running_one() {
+fn reload_keeps_the_running_task() {
     let bus = FreshBus::new("tasks");
-    let mut world = LockStep::on(&bus);
-    let daemon = Daemon::start_with(&bus, &nod("there"), &["--lockstep"], |_| ());
+    let mut world = LockStep::open(&bus);
+    let daemon = Daemon::start_with(&bus, &reach_task("there"), &["--lockstep"], |_| ());
     let named = |steps: &[&str]| steps.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>();
 
-    let rejected = pursue(&mut world, &goal(1, "nodd"), |_| ());
+    let rejected = run_goal(&mut world, &goal(1, "nodd"), |_| ());
     let expected = (named(&["nodd"]), GoalState::REJECTED, Cause::UNKNOWN_TASK);
     assert_eq!(rejected, expected, "named in the answer");
 
     let mut reloaded = false;
-    let done = pursue(&mut world, &goal(2, "nod"), |world| {
+    let done = run_goal(&mut world, &goal(2, "nod"), |world| {
         if !std::mem::replace(&mut reloaded, true) {
             let before = world.world.newest.config_hash;
-            fs::write(daemon.config_file(), nod("elsewhere")).expect("writable");
+            fs::write(daemon.config_file(), reach_task("elsewhere")).expect("writable");
             daemon.signal(Signal::HUP);
             world.until("the reload", |status| status.config_hash != before);
         }
@@ -320,20 +321,20 @@ fn a_reload_exchanges_tasks_but_never_a_running_one() {
     assert_eq!(
         done.0,
         named(&["there", "up", ""]),
-        "as it was when it was taken"
+        "unchanged during the goal"
     );
     assert_eq!(done.1, GoalState::SUCCEEDED);
 
-    let done = pursue(&mut world, &goal(3, "nod"), |_| ());
-    assert_eq!(done.0, named(&["elsewhere", "up", ""]), "as it is now");
+    let done = run_goal(&mut world, &goal(3, "nod"), |_| ());
+    assert_eq!(done.0, named(&["elsewhere", "up", ""]), "after the reload");
 
-    fs::write(daemon.config_file(), nod("Nowhere")).expect("writable");
+    fs::write(daemon.config_file(), reach_task("Nowhere")).expect("writable");
     daemon.signal(Signal::HUP);
     world.wait_for("the refusal", || {
         daemon
             .log()
             .contains("tasks.nod: step 1 (Nowhere): needs a step name of")
     });
-    let done = pursue(&mut world, &goal(4, "nod"), |_| ());
+    let done = run_goal(&mut world, &goal(4, "nod"), |_| ());
     assert_eq!(done.0, named(&["elsewhere", "up", ""]), "kept");
 }

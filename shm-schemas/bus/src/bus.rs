@@ -6,14 +6,14 @@ use std::rc::Rc;
 use crate::clean;
 use crate::error::BusError;
 use crate::folder::Folder;
+use crate::leftovers;
+use crate::location::Location;
 use crate::log;
 use crate::member::Member;
 use crate::name::BusName;
 use crate::node::{self, Realtime};
 use crate::owner::OwnerLock;
 use crate::peer::Peer;
-use crate::place::Place;
-use crate::remains;
 use crate::shortage::{self, require_space, require_stack};
 use crate::startup::StartupLock;
 
@@ -41,9 +41,9 @@ impl Bus {
     /// iceoryx2 fails.
     pub fn open(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         require_stack("the bus")?;
-        let folder = Folder::of(name)?;
+        let folder = Folder::for_bus(name)?;
         folder.make()?;
-        Self::enter(&folder, role, realtime)
+        Self::attach(&folder, role, realtime)
     }
 
     /// Joins an existing bus, for clients and observers. A mistyped name creates nothing.
@@ -53,9 +53,9 @@ impl Bus {
     /// no bus is found; else as [`Bus::open`].
     pub fn join(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         require_stack("the bus")?;
-        let folder = Folder::of(name)?;
+        let folder = Folder::for_bus(name)?;
         folder.find()?;
-        Self::enter(&folder, role, realtime)
+        Self::attach(&folder, role, realtime)
     }
 
     /// Checks that this user has such a bus. Creates and joins nothing.
@@ -64,23 +64,23 @@ impl Bus {
     /// As [`Bus::join`] if the bus is absent, belongs to another user, or has a folder that is not
     /// private.
     pub fn find(name: &BusName) -> Result<(), BusError> {
-        Folder::of(name)?.find()
+        Folder::for_bus(name)?.find()
     }
 
     /// Not inlined: uses its stack after [`require_stack`].
     #[inline(never)]
-    fn enter(folder: &Folder, role: &str, realtime: Realtime) -> Result<Self, BusError> {
-        log::bridge();
+    fn attach(folder: &Folder, role: &str, realtime: Realtime) -> Result<Self, BusError> {
+        log::install();
         require_space("the bus", 0)?;
         let _startup = StartupLock::take(folder, role)?;
-        let place = settle(folder)?;
+        let place = prepare_location(folder)?;
         let config = node::config(&place, realtime)?;
-        let refused = |why| shortage::explain(&place, "the bus", why);
+        let refused = |why| shortage::refusal_error(&place, "the bus", why);
         let node = node::create(&place, &config, role).map_err(refused)?;
         clean::remove_dead(&place, &node);
         Ok(Self {
             member: Rc::new(Member {
-                place,
+                location: place,
                 realtime,
                 node,
                 role: role.to_owned(),
@@ -91,14 +91,14 @@ impl Bus {
     /// The bus's name.
     #[must_use]
     pub fn name(&self) -> &BusName {
-        self.member.place.bus()
+        self.member.location.bus()
     }
 
     /// The bus's folder: `/run/atas/<bus>` as a service, else below `$XDG_RUNTIME_DIR` or in
     /// `/dev/shm`. Peers in other languages use it as iceoryx2's `global.root-path`.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        self.member.place.root()
+        self.member.location.root()
     }
 
     /// Prefix of the bus's names in `/dev/shm`, random for each life of the bus. Peers in other
@@ -106,7 +106,7 @@ impl Bus {
     /// `global.prefix`.
     #[must_use]
     pub fn prefix(&self) -> &str {
-        &self.member.place.prefix
+        &self.member.location.prefix
     }
 
     /// Removes dead nodes and returns their number.
@@ -119,7 +119,7 @@ impl Bus {
 
     /// All peers on the bus, this thread included. Reads files: not for real-time threads.
     pub fn peers(&self) -> Result<Vec<Peer>, BusError> {
-        Peer::list(&self.member.place, self.member.node.config())
+        Peer::list(&self.member.location, self.member.node.config())
     }
 
     /// Removes the bus's folder and shared memory. Returns the number of removed entries.
@@ -127,14 +127,14 @@ impl Bus {
     /// # Errors
     /// [`BusError::Owned`] or [`BusError::InUse`] while a process is on the bus.
     pub fn wipe(name: &BusName) -> Result<usize, BusError> {
-        let folder = Folder::of(name)?;
+        let folder = Folder::for_bus(name)?;
         match folder.find() {
             Err(BusError::Absent { .. } | BusError::OtherUser { .. }) => return Ok(0),
             found => found?,
         }
         let _owner = OwnerLock::take_at(&folder, "wipe")?;
         let _startup = StartupLock::take(&folder, "wipe")?;
-        let removed = match Place::read(&folder)? {
+        let removed = match Location::read(&folder)? {
             None => 0,
             Some(place) => {
                 let mut alive = Peer::list(&place, &place.config()?)?;
@@ -146,7 +146,7 @@ impl Bus {
                         peers: peers.join(", "),
                     });
                 }
-                remains::clear(&place)
+                leftovers::remove_all(&place)
             }
         };
         std::fs::remove_dir_all(&folder.path).map_err(BusError::io("remove", &folder.path))?;
@@ -156,20 +156,21 @@ impl Bus {
 
 /// The location of a bus in use, or a new one after removing leftovers. Call under the start-up
 /// lock.
-fn settle(folder: &Folder) -> Result<Place, BusError> {
-    let Some(place) = Place::read(folder)? else {
-        return Place::draw(folder);
+fn prepare_location(folder: &Folder) -> Result<Location, BusError> {
+    let Some(place) = Location::read(folder)? else {
+        return Location::create(folder);
     };
-    remains::sweep(&place);
+    leftovers::remove_unfinished(&place);
     if Peer::list(&place, &place.config()?)?
         .iter()
         .any(|peer| peer.alive)
     {
         return Ok(place);
     }
-    let removed = remains::clear(&place);
+    let removed = leftovers::remove_all(&place);
     if removed > 0 {
-        tracing::info!(bus = %place.bus(), removed, "nobody was on the bus; removed what former processes left");
+        tracing::info!(bus = %place.bus(), removed, "no process was on the bus; removed the files \
+            of former processes");
     }
-    Place::draw(folder)
+    Location::create(folder)
 }

@@ -14,36 +14,40 @@ use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
 
 use crate::folder::entries;
+use crate::leftovers;
+use crate::location::Location;
 use crate::node::Ipc;
-use crate::place::Place;
-use crate::remains;
 
 /// Folder of the tag backups, below the bus's folder.
-const NOTES: &str = "cleaning";
+const BACKUP_FOLDER: &str = "cleaning";
 /// Suffix of a port's tag in iceoryx2.
 const TAG: &str = ".port_tag";
 
 /// Time to wait for another cleaner of the same node, such as a peer in another language. Five
 /// times the longest removal.
-const OTHER_CLEANER: Duration = Duration::from_millis(100);
+const OTHER_CLEANER_WAIT: Duration = Duration::from_millis(100);
 
 /// Removes dead nodes and returns their number. Call under the start-up lock only.
-pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
-    let (nodes, notes) = (place.root().join("nodes"), place.root().join(NOTES));
+pub(crate) fn remove_dead(place: &Location, node: &Node<Ipc>) -> usize {
+    let (nodes, notes) = (place.root().join("nodes"), place.root().join(BACKUP_FOLDER));
     let dead = dead_nodes(node);
     if dead.is_empty() {
         return 0;
     }
-    for Dead { id, described } in &dead {
+    for DeadNode {
+        id,
+        has_description: described,
+    } in &dead
+    {
         let folder = nodes.join(id);
         if *described {
-            put_back(&notes, &folder);
-            note_down(&notes, &folder);
+            restore_tags(&notes, &folder);
+            back_up_tags(&notes, &folder);
         } else {
-            remove_remains(&nodes, id);
+            remove_node_files(&nodes, id);
         }
     }
-    let state = node.blocking_cleanup_dead_nodes(OTHER_CLEANER);
+    let state = node.blocking_cleanup_dead_nodes(OTHER_CLEANER_WAIT);
     if state.failed_cleanups == 0 {
         // Leftovers are removed by the next clean-up; backups of removed nodes are harmless.
         let _ = fs::remove_dir_all(&notes);
@@ -51,20 +55,20 @@ pub(crate) fn remove_dead(place: &Place, node: &Node<Ipc>) -> usize {
     dead.len().saturating_sub(state.failed_cleanups as usize)
 }
 
-struct Dead {
+struct DeadNode {
     id: String,
     /// True if its description exists. Removing it is a cleaner's last but one step.
-    described: bool,
+    has_description: bool,
 }
 
-fn dead_nodes(node: &Node<Ipc>) -> Vec<Dead> {
+fn dead_nodes(node: &Node<Ipc>) -> Vec<DeadNode> {
     let mut dead = Vec::new();
     // A list that breaks off is continued by the next clean-up.
     let _ = Node::<Ipc>::list(node.config(), |state| {
         if let NodeState::Dead(view) = state {
-            dead.push(Dead {
+            dead.push(DeadNode {
                 id: view.id().value().to_string(),
-                described: view.details().is_some(),
+                has_description: view.details().is_some(),
             });
         }
         CallbackProgression::Continue
@@ -73,35 +77,36 @@ fn dead_nodes(node: &Node<Ipc>) -> Vec<Dead> {
 }
 
 /// Does the last step of a killed cleaner. iceoryx2 would search for the node on its default bus.
-fn remove_remains(nodes: &Path, id: &str) {
+fn remove_node_files(nodes: &Path, id: &str) {
     let (folder, file) = (id, format!("_{id}."));
     let of_node = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         name == folder || name.contains(&file)
     };
     for (path, _) in entries(nodes).filter(|(path, _)| of_node(path)) {
-        remains::remove(&path);
+        leftovers::remove(&path);
     }
 }
 
 /// A backup consists of hard links to the tags, in a folder named like the node's.
-fn note_down(notes: &Path, node: &Path) {
-    let Some(noted) = noted(notes, node) else {
+fn back_up_tags(notes: &Path, node: &Path) {
+    let Some(backup_path) = backup_path(notes, node) else {
         return;
     };
-    if let Err(error) = fs::create_dir_all(&noted) {
-        tracing::warn!(folder = %noted.display(), %error, "could not note down what is being removed");
+    if let Err(error) = fs::create_dir_all(&backup_path) {
+        tracing::warn!(folder = %backup_path.display(), %error, "could not back up the port tags before \
+            the clean-up");
     }
-    link_tags(node, &noted);
+    link_tags(node, &backup_path);
 }
 
-fn put_back(notes: &Path, node: &Path) {
-    if let Some(noted) = noted(notes, node) {
-        link_tags(&noted, node);
+fn restore_tags(notes: &Path, node: &Path) {
+    if let Some(backup_path) = backup_path(notes, node) {
+        link_tags(&backup_path, node);
     }
 }
 
-fn noted(notes: &Path, node: &Path) -> Option<PathBuf> {
+fn backup_path(notes: &Path, node: &Path) -> Option<PathBuf> {
     node.file_name().map(|name| notes.join(name))
 }
 

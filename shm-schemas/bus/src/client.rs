@@ -21,7 +21,7 @@ use crate::shortage::{require_space, require_stack};
 
 /// Interval at which a waiting client checks that the server is alive. Design choice: short for a
 /// person, cheap.
-const LIVENESS: Duration = Duration::from_millis(250);
+const LIVENESS_INTERVAL: Duration = Duration::from_millis(250);
 
 pub(crate) struct Client<Q: Payload, A: Payload> {
     port: IoxClient<Ipc, Q, (), A, ()>,
@@ -34,7 +34,7 @@ pub(crate) struct Pending<Q: Payload, A: Payload> {
     response: PendingResponse<Ipc, Q, (), A, ()>,
     member: Rc<Member>,
     service: &'static str,
-    looked: Cell<Instant>,
+    last_cleanup: Cell<Instant>,
 }
 
 impl Bus {
@@ -56,7 +56,7 @@ impl Bus {
         let _startup = member.startup()?;
         require_space(service, 0)?;
         let factory = member.open_exchange::<Q, A>(exchange)?;
-        match member.open_despite_remains(service, PATTERN, || create_client(&factory)) {
+        match member.open_with_recovery(service, PATTERN, || create_client(&factory)) {
             Ok(port) => Ok(Client {
                 port,
                 member: Rc::clone(member),
@@ -67,7 +67,7 @@ impl Bus {
                 what: "clients",
                 limit: exchange.clients,
             }),
-            Err(e) => Err(member.refused(service, &e)),
+            Err(e) => Err(member.refused_error(service, &e)),
         }
     }
 }
@@ -96,12 +96,12 @@ impl<Q: Payload, A: Payload> Client<Q, A> {
                 response,
                 member: Rc::clone(&self.member),
                 service,
-                looked: Cell::new(Instant::now()),
+                last_cleanup: Cell::new(Instant::now()),
             }),
             Ok(_) => Err(BusError::NoServer {
                 service,
-                bus: self.member.place.bus().to_string(),
-                root: self.member.place.root().to_owned(),
+                bus: self.member.location.bus().to_string(),
+                root: self.member.location.root().to_owned(),
             }),
             Err(RequestSendError::ExceedsMaxActiveRequests) => Err(BusError::TooManyRequests {
                 service,
@@ -111,11 +111,11 @@ impl<Q: Payload, A: Payload> Client<Q, A> {
         }
     }
 
-    pub(crate) fn unanswered(&self, within: Duration) -> BusError {
+    pub(crate) fn no_answer_error(&self, within: Duration) -> BusError {
         BusError::NoAnswer {
             service: self.exchange.service,
             within,
-            bus: self.member.place.bus().to_string(),
+            bus: self.member.location.bus().to_string(),
         }
     }
 }
@@ -123,7 +123,7 @@ impl<Q: Payload, A: Payload> Client<Q, A> {
 impl<Q: Payload, A: Payload> Pending<Q, A> {
     /// The next response, if one has arrived.
     pub(crate) fn next(&self) -> Result<Option<A>, BusError> {
-        self.notice_dead_server();
+        self.remove_dead_server();
         // Reads the connection state first, so that the server's last response is received before
         // its end is reported.
         let connected = self.response.is_connected();
@@ -145,10 +145,10 @@ impl<Q: Payload, A: Payload> Pending<Q, A> {
     }
 
     /// A killed server looks alive until a clean-up.
-    fn notice_dead_server(&self) {
-        if self.looked.get().elapsed() >= LIVENESS {
+    fn remove_dead_server(&self) {
+        if self.last_cleanup.get().elapsed() >= LIVENESS_INTERVAL {
             self.member.clean_dead();
-            self.looked.set(Instant::now());
+            self.last_cleanup.set(Instant::now());
         }
     }
 }

@@ -34,7 +34,7 @@ mod tests {
     use super::{now_ns, writer_epoch};
 
     #[test]
-    fn time_does_not_run_backwards() {
+    fn clock_is_monotonic() {
         let before = now_ns();
         assert!(now_ns() >= before);
     }

@@ -105,7 +105,7 @@ impl ControlClient {
                 return Ok(reply);
             }
             if begin.elapsed() >= within {
-                return Err(self.port.unanswered(within));
+                return Err(self.port.no_answer_error(within));
             }
             std::thread::sleep(POLL);
         }

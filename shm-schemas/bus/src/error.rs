@@ -10,8 +10,8 @@ use std::time::Duration;
 pub enum BusError {
     /// Invalid bus name.
     #[error(
-        "could not use {name:?} as the name of a bus because {why}; \
-         use 1 to 24 characters out of a-z, 0-9 and '-', and begin and end with a letter or digit"
+        "could not use {name:?} as a bus name: {why}; use 1 to 24 characters out of a-z, 0-9 and \
+         '-', with a letter or digit first and last"
     )]
     Name {
         /// The text, truncated.
@@ -21,7 +21,8 @@ pub enum BusError {
     },
     /// Folder accessible to other users.
     #[error(
-        "could not use {path} for the bus because {why}; remove it, or set XDG_RUNTIME_DIR to a private folder"
+        "could not use {path} for the bus: {why}; remove it, or set XDG_RUNTIME_DIR to a private \
+         folder"
     )]
     UnsafeRoot {
         /// Folder or file.
@@ -30,7 +31,7 @@ pub enum BusError {
         why: String,
     },
     /// Error of the operating system.
-    #[error("could not {doing} {path} because of: {source}")]
+    #[error("could not {doing} {path}: {source}")]
     Io {
         /// Attempted action.
         doing: &'static str,
@@ -41,8 +42,8 @@ pub enum BusError {
     },
     /// Bus owned by another daemon.
     #[error(
-        "could not own the bus {bus:?} because {role} (process {pid}) has owned it for {owned_s} s; \
-         stop that process, or choose another bus with --bus"
+        "could not take the bus {bus:?}: {role} (process {pid}) has owned it for {owned_s} s; stop \
+         that process or choose another bus with --bus"
     )]
     Owned {
         /// Bus name.
@@ -56,8 +57,8 @@ pub enum BusError {
     },
     /// Service whose only writer or server is another process.
     #[error(
-        "could not offer {service} because {role} (process {pid}) already does and only one may; \
-         stop that process, or choose another bus with --bus"
+        "could not offer {service}: {role} (process {pid}) already does and only one process may; \
+         stop that process or choose another bus with --bus"
     )]
     Taken {
         /// Service name.
@@ -68,9 +69,7 @@ pub enum BusError {
         pid: u32,
     },
     /// Service without a free slot.
-    #[error(
-        "could not join {service} because all {limit} places are taken; stop one of its {what}"
-    )]
+    #[error("could not join {service}: all {limit} slots are taken; stop one of its {what}")]
     Full {
         /// Service name.
         service: &'static str,
@@ -81,8 +80,8 @@ pub enum BusError {
     },
     /// Too little space in `/dev/shm`; a later access would kill the process (SIGBUS).
     #[error(
-        "could not set up {what} because /dev/shm has {free_kib} KiB free and {needed_kib} KiB are needed; \
-         remove files there, or mount it larger"
+        "could not set up {what}: /dev/shm has {free_kib} KiB free and {needed_kib} KiB are \
+         needed; remove files there or mount it larger"
     )]
     NoSpace {
         /// A service, or the bus.
@@ -94,10 +93,10 @@ pub enum BusError {
     },
     /// Start-up lock held too long by another process.
     #[error(
-        "could not join the bus {bus:?} because process {pid} has held its start-up lock for more than {waited:?}; \
-         if that process hangs or is stopped, end it"
+        "could not join the bus {bus:?}: process {pid} has held its start-up lock for more than \
+         {waited:?}; end that process if it hangs or is suspended"
     )]
-    StartUp {
+    StartupBlocked {
         /// Bus name.
         bus: String,
         /// Process id of the holder; 0 if unknown.
@@ -107,7 +106,8 @@ pub enum BusError {
     },
     /// Service and payload without a row in the table.
     #[error(
-        "could not open {service} with {payload} because the table of services has no such line; correct the call"
+        "could not open {service} with {payload}: the table of services has no such row; correct \
+         the call"
     )]
     Unknown {
         /// Requested service.
@@ -116,7 +116,7 @@ pub enum BusError {
         payload: &'static str,
     },
     /// Error of iceoryx2.
-    #[error("could not open {what} on {root} because of: {why}; {cure}")]
+    #[error("could not open {what} on {root}: {why}; {cure}")]
     Open {
         /// A service, or the bus.
         what: &'static str,
@@ -128,8 +128,8 @@ pub enum BusError {
         cure: &'static str,
     },
     /// Exhausted resource.
-    #[error("could not set up {what} because {why}")]
-    Short {
+    #[error("could not set up {what}: {why}")]
+    Shortage {
         /// A service, or the bus.
         what: &'static str,
         /// Resource, amount and remedy.
@@ -137,8 +137,8 @@ pub enum BusError {
     },
     /// No such bus.
     #[error(
-        "could not find the bus {bus:?} because nobody made it (folder {folder}){unseen}; start atasd on it, or choose another bus \
-         with --bus"
+        "could not find the bus {bus:?}: folder {folder} does not exist{unseen}; start atasd on \
+         this bus or choose another one with --bus"
     )]
     Absent {
         /// Bus name.
@@ -146,12 +146,12 @@ pub enum BusError {
         /// Expected folder.
         folder: PathBuf,
         /// Unreadable folders that may contain it.
-        unseen: Unseen,
+        unseen: HiddenFolders,
     },
     /// The bus exists only for another user.
     #[error(
-        "could not find the bus {bus:?} because this user has none (folder {folder}), and {place} is owned by user {user}; \
-         run this as {user}, for example with `sudo -u {user}`, or start atasd"
+        "could not find the bus {bus:?}: this user has none (folder {folder}), but user {user} \
+         owns {place}; run this as {user}, for example with `sudo -u {user}`, or start atasd"
     )]
     OtherUser {
         /// Bus name.
@@ -164,7 +164,7 @@ pub enum BusError {
         user: String,
     },
     /// Failed send.
-    #[error("could not send on {service} because {why}; restart this process")]
+    #[error("could not send on {service}: {why}; restart this process")]
     Send {
         /// Service name.
         service: &'static str,
@@ -172,7 +172,7 @@ pub enum BusError {
         why: &'static str,
     },
     /// Failed receive.
-    #[error("could not receive from {service} because {why}; restart this process")]
+    #[error("could not receive from {service}: {why}; restart this process")]
     Receive {
         /// Service name.
         service: &'static str,
@@ -181,7 +181,8 @@ pub enum BusError {
     },
     /// Service without a server.
     #[error(
-        "could not reach {service} because nobody serves it; is atasd running on bus {bus:?} (folder {root})?"
+        "could not reach {service}: no process serves it on bus {bus:?} (folder {root}); start \
+         atasd on this bus or choose another one with --bus"
     )]
     NoServer {
         /// Service name.
@@ -193,21 +194,22 @@ pub enum BusError {
     },
     /// Server that ended before the request was complete.
     #[error(
-        "could not hear the end of the request because the server of {service} is gone; look at the log of atasd"
+        "could not complete the request: the server of {service} ended; check the log of atasd"
     )]
     ServerGone {
         /// Service name.
         service: &'static str,
     },
     /// Client that ended before the answer.
-    #[error("could not answer a request on {service} because its client is gone; drop the request")]
+    #[error("could not answer a request on {service}: its client ended; drop the request")]
     ClientGone {
         /// Service name.
         service: &'static str,
     },
     /// Answer not received in time.
     #[error(
-        "could not get an answer on {service} because the daemon did not answer within {within:?}; is atasd on bus {bus:?} stuck or stopped?"
+        "could not get an answer on {service}: the daemon did not answer within {within:?}; check \
+         whether atasd on bus {bus:?} hangs or is suspended"
     )]
     NoAnswer {
         /// Service name.
@@ -219,7 +221,8 @@ pub enum BusError {
     },
     /// Too many open requests of one client.
     #[error(
-        "could not send on {service} because {limit} requests of this client are still open; finish or drop one"
+        "could not send on {service}: {limit} requests of this client are still open; finish or \
+         drop one"
     )]
     TooManyRequests {
         /// Service name.
@@ -228,7 +231,7 @@ pub enum BusError {
         limit: usize,
     },
     /// Bus in use.
-    #[error("could not wipe the bus {bus:?} because it is in use by {peers}; stop them first")]
+    #[error("could not wipe the bus {bus:?}: it is in use by {peers}; stop them first")]
     InUse {
         /// Bus name.
         bus: String,
@@ -240,9 +243,9 @@ pub enum BusError {
 /// Folders of other users that may contain a bus but that this user may not read, with the users'
 /// names. Prints as part of [`BusError::Absent`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Unseen(pub Vec<(PathBuf, String)>);
+pub struct HiddenFolders(pub Vec<(PathBuf, String)>);
 
-impl fmt::Display for Unseen {
+impl fmt::Display for HiddenFolders {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let place =
             |(folder, user): &(PathBuf, String)| format!("{} of user {user}", folder.display());
@@ -259,6 +262,12 @@ impl fmt::Display for Unseen {
 }
 
 impl BusError {
+    /// Returns true if another process already uses the bus or the service.
+    #[must_use]
+    pub fn is_in_use(&self) -> bool {
+        matches!(self, Self::Owned { .. } | Self::Taken { .. })
+    }
+
     /// Error constructor for `map_err` on calls to the operating system.
     pub(crate) fn io(
         doing: &'static str,

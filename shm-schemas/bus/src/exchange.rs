@@ -46,8 +46,8 @@ impl Member {
         &self,
         exchange: Exchange,
     ) -> Result<Factory<Q, A>, BusError> {
-        let name =
-            ServiceName::new(exchange.service).map_err(|e| self.refused(exchange.service, &e))?;
+        let name = ServiceName::new(exchange.service)
+            .map_err(|e| self.refused_error(exchange.service, &e))?;
         let open = || {
             let service = self.node.service_builder(&name).request_response::<Q, A>();
             service
@@ -61,8 +61,8 @@ impl Member {
                 .max_nodes(exchange.nodes())
                 .open_or_create()
         };
-        self.open_despite_remains(exchange.service, PATTERN, open)
-            .map_err(|e| self.refused(exchange.service, &e))
+        self.open_with_recovery(exchange.service, PATTERN, open)
+            .map_err(|e| self.refused_error(exchange.service, &e))
     }
 }
 

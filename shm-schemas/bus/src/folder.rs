@@ -6,7 +6,7 @@ use std::io;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
-use crate::error::{BusError, Unseen};
+use crate::error::{BusError, HiddenFolders};
 use crate::name::BusName;
 use crate::user::{User, uid};
 
@@ -14,7 +14,7 @@ use crate::user::{User, uid};
 const SERVICE_BASE: &str = "/run/atas";
 /// Maximum path length of the folder, bytes. A socket address has 108 (`unix(7)`); iceoryx2's file
 /// names take up to 44.
-const ROOT_MAX: usize = 64;
+const ROOT_BYTES_MAX: usize = 64;
 /// Directory of POSIX shared memory on Linux.
 pub(crate) const SHM: &str = "/dev/shm";
 
@@ -28,15 +28,15 @@ pub(crate) struct Folder {
 impl Folder {
     /// `/run/atas/<bus>` for the service's user, else `$XDG_RUNTIME_DIR/atas/<bus>`, else
     /// `/dev/shm/atas-<uid>/<bus>`.
-    pub(crate) fn of(bus: &BusName) -> Result<Self, BusError> {
+    pub(crate) fn for_bus(bus: &BusName) -> Result<Self, BusError> {
         let xdg = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
-        Self::under(base(Path::new(SERVICE_BASE), xdg.as_deref()), bus)
+        Self::under(base_folder(Path::new(SERVICE_BASE), xdg.as_deref()), bus)
     }
 
     fn under(base: PathBuf, bus: &BusName) -> Result<Self, BusError> {
         let path = base.join(bus.as_str());
-        if path.as_os_str().len() > ROOT_MAX {
-            let why = format!("its name has more than {ROOT_MAX} bytes");
+        if path.as_os_str().len() > ROOT_BYTES_MAX {
+            let why = format!("its path has more than {ROOT_BYTES_MAX} bytes");
             return Err(BusError::UnsafeRoot { path, why });
         }
         Ok(Self {
@@ -47,8 +47,8 @@ impl Folder {
 
     /// Creates the folder and its parent if they do not exist, and checks both.
     pub(crate) fn make(&self) -> Result<(), BusError> {
-        if let Some(base) = self.path.parent() {
-            make_private(base)?;
+        if let Some(base_folder) = self.path.parent() {
+            make_private(base_folder)?;
         }
         make_private(&self.path)
     }
@@ -60,16 +60,16 @@ impl Folder {
     pub(crate) fn find(&self) -> Result<(), BusError> {
         match fs::symlink_metadata(&self.path) {
             Ok(meta) => check_private(&self.path, &meta),
-            Err(e) if e.kind() == io::ErrorKind::NotFound => Err(self.missing()),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Err(self.missing_error()),
             Err(e) => Err(BusError::io("examine", &self.path)(e)),
         }
     }
 
     /// The error for a folder that does not exist.
-    fn missing(&self) -> BusError {
+    fn missing_error(&self) -> BusError {
         let (bus, folder) = (self.bus.to_string(), self.path.clone());
-        let bases = bases_of_others(Path::new(SERVICE_BASE), Path::new(SHM));
-        match held(&self.bus, &bases, Path::new(SHM)) {
+        let bases = other_users_folders(Path::new(SERVICE_BASE), Path::new(SHM));
+        match other_users_bus(&self.bus, &bases, Path::new(SHM)) {
             Some((place, user)) => BusError::OtherUser {
                 bus,
                 folder,
@@ -79,7 +79,7 @@ impl Folder {
             None => BusError::Absent {
                 bus,
                 folder,
-                unseen: Unseen(unseen(&self.bus, &bases)),
+                unseen: HiddenFolders(hidden_folders(&self.bus, &bases)),
             },
         }
     }
@@ -87,13 +87,15 @@ impl Folder {
 
 /// Folders for buses of other users, with their owners: the service's, and those below `/dev/shm`.
 /// Any user may list these.
-fn bases_of_others(service: &Path, shm: &Path) -> Vec<(PathBuf, User)> {
+fn other_users_folders(service: &Path, shm: &Path) -> Vec<(PathBuf, User)> {
     let service = fs::symlink_metadata(service)
         .ok()
         .map(|meta| (service.to_owned(), meta));
     service
         .into_iter()
-        .chain(entries_named(shm, |name| is_base(&name.to_string_lossy())))
+        .chain(entries_named(shm, |name| {
+            is_user_folder(&name.to_string_lossy())
+        }))
         .filter(|(_, meta)| meta.is_dir() && meta.uid() != uid())
         .map(|(path, meta)| (path, User(meta.uid())))
         .collect()
@@ -101,7 +103,11 @@ fn bases_of_others(service: &Path, shm: &Path) -> Vec<(PathBuf, User)> {
 
 /// Path and owner of another user's bus of this name: its shared memory, whose names any user may
 /// list, or its folder.
-fn held(bus: &BusName, bases: &[(PathBuf, User)], shm: &Path) -> Option<(PathBuf, User)> {
+fn other_users_bus(
+    bus: &BusName,
+    bases: &[(PathBuf, User)],
+    shm: &Path,
+) -> Option<(PathBuf, User)> {
     let mut memory = entries_named(shm, |name| {
         prefix_of(&name.to_string_lossy(), bus).is_some()
     });
@@ -114,20 +120,22 @@ fn held(bus: &BusName, bases: &[(PathBuf, User)], shm: &Path) -> Option<(PathBuf
     }
     let folders = bases
         .iter()
-        .map(|(base, user)| (base.join(bus.as_str()), *user));
+        .map(|(base_folder, user)| (base_folder.join(bus.as_str()), *user));
     let mut there = folders.filter(|(folder, _)| fs::symlink_metadata(folder).is_ok());
     there.next()
 }
 
 /// Folders of other users that may contain this bus but that this user may not read.
-fn unseen(bus: &BusName, bases: &[(PathBuf, User)]) -> Vec<(PathBuf, String)> {
+fn hidden_folders(bus: &BusName, bases: &[(PathBuf, User)]) -> Vec<(PathBuf, String)> {
     let is_closed = |base: &Path| {
         let folder = fs::symlink_metadata(base.join(bus.as_str()));
         folder.is_err_and(|e| e.kind() == io::ErrorKind::PermissionDenied)
     };
-    let closed = bases.iter().filter(|(base, _)| is_closed(base));
+    let closed = bases
+        .iter()
+        .filter(|(base_folder, _)| is_closed(base_folder));
     closed
-        .map(|(base, user)| (base.clone(), user.to_string()))
+        .map(|(base_folder, user)| (base_folder.clone(), user.to_string()))
         .collect()
 }
 
@@ -140,7 +148,7 @@ fn prefix_of<'a>(name: &'a str, bus: &BusName) -> Option<&'a str> {
 }
 
 /// Checks for the name of a user's bus folder in `/dev/shm`.
-fn is_base(name: &str) -> bool {
+fn is_user_folder(name: &str) -> bool {
     name.strip_prefix("atas-")
         .is_some_and(|uid| uid.parse::<u32>().is_ok())
 }
@@ -164,9 +172,9 @@ pub(crate) fn entries_named<F: Fn(&OsStr) -> bool>(
 ///
 /// The fallback is not `/tmp`: systemd removes files older than ten days there. On a disk,
 /// iceoryx2's `fsync` of each small file takes 3 to 5 ms (measured, ext4), 60 ms per daemon start.
-fn base(service: &Path, xdg: Option<&Path>) -> PathBuf {
+fn base_folder(service: &Path, xdg: Option<&Path>) -> PathBuf {
     let usable = |path: &Path| {
-        path.is_absolute() && fs::symlink_metadata(path).is_ok_and(|m| flaw(&m).is_none())
+        path.is_absolute() && fs::symlink_metadata(path).is_ok_and(|m| privacy_fault(&m).is_none())
     };
     if usable(service) {
         return service.to_owned();
@@ -180,7 +188,7 @@ fn base(service: &Path, xdg: Option<&Path>) -> PathBuf {
 fn make_private(path: &Path) -> Result<(), BusError> {
     match DirBuilder::new().mode(0o700).create(path) {
         Err(e) if e.kind() != io::ErrorKind::AlreadyExists => {
-            Err(BusError::io("make the folder", path)(e))
+            Err(BusError::io("create the folder", path)(e))
         }
         _ => {
             let meta = fs::symlink_metadata(path).map_err(BusError::io("examine", path))?;
@@ -190,7 +198,7 @@ fn make_private(path: &Path) -> Result<(), BusError> {
 }
 
 fn check_private(path: &Path, meta: &Metadata) -> Result<(), BusError> {
-    match flaw(meta) {
+    match privacy_fault(meta) {
         None => Ok(()),
         Some(why) => Err(BusError::UnsafeRoot {
             path: path.to_owned(),
@@ -201,7 +209,7 @@ fn check_private(path: &Path, meta: &Metadata) -> Result<(), BusError> {
 
 /// Reason why other users could change the folder. A group may read (systemd's
 /// `RuntimeDirectoryMode=0750`), never write.
-fn flaw(meta: &Metadata) -> Option<String> {
+fn privacy_fault(meta: &Metadata) -> Option<String> {
     if !meta.is_dir() {
         return Some("it is not a folder".to_owned());
     }
@@ -215,7 +223,7 @@ fn flaw(meta: &Metadata) -> Option<String> {
     let open = meta.mode() & 0o027;
     (open != 0).then(|| {
         format!(
-            "its mode is {:o}, and others may use it",
+            "its mode {:o} gives access to other users",
             meta.mode() & 0o7777
         )
     })
@@ -231,12 +239,12 @@ mod tests {
         DirBuilder::new()
             .mode(0o700)
             .create(&path)
-            .expect("a fresh folder");
+            .expect("folder is created");
         path
     }
 
     #[test]
-    fn only_private_folders_are_used() {
+    fn non_private_folder_is_rejected() {
         let scratch = scratch("private");
         let check = |mode: u32, safe: bool| {
             let path = scratch.join(format!("{mode:o}"));
@@ -244,7 +252,7 @@ mod tests {
             fs::set_permissions(&path, fs::Permissions::from_mode(mode)).expect("mode");
             assert_eq!(make_private(&path).is_ok(), safe, "mode {mode:o}");
             assert_eq!(
-                base(&path, None) == path,
+                base_folder(&path, None) == path,
                 safe,
                 "mode {mode:o} as the service's folder"
             );
@@ -259,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn links_and_files_are_refused() {
+    fn link_or_file_as_folder_is_rejected() {
         let scratch = scratch("links");
         let (target, link, file) = (
             scratch.join("target"),
@@ -275,34 +283,38 @@ mod tests {
         }
         assert!(
             make_private(&target).is_ok(),
-            "an existing private folder is used again"
+            "existing private folder is reused"
         );
         fs::remove_dir_all(&scratch).expect("clean");
     }
 
     #[test]
-    fn folders_of_others_are_passed_over() {
+    fn foreign_base_folder_is_skipped() {
         let none = Path::new("/nonexistent");
         let own = PathBuf::from(format!("/dev/shm/atas-{}", uid()));
-        assert_eq!(base(none, None), own);
-        assert_eq!(base(none, Some(Path::new("relative"))), own);
-        assert_eq!(base(none, Some(Path::new("/tmp"))), own);
+        assert_eq!(base_folder(none, None), own);
+        assert_eq!(base_folder(none, Some(Path::new("relative"))), own);
+        assert_eq!(base_folder(none, Some(Path::new("/tmp"))), own);
         let xdg = scratch("xdg");
-        assert_eq!(base(none, Some(&xdg)), xdg.join("atas"));
+        assert_eq!(base_folder(none, Some(&xdg)), xdg.join("atas"));
         fs::remove_dir_all(&xdg).expect("clean");
     }
 
     #[test]
-    fn long_folders_are_refused() {
-        let base = PathBuf::from(format!("/{}", "x".repeat(ROOT_MAX)));
+    fn long_folder_path_is_rejected() {
+        let base = PathBuf::from(format!("/{}", "x".repeat(ROOT_BYTES_MAX)));
         assert!(Folder::under(base, &BusName::default()).is_err());
     }
 
     #[test]
-    fn names_in_shared_memory() {
+    fn shared_memory_names_are_recognised() {
         let bus = BusName::default();
         let check = |name: &str, expected: (Option<&str>, bool)| {
-            assert_eq!((prefix_of(name, &bus), is_base(name)), expected, "{name}");
+            assert_eq!(
+                (prefix_of(name, &bus), is_user_folder(name)),
+                expected,
+                "{name}"
+            );
         };
         let prefix = "atas_0123456789abcdef_";
         check(&format!("{prefix}x.dynamic"), (Some(prefix), false));

@@ -28,7 +28,7 @@ impl Deref for FreshBus {
 impl Drop for FreshBus {
     fn drop(&mut self) {
         if let Err(error) = Bus::wipe(&self.0) {
-            tracing::warn!(bus = %self.0, %error, "left a bus behind");
+            tracing::warn!(bus = %self.0, %error, "could not wipe the bus");
         }
     }
 }

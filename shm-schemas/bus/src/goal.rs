@@ -112,6 +112,23 @@ impl GoalClient {
 }
 
 /// Open goal of a client. Dropping it informs the daemon.
+///
+/// ```
+/// use shm_bus::{Bus, FreshBus, Realtime};
+/// use shm_schemas::{GoalRequest, GoalState, GoalUpdate};
+///
+/// let name = FreshBus::new("docs");
+/// let bus = Bus::open(&name, "daemon", Realtime::No)?;
+/// let (server, client) = (bus.goal_server()?, bus.goal_client()?);
+/// let mut pending = client.send(&GoalRequest { goal_id: 7, ..GoalRequest::default() })?;
+///
+/// let active = server.poll()?.expect("the request has arrived");
+/// let goal_id = active.request().goal_id;
+/// active.update(&GoalUpdate { goal_id, state: GoalState::SUCCEEDED, ..GoalUpdate::default() })?;
+/// assert_eq!(pending.next()?.map(|update| update.goal_id), Some(7));
+/// assert!(pending.has_ended());
+/// # Ok::<(), shm_bus::BusError>(())
+/// ```
 #[derive(Debug)]
 pub struct PendingGoal {
     pending: Pending<GoalRequest, GoalUpdate>,
@@ -139,7 +156,7 @@ impl PendingGoal {
 
     /// Returns true once the final update was received.
     #[must_use]
-    pub fn ended(&self) -> bool {
+    pub fn has_ended(&self) -> bool {
         self.ended
     }
 

@@ -16,7 +16,7 @@
 //! * No other crate uses iceoryx2. The settings of every service come from its row in [`STREAMS`].
 //! * Two buses share neither files nor shared-memory names (`tests/isolation.rs`).
 //! * All files belong to one user. Other users cannot attach, cannot plant files that the bus would
-//!   use, and cannot open a file while it is being created (`folder.rs`, `place.rs`, `node.rs`).
+//!   use, and cannot open a file while it is being created (`folder.rs`, `location.rs`, `node.rs`).
 //! * [`Bus::join`] creates nothing if the bus does not exist.
 //! * A stop request reaches the daemon in every state of the bus ([`stop`], `tests/stop.rs`).
 //! * Set-up happens under the bus's start-up lock. An unfinished file found under the lock was left
@@ -33,6 +33,22 @@
 //!
 //! Not used: wake-ups (readers poll on their own clock), iceoryx2's blackboard (a restarted writer
 //! cannot take it over) and its `dev_permissions` (they would open the bus to every user).
+//!
+//! ```
+//! use shm_bus::{Bus, FreshBus, Realtime};
+//! use shm_schemas::{JointState, service};
+//!
+//! let name = FreshBus::new("docs");
+//! let bus = Bus::open(&name, "robot", Realtime::No)?;
+//! let mut reader = bus.subscriber::<JointState>(service::JOINT_STATE)?;
+//! let robot = bus.publisher::<JointState>(service::JOINT_STATE)?;
+//! robot.send(&JointState { joint_count: 22, ..JointState::default() })?;
+//!
+//! let mut state = JointState::default();
+//! assert!(reader.newest(&mut state)?);
+//! assert_eq!(state.joint_count, 22);
+//! # Ok::<(), shm_bus::BusError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod bus;
@@ -45,6 +61,8 @@ mod exchange;
 mod folder;
 mod fresh;
 mod goal;
+mod leftovers;
+mod location;
 mod lock;
 mod log;
 mod member;
@@ -52,24 +70,22 @@ mod name;
 mod node;
 mod owner;
 mod peer;
-mod place;
+mod port_count;
 mod publisher;
 mod qos;
 mod refusal;
-mod remains;
 mod server;
 mod shortage;
 mod startup;
 pub mod stop;
 mod stream;
 mod subscriber;
-mod traffic;
 mod user;
 
 pub use bus::Bus;
 pub use clock::{now_ns, writer_epoch};
 pub use control::{ControlCall, ControlClient, ControlServer};
-pub use error::{BusError, Unseen};
+pub use error::{BusError, HiddenFolders};
 pub use exchange::Exchange;
 pub use fresh::FreshBus;
 pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};
@@ -77,10 +93,10 @@ pub use name::BusName;
 pub use node::Realtime;
 pub use owner::{Owner, OwnerLock};
 pub use peer::Peer;
+pub use port_count::PortCount;
 pub use publisher::Publisher;
-pub use qos::{BORROWED, STREAMS, Stream};
+pub use qos::{BORROWED_MAX, STREAMS, Stream};
 pub use subscriber::Subscriber;
-pub use traffic::Traffic;
 
 /// All request-response services.
 pub const EXCHANGES: [Exchange; 2] = [goal::EXCHANGE, control::EXCHANGE];

@@ -27,7 +27,7 @@ pub(crate) struct Holder {
 }
 
 impl Holder {
-    fn this(role: &str) -> Self {
+    fn current_process(role: &str) -> Self {
         Self {
             pid: std::process::id(),
             since_ns: now_ns(),
@@ -99,7 +99,8 @@ impl FileLock {
             // A wipe may have removed the file between open and lock; then the lock protects
             // nothing.
             if is_at(&file, &path) {
-                write(&file, &Holder::this(role)).map_err(BusError::io("write", &path))?;
+                write(&file, &Holder::current_process(role))
+                    .map_err(BusError::io("write", &path))?;
                 return Ok(Ok(Self { file }));
             }
         }
@@ -160,7 +161,7 @@ mod tests {
     use super::{Holder, is_listed};
 
     #[test]
-    fn holders_are_found_in_the_kernels_list() {
+    fn holder_is_found_in_proc_locks() {
         let locks = "1: POSIX  ADVISORY  READ  7 fe:00:42 128 128\n\
                      2: FLOCK  ADVISORY  WRITE 70 fe:00:42 0 EOF\n\
                      2: -> FLOCK  ADVISORY  WRITE 8 fe:00:42 0 EOF\n";
@@ -174,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn holders_are_read_back() {
+    fn holder_is_parsed() {
         let check = |text: &str, pid: u32, since_ns: u64, role: &str| {
             assert_eq!(
                 Holder::parse(text),

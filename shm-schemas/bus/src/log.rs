@@ -14,7 +14,7 @@ const LINE_MAX: usize = 320;
 
 /// Forwards iceoryx2's warnings and errors to `tracing`. Lower levels are off, so that a tick
 /// formats nothing.
-pub(crate) fn bridge() {
+pub(crate) fn install() {
     static ONCE: Once = Once::new();
     static BRIDGE: Bridge = Bridge;
     ONCE.call_once(|| {
@@ -27,7 +27,7 @@ struct Bridge;
 
 impl Log for Bridge {
     fn log(&self, level: LogLevel, _origin: fmt::Arguments<'_>, message: fmt::Arguments<'_>) {
-        let line = Line::of(message);
+        let line = Line::from_args(message);
         match level {
             LogLevel::Error | LogLevel::Fatal => tracing::error!(target: "iceoryx2", "{line}"),
             LogLevel::Warn => tracing::warn!(target: "iceoryx2", "{line}"),
@@ -43,7 +43,7 @@ struct Line {
 }
 
 impl Line {
-    fn of(message: fmt::Arguments<'_>) -> Self {
+    fn from_args(message: fmt::Arguments<'_>) -> Self {
         let mut line = Self::default();
         // The only error is the truncation.
         let _ = line.write_fmt(message);
@@ -75,11 +75,14 @@ mod tests {
     use super::{LINE_MAX, Line};
 
     fn check(message: &str, shown: &str) {
-        assert_eq!(Line::of(format_args!("{message}")).to_string(), shown);
+        assert_eq!(
+            Line::from_args(format_args!("{message}")).to_string(),
+            shown
+        );
     }
 
     #[test]
-    fn lines_are_cut_at_a_character() {
+    fn line_is_truncated_at_a_character_boundary() {
         check("short", "short");
         let full = "x".repeat(LINE_MAX);
         check(&full, &full);

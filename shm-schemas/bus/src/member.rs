@@ -8,20 +8,20 @@ use iceoryx2::prelude::{MessagingPattern, Node};
 
 use crate::clean;
 use crate::error::BusError;
+use crate::leftovers;
+use crate::location::Location;
 use crate::node::{Ipc, Realtime};
 use crate::peer::Peer;
-use crate::place::Place;
 use crate::refusal::{Cause, Refusal};
-use crate::remains;
 use crate::shortage;
 use crate::startup::StartupLock;
 
 /// Time after which a transient error counts as left by a killed process. Design choice.
-const TRANSIENT: Duration = Duration::from_millis(50);
+const TRANSIENT_MAX: Duration = Duration::from_millis(50);
 
 #[derive(Debug)]
 pub(crate) struct Member {
-    pub(crate) place: Place,
+    pub(crate) location: Location,
     pub(crate) realtime: Realtime,
     pub(crate) node: Node<Ipc>,
     pub(crate) role: String,
@@ -30,10 +30,10 @@ pub(crate) struct Member {
 impl Member {
     /// Removes dead nodes, unless another process is starting up.
     pub(crate) fn clean_dead(&self) -> usize {
-        match StartupLock::try_take(&self.place.folder, &self.role) {
+        match StartupLock::try_take(&self.location.folder, &self.role) {
             Ok(Some(_startup)) => {
-                remains::sweep(&self.place);
-                clean::remove_dead(&self.place, &self.node)
+                leftovers::remove_unfinished(&self.location);
+                clean::remove_dead(&self.location, &self.node)
             }
             Ok(None) | Err(_) => 0,
         }
@@ -41,18 +41,22 @@ impl Member {
 
     /// Takes the start-up lock and removes unfinished files.
     pub(crate) fn startup(&self) -> Result<StartupLock, BusError> {
-        let lock = StartupLock::take(&self.place.folder, &self.role)?;
-        remains::sweep(&self.place);
+        let lock = StartupLock::take(&self.location.folder, &self.role)?;
+        leftovers::remove_unfinished(&self.location);
         Ok(lock)
     }
 
     /// The error for a permanent refusal of iceoryx2.
-    pub(crate) fn refused(&self, what: &'static str, why: &impl fmt::Debug) -> BusError {
-        shortage::explain(&self.place, what, format!("{why:?}"))
+    pub(crate) fn refused_error(&self, what: &'static str, why: &impl fmt::Debug) -> BusError {
+        shortage::refusal_error(&self.location, what, format!("{why:?}"))
     }
 
     /// The error for a service whose only slot is held by `node`.
-    pub(crate) fn taken_by(&self, service: &'static str, node: Option<UniqueNodeId>) -> BusError {
+    pub(crate) fn taken_error(
+        &self,
+        service: &'static str,
+        node: Option<UniqueNodeId>,
+    ) -> BusError {
         let peer = node.and_then(|id| Peer::find(self.node.config(), id));
         let (role, pid) = peer.map_or(("another process".to_owned(), 0), |peer| {
             (peer.role, peer.pid)
@@ -63,10 +67,10 @@ impl Member {
     /// Opens a service or port under the start-up lock, and repairs leftovers of killed processes.
     ///
     /// * No slot: removes dead nodes, once.
-    /// * Transient error: retries for [`TRANSIENT`]. If it persists, a killed process left the
+    /// * Transient error: retries for [`TRANSIENT_MAX`]. If it persists, a killed process left the
     ///   service unfinished; no process can use it, and its description is removed, once. Not if
     ///   this process lacks a resource: the service may then be in use.
-    pub(crate) fn open_despite_remains<T, E: Refusal>(
+    pub(crate) fn open_with_recovery<T, E: Refusal>(
         &self,
         service: &'static str,
         pattern: MessagingPattern,
@@ -79,16 +83,18 @@ impl Member {
                 Err(refusal) => refusal,
             };
             match refusal.cause() {
-                Cause::NoPlace if !cleaned => {
-                    clean::remove_dead(&self.place, &self.node);
+                Cause::NoSlot if !cleaned => {
+                    clean::remove_dead(&self.location, &self.node);
                     cleaned = true;
                 }
-                Cause::Transient if begin.elapsed() < TRANSIENT => {
+                Cause::Transient if begin.elapsed() < TRANSIENT_MAX => {
                     std::thread::sleep(Duration::from_millis(1))
                 }
-                Cause::Transient if !forgotten && shortage::find(&self.place).is_none() => {
-                    tracing::warn!(bus = %self.place.bus(), service, ?refusal, "removing a half-made service");
-                    remains::forget_service(&self.place, service, pattern);
+                Cause::Transient
+                    if !forgotten && shortage::find_shortage(&self.location).is_none() =>
+                {
+                    tracing::warn!(bus = %self.location.bus(), service, ?refusal, "removing an unfinished service");
+                    leftovers::remove_service(&self.location, service, pattern);
                     (begin, forgotten) = (Instant::now(), true);
                 }
                 _ => return Err(refusal),

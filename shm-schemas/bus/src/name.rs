@@ -14,6 +14,12 @@ const NAME_MAX: usize = 24;
 ///
 /// It determines the bus's folder. Parse it from `--bus` or read it
 /// [from the environment](BusName::from_env).
+///
+/// ```
+/// # use shm_bus::BusName;
+/// assert!("lab-1".parse::<BusName>().is_ok());
+/// assert!("../lab".parse::<BusName>().is_err());
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BusName(String);
 
@@ -72,8 +78,8 @@ impl FromStr for BusName {
         let allowed = |c: char| matches!(c, 'a'..='z' | '0'..='9' | '-');
         let why = match text {
             "" => "it is empty",
-            _ if text.len() > NAME_MAX => "it is too long",
-            _ if !text.chars().all(allowed) => "it contains another character",
+            _ if text.len() > NAME_MAX => "it is longer than 24 bytes",
+            _ if !text.chars().all(allowed) => "it contains a forbidden character",
             _ if text.starts_with('-') || text.ends_with('-') => "it begins or ends with '-'",
             _ => return Ok(Self(text.to_owned())),
         };
@@ -100,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn names() {
+    fn bus_names_are_validated() {
         check("atas", true);
         check("a", true);
         check("0", true);

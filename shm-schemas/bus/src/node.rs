@@ -11,7 +11,7 @@ use iceoryx2_bb_elementary::package_version::PackageVersion;
 
 use crate::error::BusError;
 use crate::folder::SHM;
-use crate::place::Place;
+use crate::location::Location;
 
 /// iceoryx2's variant for shared memory between processes, without a mutex around every port.
 pub(crate) type Ipc = ipc::Service;
@@ -29,7 +29,7 @@ pub enum Realtime {
 const PEER_WAIT: Duration = Duration::from_millis(100);
 
 /// iceoryx2's settings for a thread.
-pub(crate) fn config(place: &Place, realtime: Realtime) -> Result<Config, BusError> {
+pub(crate) fn config(place: &Location, realtime: Realtime) -> Result<Config, BusError> {
     let mut config = place.config()?;
     config.global.creation_timeout = if realtime == Realtime::Yes {
         Duration::ZERO
@@ -44,7 +44,7 @@ pub(crate) fn config(place: &Place, realtime: Realtime) -> Result<Config, BusErr
 }
 
 /// Creates a node. Call under the start-up lock only.
-pub(crate) fn create(place: &Place, config: &Config, role: &str) -> Result<Node<Ipc>, String> {
+pub(crate) fn create(place: &Location, config: &Config, role: &str) -> Result<Node<Ipc>, String> {
     make_counter(place).map_err(|e| format!("the node counter: {e}"))?;
     let name = NodeName::new(role).map_err(|e| format!("the role {role:?}: {e:?}"))?;
     let builder = NodeBuilder::new()
@@ -59,8 +59,8 @@ pub(crate) fn create(place: &Place, config: &Config, role: &str) -> Result<Node<
 /// iceoryx2 0.10 would create it with `fchmod(0666)`, whatever the umask: any user could briefly
 /// open it for writing and truncate it (SIGBUS). It uses an existing one. The test
 /// `counter_equals_the_one_of_iceoryx2` compares both.
-fn make_counter(place: &Place) -> io::Result<()> {
-    let path = counter(place);
+fn make_counter(place: &Location) -> io::Result<()> {
+    let path = counter_path(place);
     let mut options = File::options();
     // Unreadable until complete, as in iceoryx2, so that an unfinished one is recognised.
     options.write(true).create_new(true).mode(0o200);
@@ -74,13 +74,13 @@ fn make_counter(place: &Place) -> io::Result<()> {
 
 /// SHA-1 of `iceoryx2::node::global_management_segment::State`, the counter's type, as part of the
 /// file name.
-const COUNTER_TYPE: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5";
+const COUNTER_TYPE_HASH: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5";
 
-fn counter(place: &Place) -> PathBuf {
+fn counter_path(place: &Location) -> PathBuf {
     let (version, prefix) = (PackageVersion::get(), &place.prefix);
     let (major, minor, patch) = (version.major(), version.minor(), version.patch());
     PathBuf::from(format!(
-        "{SHM}/{prefix}{COUNTER_TYPE}_node.{major}_{minor}_{patch}.global_mgmt"
+        "{SHM}/{prefix}{COUNTER_TYPE_HASH}_node.{major}_{minor}_{patch}.global_mgmt"
     ))
 }
 
@@ -98,15 +98,15 @@ mod tests {
     use crate::name::BusName;
 
     #[test]
-    fn the_counter_is_what_iceoryx2_would_make() {
-        let folder = Folder::of(&BusName::fresh("counter")).expect("a folder");
+    fn counter_equals_the_one_of_iceoryx2() {
+        let folder = Folder::for_bus(&BusName::fresh("counter")).expect("a folder");
         folder.make().expect("made");
-        let place = Place::draw(&folder).expect("a place");
+        let place = Location::create(&folder).expect("a place");
         let node = NodeBuilder::new()
             .config(&config(&place, Realtime::No).expect("settings"))
             .signal_handling_mode(SignalHandlingMode::Disabled);
         let node = node.create::<Ipc>().expect("a node");
-        let mut made = std::fs::read(counter(&place)).expect("iceoryx2 still names it so");
+        let mut made = std::fs::read(counter_path(&place)).expect("iceoryx2 uses this file name");
         // iceoryx2 has counted its node.
         assert_eq!(made[8], 1);
         made[8] = 0;

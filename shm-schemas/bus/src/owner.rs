@@ -21,8 +21,8 @@ impl Owner {
     /// The owner of a bus; `None` if there is none or it cannot be determined. Needs no lock and no
     /// answer of the owner.
     #[must_use]
-    pub fn of(bus: &BusName) -> Option<Self> {
-        let folder = Folder::of(bus).ok()?;
+    pub fn find(bus: &BusName) -> Option<Self> {
+        let folder = Folder::for_bus(bus).ok()?;
         let holder = FileLock::holder(&folder, OWNER_LOCK)?;
         Some(Self {
             role: holder.role,
@@ -38,6 +38,16 @@ impl fmt::Display for Owner {
 }
 
 /// Exclusive right to control the robot of one bus. Ends on drop or with the process.
+///
+/// ```
+/// use shm_bus::{FreshBus, OwnerLock};
+///
+/// let name = FreshBus::new("docs");
+/// let lock = OwnerLock::take(&name, "daemon")?;
+/// assert!(OwnerLock::take(&name, "second daemon").is_err_and(|error| error.is_in_use()));
+/// # drop(lock);
+/// # Ok::<(), shm_bus::BusError>(())
+/// ```
 #[derive(Debug)]
 pub struct OwnerLock {
     pub(crate) folder: Folder,
@@ -50,7 +60,7 @@ impl OwnerLock {
     /// # Errors
     /// [`BusError::Owned`], naming the owner, if there is one.
     pub fn take(bus: &BusName, role: &str) -> Result<Self, BusError> {
-        Self::take_at(&Folder::of(bus)?, role)
+        Self::take_at(&Folder::for_bus(bus)?, role)
     }
 
     pub(crate) fn take_at(folder: &Folder, role: &str) -> Result<Self, BusError> {

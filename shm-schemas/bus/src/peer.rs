@@ -7,8 +7,8 @@ use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{CallbackProgression, Config, Node, NodeState};
 
 use crate::error::BusError;
+use crate::location::Location;
 use crate::node::Ipc;
-use crate::place::Place;
 use crate::shortage;
 
 /// Process or thread on the bus.
@@ -29,15 +29,15 @@ impl fmt::Display for Peer {
 }
 
 impl Peer {
-    pub(crate) fn list(place: &Place, config: &Config) -> Result<Vec<Self>, BusError> {
+    pub(crate) fn list(place: &Location, config: &Config) -> Result<Vec<Self>, BusError> {
         let mut peers = Vec::new();
         let listed = Node::<Ipc>::list(config, |state| {
-            peers.push(Self::of(&state));
+            peers.push(Self::from_state(&state));
             CallbackProgression::Continue
         });
         match listed {
             Ok(()) => Ok(peers),
-            Err(e) => Err(shortage::explain(
+            Err(e) => Err(shortage::refusal_error(
                 place,
                 "the list of peers",
                 format!("{e:?}"),
@@ -50,10 +50,10 @@ impl Peer {
         Node::<Ipc>::state_of(config, id)
             .ok()
             .flatten()
-            .map(|state| Self::of(&state))
+            .map(|state| Self::from_state(&state))
     }
 
-    fn of(state: &NodeState<Ipc>) -> Self {
+    fn from_state(state: &NodeState<Ipc>) -> Self {
         let (details, alive) = match state {
             NodeState::Alive(view) => (view.details().as_ref(), true),
             NodeState::Dead(view) => (view.details().as_ref(), false),

@@ -17,7 +17,7 @@ use crate::node::{Ipc, Realtime};
 use crate::qos::Stream;
 use crate::refusal::{loan_text, send_text};
 use crate::shortage::{require_space, require_stack};
-use crate::stream::{Factory, PATTERN, known, on_degradation};
+use crate::stream::{Factory, PATTERN, degradation_action, find_stream};
 
 /// Writer of one stream.
 pub struct Publisher<T: Payload> {
@@ -32,7 +32,7 @@ impl Bus {
     /// [`BusError::Taken`], naming the process, if the stream has its writer already;
     /// [`BusError::NoSpace`] if `/dev/shm` is too full.
     pub fn publisher<T: Payload>(&self, service: &str) -> Result<Publisher<T>, BusError> {
-        let stream = known::<T>(service)?;
+        let stream = find_stream::<T>(service)?;
         require_stack(stream.service)?;
         self.make_publisher(stream)
     }
@@ -48,12 +48,12 @@ impl Bus {
         require_space(stream.service, stream.publisher_bytes())?;
         let factory = member.open_stream::<T>(stream)?;
         let create = || create_publisher(&factory, member.realtime);
-        match member.open_despite_remains(stream.service, PATTERN, create) {
+        match member.open_with_recovery(stream.service, PATTERN, create) {
             Ok(port) => Ok(Publisher { port, stream }),
             Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                Err(member.taken_by(stream.service, first_publisher(&factory)))
+                Err(member.taken_error(stream.service, first_publisher(&factory)))
             }
-            Err(e) => Err(member.refused(stream.service, &e)),
+            Err(e) => Err(member.refused_error(stream.service, &e)),
         }
     }
 }
@@ -75,7 +75,7 @@ fn create_publisher<T: Payload>(
     // discarded without delay.
     let builder = factory.publisher_builder().max_loaned_samples(1);
     let builder = builder.backpressure_strategy(BackpressureStrategy::DiscardData);
-    let degraded = on_degradation(realtime);
+    let degraded = degradation_action(realtime);
     builder
         .set_degradation_handler(move |_, _| degraded)
         .create()
@@ -90,8 +90,8 @@ impl<T: Payload> Publisher<T> {
         let sample = self
             .port
             .loan_uninit()
-            .map_err(|e| self.unsent(loan_text(e)))?;
-        self.delivered(sample.write_payload(*payload).send())
+            .map_err(|e| self.send_error(loan_text(e)))?;
+        self.check_sent(sample.write_payload(*payload).send())
     }
 
     /// Fills a zeroed payload in place and sends it. Never waits.
@@ -102,10 +102,10 @@ impl<T: Payload> Publisher<T> {
         let sample = self
             .port
             .loan_uninit()
-            .map_err(|e| self.unsent(loan_text(e)))?;
+            .map_err(|e| self.send_error(loan_text(e)))?;
         let mut sample = sample.write_payload(T::new_zeroed());
         fill(sample.payload_mut());
-        self.delivered(sample.send())
+        self.check_sent(sample.send())
     }
 
     /// Delivers the history to readers that joined since the last payload. Needed by streams with
@@ -116,15 +116,15 @@ impl<T: Payload> Publisher<T> {
     pub fn connect_readers(&self) -> Result<(), BusError> {
         self.port
             .update_connections()
-            .map_err(|_| self.unsent("a reader cannot be reached"))
+            .map_err(|_| self.send_error("a reader cannot be reached"))
     }
 
-    fn delivered(&self, sent: Result<usize, SendError>) -> Result<(), BusError> {
+    fn check_sent(&self, sent: Result<usize, SendError>) -> Result<(), BusError> {
         sent.map(|_readers| ())
-            .map_err(|e| self.unsent(send_text(e)))
+            .map_err(|e| self.send_error(send_text(e)))
     }
 
-    fn unsent(&self, why: &'static str) -> BusError {
+    fn send_error(&self, why: &'static str) -> BusError {
         BusError::Send {
             service: self.stream.service,
             why,

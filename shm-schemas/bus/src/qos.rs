@@ -34,7 +34,7 @@ pub struct Stream {
 }
 
 /// Maximum number of samples that a reader borrows at once.
-pub const BORROWED: usize = 2;
+pub const BORROWED_MAX: usize = 2;
 /// Nodes beyond the peers, because a dead node keeps its slot until a clean-up. Design choice.
 const SPARE_NODES: usize = 4;
 /// iceoryx2's header of each payload, bytes, rounded up.
@@ -88,7 +88,7 @@ pub const STREAMS: [Stream; 18] = [
 ];
 
 impl Stream {
-    pub(crate) fn of<T: Payload>(service: &str) -> Option<&'static Self> {
+    pub(crate) fn find<T: Payload>(service: &str) -> Option<&'static Self> {
         STREAMS
             .iter()
             .find(|line| line.service == service && line.payload == T::TYPE_NAME)
@@ -103,7 +103,7 @@ impl Stream {
     /// Shared memory of one publisher, bytes: all samples that can be queued, borrowed, kept as
     /// history or being written.
     pub(crate) fn publisher_bytes(&self) -> usize {
-        let samples = self.subscribers * (self.buffer + BORROWED) + self.history + 1;
+        let samples = self.subscribers * (self.buffer + BORROWED_MAX) + self.history + 1;
         samples * (self.payload_bytes + HEADER_BYTES)
     }
 }
@@ -121,7 +121,7 @@ mod tests {
                 STREAMS[..i]
                     .iter()
                     .all(|other| other.service != line.service),
-                "{line:?} is there twice"
+                "{line:?} is in the table twice"
             );
             assert!(
                 line.publisher_bytes() < 8 << 20,
@@ -132,14 +132,14 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_found_by_service_and_payload() {
-        assert!(Stream::of::<HandFrame>(at::HAND_FRAME[0]).is_some());
-        assert!(Stream::of::<Status>(at::HAND_FRAME[0]).is_none());
-        assert!(Stream::of::<HandFrame>("atas/v1/other").is_none());
+    fn stream_is_found_by_service_and_payload() {
+        assert!(Stream::find::<HandFrame>(at::HAND_FRAME[0]).is_some());
+        assert!(Stream::find::<Status>(at::HAND_FRAME[0]).is_none());
+        assert!(Stream::find::<HandFrame>("atas/v1/other").is_none());
     }
 
     #[test]
-    fn what_moves_the_robot_has_one_writer() {
+    fn motion_streams_have_one_writer() {
         for service in [
             at::HAND_FRAME[0],
             at::HAND_FRAME[1],

@@ -23,7 +23,7 @@ pub(crate) enum Cause {
     /// May disappear when other processes finish their set-up.
     Transient,
     /// All slots are taken, some of them perhaps by dead nodes.
-    NoPlace,
+    NoSlot,
     /// Does not disappear on a retry.
     Permanent,
 }
@@ -39,7 +39,7 @@ pub(crate) fn send_text(error: SendError) -> &'static str {
         SendError::LoanError(error) => loan_text(error),
         SendError::ConnectionCorrupted => "a connection is damaged",
         SendError::ConnectionError(_) => "a reader cannot be reached",
-        _ => "iceoryx2 failed inside",
+        _ => "iceoryx2 has an internal error",
     }
 }
 
@@ -47,7 +47,7 @@ pub(crate) fn loan_text(error: LoanError) -> &'static str {
     match error {
         LoanError::OutOfMemory => "its shared memory is used up",
         LoanError::ExceedsMaxLoans => "another payload is still being filled",
-        _ => "iceoryx2 failed inside",
+        _ => "iceoryx2 has an internal error",
     }
 }
 
@@ -68,7 +68,7 @@ impl Refusal for StreamOpenOrCreateError {
                 | StreamCreateError::ServiceInCorruptedState,
             ) => Cause::Transient,
             Self::PublishSubscribeOpenError(StreamOpenError::ExceedsMaxNumberOfNodes) => {
-                Cause::NoPlace
+                Cause::NoSlot
             }
             _ => Cause::Permanent,
         }
@@ -78,7 +78,7 @@ impl Refusal for StreamOpenOrCreateError {
 impl Refusal for PublisherCreateError {
     fn cause(&self) -> Cause {
         if *self == Self::ExceedsMaxSupportedPublishers {
-            Cause::NoPlace
+            Cause::NoSlot
         } else {
             Cause::Permanent
         }
@@ -88,7 +88,7 @@ impl Refusal for PublisherCreateError {
 impl Refusal for SubscriberCreateError {
     fn cause(&self) -> Cause {
         if *self == Self::ExceedsMaxSupportedSubscribers {
-            Cause::NoPlace
+            Cause::NoSlot
         } else {
             Cause::Permanent
         }
@@ -111,7 +111,7 @@ impl Refusal for ExchangeOpenOrCreateError {
                 | ExchangeCreateError::ServiceInCorruptedState,
             ) => Cause::Transient,
             Self::RequestResponseOpenError(ExchangeOpenError::ExceedsMaxNumberOfNodes) => {
-                Cause::NoPlace
+                Cause::NoSlot
             }
             _ => Cause::Permanent,
         }
@@ -121,7 +121,7 @@ impl Refusal for ExchangeOpenOrCreateError {
 impl Refusal for ServerCreateError {
     fn cause(&self) -> Cause {
         if *self == Self::ExceedsMaxSupportedServers {
-            Cause::NoPlace
+            Cause::NoSlot
         } else {
             Cause::Permanent
         }
@@ -131,7 +131,7 @@ impl Refusal for ServerCreateError {
 impl Refusal for ClientCreateError {
     fn cause(&self) -> Cause {
         if *self == Self::ExceedsMaxSupportedClients {
-            Cause::NoPlace
+            Cause::NoSlot
         } else {
             Cause::Permanent
         }

@@ -48,12 +48,12 @@ impl Bus {
         let _startup = member.startup()?;
         require_space(service, 0)?;
         let factory = member.open_exchange::<Q, A>(exchange)?;
-        match member.open_despite_remains(service, PATTERN, || create_server(&factory)) {
+        match member.open_with_recovery(service, PATTERN, || create_server(&factory)) {
             Ok(port) => Ok(Server { port, service }),
             Err(ServerCreateError::ExceedsMaxSupportedServers) => {
-                Err(member.taken_by(service, first_server(&factory)))
+                Err(member.taken_error(service, first_server(&factory)))
             }
-            Err(e) => Err(member.refused(service, &e)),
+            Err(e) => Err(member.refused_error(service, &e)),
         }
     }
 }

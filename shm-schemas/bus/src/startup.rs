@@ -7,7 +7,7 @@ use crate::folder::Folder;
 use crate::lock::{FileLock, Holder, STARTUP_LOCK};
 
 /// Time limit for another process's start-up, which takes a few milliseconds. Design choice.
-const WAIT: Duration = Duration::from_secs(2);
+const WAIT_MAX: Duration = Duration::from_secs(2);
 const POLL: Duration = Duration::from_millis(1);
 
 /// Lock for creating nodes, services and ports of a bus.
@@ -24,12 +24,12 @@ impl StartupLock {
         loop {
             match Self::attempt(folder, role)? {
                 Ok(lock) => return Ok(lock),
-                Err(holder) if begin.elapsed() >= WAIT => {
+                Err(holder) if begin.elapsed() >= WAIT_MAX => {
                     let bus = folder.bus.to_string();
-                    return Err(BusError::StartUp {
+                    return Err(BusError::StartupBlocked {
                         bus,
                         pid: holder.pid,
-                        waited: WAIT,
+                        waited: WAIT_MAX,
                     });
                 }
                 Err(_) => std::thread::sleep(POLL),

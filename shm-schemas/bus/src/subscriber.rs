@@ -11,7 +11,7 @@ use crate::error::BusError;
 use crate::node::{Ipc, Realtime};
 use crate::qos::Stream;
 use crate::shortage::{require_space, require_stack};
-use crate::stream::{Factory, PATTERN, known, on_degradation};
+use crate::stream::{Factory, PATTERN, degradation_action, find_stream};
 
 /// Reader of one stream.
 pub struct Subscriber<T: Payload> {
@@ -26,7 +26,7 @@ impl Bus {
     /// [`BusError::Full`] if all reader slots are taken; [`BusError::NoSpace`] if `/dev/shm` is too
     /// full.
     pub fn subscriber<T: Payload>(&self, service: &str) -> Result<Subscriber<T>, BusError> {
-        let stream = known::<T>(service)?;
+        let stream = find_stream::<T>(service)?;
         require_stack(stream.service)?;
         self.make_subscriber(stream)
     }
@@ -42,14 +42,14 @@ impl Bus {
         require_space(stream.service, 0)?;
         let factory = member.open_stream::<T>(stream)?;
         let create = || create_subscriber(&factory, member.realtime);
-        match member.open_despite_remains(stream.service, PATTERN, create) {
+        match member.open_with_recovery(stream.service, PATTERN, create) {
             Ok(port) => Ok(Subscriber { port, stream }),
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => Err(BusError::Full {
                 service: stream.service,
                 what: "readers",
                 limit: stream.subscribers,
             }),
-            Err(e) => Err(member.refused(stream.service, &e)),
+            Err(e) => Err(member.refused_error(stream.service, &e)),
         }
     }
 }
@@ -58,7 +58,7 @@ fn create_subscriber<T: Payload>(
     factory: &Factory<T>,
     realtime: Realtime,
 ) -> Result<IoxSubscriber<Ipc, T, ()>, SubscriberCreateError> {
-    let degraded = on_degradation(realtime);
+    let degraded = degradation_action(realtime);
     factory
         .subscriber_builder()
         .set_degradation_handler(move |_, _| degraded)
@@ -75,7 +75,7 @@ impl<T: Payload> Subscriber<T> {
         let mut newest = None;
         // Bounded, so that a flooding writer cannot block the reader.
         for _ in 0..self.capacity() {
-            match self.port.receive().map_err(|e| self.unreceived(&e))? {
+            match self.port.receive().map_err(|e| self.receive_error(&e))? {
                 Some(sample) => newest = Some(sample),
                 None => break,
             }
@@ -88,9 +88,26 @@ impl<T: Payload> Subscriber<T> {
     ///
     /// # Errors
     /// [`BusError::Receive`] if the shared memory of a writer cannot be read.
+    ///
+    /// ```
+    /// use shm_bus::{Bus, FreshBus, Realtime};
+    /// use shm_schemas::{TickReport, service};
+    ///
+    /// let name = FreshBus::new("docs");
+    /// let bus = Bus::open(&name, "daemon", Realtime::No)?;
+    /// let mut reports = bus.subscriber::<TickReport>(service::TICK_REPORT)?;
+    /// let daemon = bus.publisher::<TickReport>(service::TICK_REPORT)?;
+    /// for tick in 0..3 {
+    ///     daemon.send(&TickReport { tick, ..TickReport::default() })?;
+    /// }
+    /// let mut ticks = Vec::new();
+    /// reports.drain(64, |report| ticks.push(report.tick))?;
+    /// assert_eq!(ticks, [0, 1, 2]);
+    /// # Ok::<(), shm_bus::BusError>(())
+    /// ```
     pub fn drain(&mut self, max: usize, mut each: impl FnMut(&T)) -> Result<usize, BusError> {
         for count in 0..max {
-            match self.port.receive().map_err(|e| self.unreceived(&e))? {
+            match self.port.receive().map_err(|e| self.receive_error(&e))? {
                 Some(sample) => each(&sample),
                 None => return Ok(count),
             }
@@ -101,7 +118,7 @@ impl<T: Payload> Subscriber<T> {
     /// Returns true if a payload is waiting; false if the writer cannot be read. Never waits, never
     /// allocates.
     #[must_use]
-    pub fn has_news(&self) -> bool {
+    pub fn has_payload(&self) -> bool {
         self.port.has_samples().unwrap_or(false)
     }
 
@@ -109,7 +126,7 @@ impl<T: Payload> Subscriber<T> {
         self.stream.buffer * self.stream.publishers
     }
 
-    fn unreceived(&self, error: &ReceiveError) -> BusError {
+    fn receive_error(&self, error: &ReceiveError) -> BusError {
         let why = match error {
             ReceiveError::ExceedsMaxBorrows => "too many payloads are held",
             ReceiveError::ConnectionFailure(_) => "a writer's shared memory cannot be opened",

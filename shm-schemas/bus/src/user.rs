@@ -24,7 +24,7 @@ mod tests {
     use super::User;
 
     #[test]
-    fn users_are_told_by_name_where_they_have_one() {
+    fn user_prints_as_name_or_number() {
         assert_eq!(User(0).to_string(), "root");
         assert_eq!(User(u32::MAX - 7).to_string(), "4294967288");
     }

@@ -58,13 +58,13 @@ fn peer() {
 
 /// Kills daemons at many moments of their start-up; each time the next daemon must start and
 /// `check` must pass.
-fn kill_during_startup(name: &BusName, mut heard: impl FnMut()) {
+fn kill_during_startup(name: &BusName, mut received: impl FnMut()) {
     for step in 0..24 {
         let daemon = Peer::spawn(name, "daemon");
         std::thread::sleep(Duration::from_micros(1500 + 250 * step));
         daemon.kill();
         let daemon = Peer::start(name, "daemon");
-        heard();
+        received();
         daemon.kill();
     }
 }
@@ -137,10 +137,10 @@ fn check_recovery(label: &str, spoil: impl FnOnce(&BusName, &Path)) {
 }
 
 #[test]
-fn services_without_their_memory_are_made_again() {
+fn service_without_memory_is_recreated() {
     check_recovery("memory", |name, _| {
         let dynamic = memory(name, ".dynamic");
-        assert!(!dynamic.is_empty(), "iceoryx2 still names its files so");
+        assert!(!dynamic.is_empty(), "iceoryx2 uses these file names");
         dynamic
             .iter()
             .for_each(|path| fs::remove_file(path).expect("removed"));
@@ -148,7 +148,7 @@ fn services_without_their_memory_are_made_again() {
 }
 
 #[test]
-fn empty_memory_is_made_again() {
+fn empty_memory_is_recreated() {
     check_recovery("zero", |name, _| {
         for path in memory(name, ".dynamic") {
             fs::remove_file(&path).expect("removed");
@@ -158,7 +158,7 @@ fn empty_memory_is_made_again() {
 }
 
 #[test]
-fn unfinished_memory_is_made_again() {
+fn unfinished_memory_is_recreated() {
     check_recovery("memmode", |name, _| {
         for path in memory(name, ".dynamic") {
             fs::set_permissions(&path, fs::Permissions::from_mode(0o200)).expect("mode");
@@ -167,13 +167,10 @@ fn unfinished_memory_is_made_again() {
 }
 
 #[test]
-fn unfinished_descriptions_are_made_again() {
+fn unfinished_description_is_recreated() {
     check_recovery("descr", |_, folder| {
         let descriptions = files(&folder.join("services"), ".service");
-        assert!(
-            !descriptions.is_empty(),
-            "iceoryx2 still names its files so"
-        );
+        assert!(!descriptions.is_empty(), "iceoryx2 uses these file names");
         for path in descriptions {
             fs::set_permissions(&path, fs::Permissions::from_mode(0o200)).expect("mode");
         }
@@ -181,7 +178,7 @@ fn unfinished_descriptions_are_made_again() {
 }
 
 #[test]
-fn garbled_descriptions_are_made_again() {
+fn corrupt_description_is_recreated() {
     check_recovery("garbled", |_, folder| {
         for path in files(&folder.join("services"), ".service") {
             fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).expect("mode");
@@ -192,7 +189,7 @@ fn garbled_descriptions_are_made_again() {
 
 /// Fails without the tag backup: the killed daemon's slots are then lost until the observer leaves.
 #[test]
-fn places_are_not_lost_when_a_cleaner_is_killed() {
+fn killed_cleaner_loses_no_slots() {
     let name = FreshBus::new("cleaner");
     let observer = open(&name, "observer");
     let _commands = observer
@@ -214,19 +211,19 @@ fn places_are_not_lost_when_a_cleaner_is_killed() {
         .join(node.file_name().expect("a name"));
     fs::create_dir_all(&notes).expect("folder");
     let tags = files(&node, ".port_tag");
-    assert_eq!(tags.len(), 4, "iceoryx2 still names its files so");
+    assert_eq!(tags.len(), 4, "iceoryx2 uses these file names");
     for tag in tags {
         fs::rename(&tag, notes.join(tag.file_name().expect("a name"))).expect("moved");
     }
     drop(start_daemon(&name));
     assert!(
         !observer.folder().join("cleaning").exists(),
-        "the notes are gone"
+        "the backup is gone"
     );
 }
 
 #[test]
-fn a_cleaner_killed_at_its_last_step_is_completed() {
+fn clean_up_killed_at_last_step_is_completed() {
     let name = FreshBus::new("laststep");
     let observer = open(&name, "observer");
     let nodes = observer.folder().join("nodes");
@@ -240,7 +237,7 @@ fn a_cleaner_killed_at_its_last_step_is_completed() {
     fs::remove_dir_all(&folders[0]).expect("removed");
     assert!(
         monitors.iter().all(|path| path.exists()),
-        "this is what is left"
+        "the monitors remain"
     );
     assert_eq!((observer.clean_dead(), observer.clean_dead()), (1, 0));
     assert!(!monitors.iter().any(|path| path.exists()));
@@ -248,13 +245,13 @@ fn a_cleaner_killed_at_its_last_step_is_completed() {
 }
 
 #[test]
-fn an_unfinished_node_counter_does_not_hang_the_next_process() {
+fn unfinished_node_counter_does_not_block() {
     let name = FreshBus::new("counter");
     let observer = open(&name, "observer");
     let counters = memory(&name, "mgmt");
     assert!(
         !counters.is_empty(),
-        "iceoryx2 still names its files so: {:?}",
+        "iceoryx2 uses these file names: {:?}",
         memory(&name, "")
     );
     for path in &counters {
@@ -266,7 +263,7 @@ fn an_unfinished_node_counter_does_not_hang_the_next_process() {
 }
 
 #[test]
-fn dead_peers_are_seen_and_removed() {
+fn dead_peers_are_listed_and_removed() {
     let name = FreshBus::new("dead");
     let bus = open(&name, "supervisor");
     let daemon = Peer::start(&name, "daemon");
@@ -279,7 +276,7 @@ fn dead_peers_are_seen_and_removed() {
     };
     let peer = find().expect("on the bus");
     assert_eq!((peer.role.as_str(), peer.alive), ("atasd", true));
-    assert_eq!(bus.clean_dead(), 0, "nobody is dead");
+    assert_eq!(bus.clean_dead(), 0, "no peer is dead");
     daemon.kill();
     assert!(!find().expect("still listed").alive);
     until("the dead are removed", || bus.clean_dead() == 1);
@@ -293,7 +290,7 @@ fn dead_peers_are_seen_and_removed() {
 }
 
 #[test]
-fn a_second_daemon_is_refused_with_the_name_of_the_first() {
+fn second_daemon_is_rejected_naming_the_first() {
     let name = FreshBus::new("owner");
     let holder = Peer::start(&name, "holder");
     let refused = OwnerLock::take(&name, "atasd").expect_err("owned");
@@ -306,10 +303,10 @@ fn a_second_daemon_is_refused_with_the_name_of_the_first() {
         "an owned bus is not wiped"
     );
     holder.kill();
-    let owner = OwnerLock::take(&name, "atasd").expect("the lock dies with its process");
+    let owner = OwnerLock::take(&name, "atasd").expect("the lock ends with its process");
     assert!(
         OwnerLock::take(&name, "atasd").is_err(),
-        "nor may the same process own it twice"
+        "the same process cannot own it twice"
     );
     drop(owner);
     OwnerLock::take(&name, "atasd").expect("free again");

@@ -56,7 +56,7 @@ fn peer() {
             let active = take(&server);
             active
                 .update(&update(active.request().goal_id, GoalState::RUNNING, 1))
-                .expect("told");
+                .expect("updated");
             std::thread::sleep(LONG);
         }
         "client" => {
@@ -89,7 +89,7 @@ fn peer() {
 }
 
 #[test]
-fn a_goal_is_told_step_by_step() {
+fn goal_updates_arrive_in_order() {
     let name = FreshBus::new("goal");
     let (daemon, cli) = (open(&name, "atasd"), open(&name, "cli"));
     let (server, client) = (
@@ -108,22 +108,22 @@ fn a_goal_is_told_step_by_step() {
         GoalState::SUCCEEDED,
     ];
     for (tick, state) in (0..).zip(steps) {
-        active.update(&update(42, state, tick)).expect("told");
+        active.update(&update(42, state, tick)).expect("updated");
     }
     drop(active);
     for (tick, state) in (0..).zip(steps) {
-        assert!(!pending.ended());
+        assert!(!pending.has_ended());
         assert_eq!(
             pending.next().expect("no error"),
             Some(update(42, state, tick))
         );
     }
-    assert!(pending.ended());
+    assert!(pending.has_ended());
     assert_eq!(pending.next().expect("the end is not an error"), None);
 }
 
 #[test]
-fn a_client_may_cancel() {
+fn client_can_cancel_a_goal() {
     let name = FreshBus::new("cancel");
     let bus = open(&name, "both");
     let (server, client) = (
@@ -138,7 +138,7 @@ fn a_client_may_cancel() {
     assert!(active.client_alive(), "the client waits for the end");
     active
         .update(&update(1, GoalState::CANCELLED, 9))
-        .expect("told");
+        .expect("updated");
     assert_eq!(
         pending.next().expect("no error").map(|update| update.state),
         Some(GoalState::CANCELLED)
@@ -146,7 +146,7 @@ fn a_client_may_cancel() {
 }
 
 #[test]
-fn a_client_that_lets_go_is_noticed() {
+fn dropped_client_is_detected() {
     let name = FreshBus::new("letgo");
     let bus = open(&name, "both");
     let (server, client) = (
@@ -159,12 +159,12 @@ fn a_client_that_lets_go_is_noticed() {
     assert!(!active.client_alive());
     let refused = active
         .update(&GoalUpdate::default())
-        .expect_err("nobody listens");
+        .expect_err("client is gone");
     assert!(matches!(refused, BusError::ClientGone { .. }), "{refused}");
 }
 
 #[test]
-fn a_killed_client_is_noticed_after_cleaning_up() {
+fn killed_client_is_detected_after_clean_up() {
     let name = FreshBus::new("killcli");
     let bus = open(&name, "atasd");
     let server = bus.goal_server().expect("server");
@@ -182,7 +182,7 @@ fn a_killed_client_is_noticed_after_cleaning_up() {
 }
 
 #[test]
-fn a_killed_server_is_noticed() {
+fn killed_server_is_detected() {
     let name = FreshBus::new("killsrv");
     let bus = open(&name, "cli");
     let client = bus.goal_client().expect("client");
@@ -197,7 +197,7 @@ fn a_killed_server_is_noticed() {
     });
     assert!(matches!(end, Some(BusError::ServerGone { .. })), "{end:?}");
     drop(pending);
-    let absent = client.send(&goal(4)).expect_err("nobody serves");
+    let absent = client.send(&goal(4)).expect_err("no server");
     assert!(matches!(absent, BusError::NoServer { .. }), "{absent}");
     let _next = Peer::start(&name, "server");
     let mut pending = client.send(&goal(5)).expect("the next server is found");
@@ -205,20 +205,20 @@ fn a_killed_server_is_noticed() {
 }
 
 #[test]
-fn without_a_server_requests_are_refused_at_once() {
+fn request_without_server_is_rejected() {
     let name = FreshBus::new("absent");
     let bus = open(&name, "cli");
     let refused = bus
         .goal_client()
         .expect("client")
         .send(&goal(1))
-        .expect_err("nobody serves");
+        .expect_err("no server");
     assert!(matches!(refused, BusError::NoServer { .. }), "{refused}");
     let refused = bus
         .control_client()
         .expect("client")
         .call(&ControlRequest::default(), LONG)
-        .expect_err("nobody");
+        .expect_err("no server");
     assert!(refused.to_string().contains(name.as_str()), "{refused}");
 }
 
@@ -251,7 +251,7 @@ fn open_requests_are_bounded() {
 }
 
 #[test]
-fn a_client_that_does_not_listen_still_hears_the_end() {
+fn slow_client_receives_the_final_update() {
     let name = FreshBus::new("hang");
     let bus = open(&name, "both");
     let (server, client) = (
@@ -267,17 +267,17 @@ fn a_client_that_does_not_listen_still_hears_the_end() {
     }
     active
         .update(&update(1, GoalState::SUCCEEDED, 200))
-        .expect("told");
-    let heard: Vec<_> = std::iter::from_fn(|| pending.next().expect("no error")).collect();
-    assert_eq!(heard.len(), 64);
+        .expect("updated");
+    let received: Vec<_> = std::iter::from_fn(|| pending.next().expect("no error")).collect();
+    assert_eq!(received.len(), 64);
     assert_eq!(
-        heard.last().map(|update| update.state),
+        received.last().map(|update| update.state),
         Some(GoalState::SUCCEEDED)
     );
 }
 
 #[test]
-fn one_server_only() {
+fn second_server_is_rejected() {
     let name = FreshBus::new("oneserv");
     let server = Peer::start(&name, "server");
     let bus = open(&name, "intruder");
@@ -309,7 +309,7 @@ fn control_is_answered() {
 }
 
 #[test]
-fn a_stuck_server_does_not_hold_its_client() {
+fn call_times_out_without_an_answer() {
     let name = FreshBus::new("stuck");
     let bus = open(&name, "both");
     let server = bus.control_server().expect("server");
@@ -321,6 +321,6 @@ fn a_stuck_server_does_not_hold_its_client() {
     assert!(matches!(refused, BusError::NoAnswer { .. }));
     assert!(
         server.poll().expect("polled").is_none(),
-        "what nobody waits for is not delivered"
+        "a request without a waiting client is not delivered"
     );
 }

@@ -38,7 +38,7 @@ fn two_buses_do_not_see_each_other() {
     let publisher = here.publisher::<Status>(STATUS).expect("publisher");
     let other = there
         .publisher::<Status>(STATUS)
-        .expect("one writer per bus, not per machine");
+        .expect("each bus has its own writer");
     let mut subscriber = there.subscriber::<Status>(STATUS).expect("subscriber");
     publisher.send(&Status::default()).expect("sent");
     assert_eq!(subscriber.drain(10, |_| {}).expect("drained"), 0);
@@ -48,7 +48,7 @@ fn two_buses_do_not_see_each_other() {
 }
 
 #[test]
-fn nobody_else_may_read_or_write() {
+fn files_are_private_to_the_user() {
     let name = FreshBus::new("private");
     let bus = open(&name, "both");
     let _publisher = bus.publisher::<Status>(STATUS).expect("publisher");
@@ -70,7 +70,7 @@ fn nobody_else_may_read_or_write() {
 }
 
 #[test]
-fn wiping_leaves_nothing_and_spares_the_living() {
+fn wipe_removes_all_of_an_unused_bus() {
     let name = BusName::fresh("wipe");
     let bus = open(&name, "alive");
     let folder = bus.folder().to_owned();
@@ -93,7 +93,7 @@ fn wiping_leaves_nothing_and_spares_the_living() {
 /// Checks the workspace's manifests, which select the features of iceoryx2; the test above checks
 /// the resulting modes.
 #[test]
-fn the_bus_is_never_opened_to_every_user() {
+fn dev_permissions_is_not_enabled() {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
     let metadata = MetadataCommand::new()
         .manifest_path(manifest)
@@ -107,7 +107,7 @@ fn the_bus_is_never_opened_to_every_user() {
     let iceoryx2: Vec<_> = dependencies
         .filter(|dependency| dependency.name.starts_with("iceoryx2"))
         .collect();
-    assert!(!iceoryx2.is_empty(), "the workspace was looked at");
+    assert!(!iceoryx2.is_empty(), "iceoryx2 is a dependency");
     for dependency in iceoryx2 {
         let opened = dependency
             .features
@@ -115,7 +115,7 @@ fn the_bus_is_never_opened_to_every_user() {
             .any(|feature| feature == "dev_permissions");
         assert!(
             !opened,
-            "remove dev_permissions from {}: it gives every user every bus",
+            "remove dev_permissions from {}: it opens every bus to every user",
             dependency.name
         );
     }
@@ -135,7 +135,7 @@ fn the_bus_is_never_opened_to_every_user() {
 
 /// iceoryx2 alone opens its node counter to every user for a moment at each start.
 #[test]
-fn nothing_is_open_to_others_for_a_moment() {
+fn files_are_private_from_creation() {
     let name = FreshBus::new("moment");
     let (watched, done) = (BusName::clone(&name), Arc::new(AtomicBool::new(false)));
     let ended = Arc::clone(&done);
@@ -160,17 +160,13 @@ fn nothing_is_open_to_others_for_a_moment() {
     }
     done.store(true, Ordering::Release);
     let (seen, open) = watch.join().expect("watched");
-    assert!(seen > 0, "the watcher saw the memory");
+    assert!(seen > 0, "the watcher found shared memory");
     assert_eq!(open, Vec::new());
-    assert_eq!(
-        prefixes.len(),
-        40,
-        "each life of a bus has a prefix of its own"
-    );
+    assert_eq!(prefixes.len(), 40, "each life of a bus has a new prefix");
 }
 
 /// Runs a test that needs another user (`nobody`); requires root.
-#[allow(clippy::print_stderr, reason = "a test that cannot run says so")]
+#[allow(clippy::print_stderr, reason = "reports that the test did not run")]
 fn as_another_user(what: impl FnOnce(u32)) {
     if rustix::process::geteuid().is_root() {
         what(65534);
@@ -180,7 +176,7 @@ fn as_another_user(what: impl FnOnce(u32)) {
 }
 
 #[test]
-fn files_of_strangers_are_no_part_of_the_bus() {
+fn foreign_files_are_ignored() {
     as_another_user(|stranger| {
         let name = FreshBus::new("squat");
         let bus = open(&name, "here");
@@ -201,17 +197,17 @@ fn files_of_strangers_are_no_part_of_the_bus() {
         let before = bus.prefix().to_owned();
         drop(bus);
         let next = open(&name, "next");
-        assert_ne!(next.prefix(), before, "what was seen is worth nothing now");
+        assert_ne!(next.prefix(), before, "a new life has a new prefix");
         drop(next);
         for path in &squatted {
-            assert!(path.exists(), "what is not ours stays");
+            assert!(path.exists(), "foreign files are kept");
             fs::remove_file(path).expect("removed");
         }
     });
 }
 
 #[test]
-fn looking_at_a_bus_that_nobody_made_leaves_nothing() {
+fn joining_a_missing_bus_creates_nothing() {
     let made = FreshBus::new("made");
     let base = open(&made, "here")
         .folder()
@@ -237,9 +233,9 @@ fn peer() {
         return;
     };
     assert_eq!(role, "stranger");
-    let refused = Bus::join(&name, "stranger", Realtime::No).expect_err("not ours");
+    let refused = Bus::join(&name, "stranger", Realtime::No).expect_err("bus of another user");
     let stopped = shm_bus::stop::request(&name, "a test", Duration::from_secs(1))
-        .expect_err("nor may strangers stop it");
+        .expect_err("other users cannot stop it");
     for error in [refused, stopped] {
         let BusError::OtherUser { user, place, .. } = &error else {
             panic!("{error}");
@@ -257,12 +253,12 @@ fn peer() {
     // For a missing bus, the error names the folders that this user may not read.
     let nowhere = BusName::fresh("nowhere");
     let absent = Bus::join(&nowhere, "stranger", Realtime::No).expect_err("no such bus");
-    let told = absent.to_string();
-    assert!(matches!(absent, BusError::Absent { .. }), "{told}");
+    let output = absent.to_string();
+    assert!(matches!(absent, BusError::Absent { .. }), "{output}");
     let part = "/dev/shm/atas-0 of user root";
     assert!(
-        told.contains(part) && told.contains("may not see"),
-        "{told}"
+        output.contains(part) && output.contains("may not see"),
+        "{output}"
     );
     let socket = Path::new("/dev/shm/atas-0")
         .join(name.as_str())
@@ -276,11 +272,15 @@ fn peer() {
 }
 
 #[test]
-fn another_users_folder_is_only_told_of_where_it_holds_the_bus() {
+fn foreign_folder_is_named_if_it_has_bus() {
     as_another_user(|_| {
         let (user, name) = (60_631, BusName::fresh("stale"));
         let base = Path::new("/dev/shm").join(format!("atas-{user}"));
-        let found = || Bus::find(&name).expect_err("no bus of ours").to_string();
+        let found = || {
+            Bus::find(&name)
+                .expect_err("no bus of this user")
+                .to_string()
+        };
         let make = |folder: &Path| {
             fs::create_dir(folder).expect("made");
             std::os::unix::fs::chown(folder, Some(user), Some(user)).expect("given away");
@@ -296,7 +296,7 @@ fn another_users_folder_is_only_told_of_where_it_holds_the_bus() {
 }
 
 #[test]
-fn the_owner_of_a_bus_is_told_by_name_and_nobody_else_reaches_it() {
+fn other_users_get_the_owner_but_no_access() {
     as_another_user(|stranger| {
         let name = FreshBus::new("owned");
         let _bus = open(&name, "here");

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use shm_bus::{BORROWED, EXCHANGES, STREAMS};
+use shm_bus::{BORROWED_MAX, EXCHANGES, STREAMS};
 use shm_schemas::catalogue::{CODES, PAYLOADS};
 use shm_schemas::schema::{PayloadType, Type};
 
@@ -53,7 +53,7 @@ fn exchanges() -> String {
 }
 
 /// Type of a field in C notation, dimensions last.
-fn written(kind: &Type) -> String {
+fn c_type(kind: &Type) -> String {
     let (mut kind, mut dimensions) = (kind, String::new());
     while let Type::Array(of, count) = kind {
         write!(dimensions, "[{count}]").expect("text");
@@ -67,7 +67,7 @@ fn written(kind: &Type) -> String {
         Type::Text(bytes) => format!("char[{bytes}]"),
         Type::Code(code) => format!("u32 {}", code.name),
         Type::Payload(part) => part.name.to_owned(),
-        Type::Array(..) => unreachable!("taken apart above"),
+        Type::Array(..) => unreachable!("arrays are resolved above"),
     };
     base + &dimensions
 }
@@ -77,7 +77,7 @@ fn payload(text: &mut String, payload: &PayloadType) {
     text.push_str("| offset | field | type | |\n|---|---|---|---|\n");
     for field in payload.fields {
         let about = field
-            .about
+            .doc
             .iter()
             .map(|line| line.trim())
             .collect::<Vec<_>>()
@@ -87,7 +87,7 @@ fn payload(text: &mut String, payload: &PayloadType) {
             .replace("[`", "`")
             .replace("`]", "`")
             .replace('|', "\\|");
-        let (name, kind) = (field.name, written(&field.kind));
+        let (name, kind) = (field.name, c_type(&field.kind));
         writeln!(text, "| {} | `{name}` | {kind} | {about} |", field.offset).expect("text");
     }
 }
@@ -168,24 +168,31 @@ fn page() -> String {
 }
 
 #[test]
-fn the_tables_of_the_page_are_the_schemas() {
+fn page_tables_match_the_schema() {
     let actual = page();
     if actual != PAGE {
         let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/protocol.md");
         std::fs::write(path, actual).expect("writable");
         panic!(
-            "the protocol page is not the schema's: read {path}, then replace clients/protocol.md by it"
+            "the protocol page differs from the schema: check {path}, then replace \
+             clients/protocol.md by it"
         );
     }
 }
 
 #[test]
-fn the_page_quotes_the_numbers_of_the_code() {
-    let check =
-        |sentence: &str| assert!(PAGE.contains(sentence), "the page should say: {sentence}");
-    check(&format!("`subscriber_max_borrowed_samples({BORROWED})`"));
+fn page_quotes_current_numbers() {
+    let check = |sentence: &str| {
+        assert!(
+            PAGE.contains(sentence),
+            "the page should contain: {sentence}"
+        )
+    };
+    check(&format!(
+        "`subscriber_max_borrowed_samples({BORROWED_MAX})`"
+    ));
     for hash in ["dome-41", "dome-1", "flat-4x4-4.5"] {
-        let layout = shm_schemas::Layout::named(hash).expect("built in");
+        let layout = shm_schemas::Layout::from_name(hash).expect("built in");
         check(&format!("`{hash}` is `0x{:016x}`", layout.hash()));
     }
     let fnv = shm_schemas::layout::FNV_OFFSET;

@@ -4,7 +4,7 @@ mod common;
 
 use std::fs;
 
-use common::{Peer, peer_role, ready, sleep_on};
+use common::{Peer, peer_role, ready, sleep_until_killed};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use shm_bus::{Bus, BusError, BusName, FreshBus, Realtime};
 use shm_schemas::service::STATUS;
@@ -38,7 +38,7 @@ fn peer() {
             let bus = Bus::open(&name, "atasd", Realtime::No).expect("opens");
             let _status = bus.publisher::<Status>(STATUS).expect("publisher");
             let _control = bus.control_server().expect("server");
-            sleep_on();
+            sleep_until_killed();
         }
         "poor" => {
             let (mut refused, mut served) = (0, 0);
@@ -68,11 +68,11 @@ fn peer() {
 }
 
 #[test]
-fn too_few_descriptors_are_named_and_cost_nobody_a_service() {
+fn descriptor_shortage_is_reported_and_harmless() {
     let name = FreshBus::new("poor");
     let _daemon = Peer::start(&name, "daemon");
     Peer::spawn(&name, "poor").succeed();
-    observe(&name).expect("the bus is as it was");
+    observe(&name).expect("the bus is unaffected");
     let bus = Bus::join(&name, "second", Realtime::No).expect("joins");
     let taken = bus
         .publisher::<Status>(STATUS)
@@ -81,7 +81,7 @@ fn too_few_descriptors_are_named_and_cost_nobody_a_service() {
 }
 
 #[test]
-fn small_stacks_are_refused_and_never_overflow() {
+fn small_stack_is_rejected() {
     let name = FreshBus::new("stack");
     let _bus = Bus::open(&name, "first", Realtime::No).expect("opens");
     let (mut refused, mut served) = (0, 0);
@@ -94,7 +94,7 @@ fn small_stacks_are_refused_and_never_overflow() {
             .join();
         match tried.expect("no panic") {
             Ok(()) => served += 1,
-            Err(BusError::Short { why, .. }) => {
+            Err(BusError::Shortage { why, .. }) => {
                 assert!(why.contains("stack"), "{why}");
                 refused += 1;
             }

@@ -10,7 +10,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use common::{OWN_RUNTIME_DIR, Peer, hold_startup_lock, peer_role, ready, sleep_on, until};
+use common::{
+    PRIVATE_RUNTIME_DIR, Peer, hold_startup_lock, peer_role, ready, sleep_until_killed, until,
+};
 use rustix::process::{Resource, Rlimit, Signal as Signum, getrlimit, setrlimit};
 use shm_bus::stop::{self, Listener};
 use shm_bus::{Bus, BusError, BusName, FreshBus, OwnerLock, Realtime};
@@ -56,8 +58,8 @@ fn peer() {
             let _daemon = Peer::start(&name, "daemon");
             let folder = folder(&name);
             assert!(
-                folder.starts_with(OWN_RUNTIME_DIR),
-                "{folder:?} is the machine's"
+                folder.starts_with(PRIVATE_RUNTIME_DIR),
+                "{folder:?} is not the private folder"
             );
             fill(&folder);
             fill(Path::new("/dev/shm"));
@@ -89,16 +91,14 @@ fn peer() {
         "control clients" => {
             let bus = Bus::join(&name, "idle", Realtime::No).expect("joins");
             let _clients: Vec<_> = (0..16)
-                .map(|_| bus.control_client().expect("a place"))
+                .map(|_| bus.control_client().expect("a slot"))
                 .collect();
             assert!(matches!(bus.control_client(), Err(BusError::Full { .. })));
-            sleep_on();
+            sleep_until_killed();
         }
         "goal clients" => {
             let bus = Bus::join(&name, "greedy", Realtime::No).expect("joins");
-            let clients: Vec<_> = (0..8)
-                .map(|_| bus.goal_client().expect("a place"))
-                .collect();
+            let clients: Vec<_> = (0..8).map(|_| bus.goal_client().expect("a slot")).collect();
             let send = |client| shm_bus::GoalClient::send(client, &GoalRequest::default());
             let _pending: Vec<_> = clients
                 .iter()
@@ -106,7 +106,7 @@ fn peer() {
                 .map(|sent| sent.expect("sent"))
                 .collect();
             assert!(matches!(bus.goal_client(), Err(BusError::Full { .. })));
-            sleep_on();
+            sleep_until_killed();
         }
         "starting" => hold_startup_lock(&name),
         "flooder" => {
@@ -131,7 +131,7 @@ fn fill(folder: &Path) {
         .find_map(|number| fs::File::create(folder.join(format!("ballast-{number}"))).err())
         .expect("finite");
     full(error);
-    full(ballast.write(&[0]).expect_err("not a byte is left"));
+    full(ballast.write(&[0]).expect_err("no byte is left"));
 }
 
 fn check_stopped(name: &BusName, times: usize) {
@@ -142,7 +142,7 @@ fn check_stopped(name: &BusName, times: usize) {
 }
 
 #[test]
-fn every_stop_is_counted_and_answered_and_leaves_nothing_behind() {
+fn every_stop_is_counted_and_answered() {
     let name = FreshBus::new("stop");
     let daemon = Peer::start(&name, "daemon");
     let folder = folder(&name);
@@ -158,7 +158,7 @@ fn every_stop_is_counted_and_answered_and_leaves_nothing_behind() {
 }
 
 #[test]
-fn a_full_bus_with_a_stopped_start_up_is_stopped() {
+fn stop_arrives_on_a_full_locked_bus() {
     let name = FreshBus::new("crowded");
     let _daemon = Peer::start(&name, "daemon");
     let _crowd = ["control clients", "goal clients"].map(|role| Peer::start(&name, role));
@@ -166,14 +166,14 @@ fn a_full_bus_with_a_stopped_start_up_is_stopped() {
     starting.stop();
     let refused = Bus::join(&name, "late", Realtime::No).expect_err("the start-up lock is held");
     assert!(
-        matches!(&refused, BusError::StartUp { pid, .. } if *pid == starting.pid()),
+        matches!(&refused, BusError::StartupBlocked { pid, .. } if *pid == starting.pid()),
         "{refused}"
     );
     check_stopped(&name, 200);
 }
 
 #[test]
-fn a_flood_of_junk_stops_and_denies_nothing() {
+fn junk_flood_does_not_block_stops() {
     let name = FreshBus::new("flood");
     let _daemon = Peer::start(&name, "daemon");
     let _flood = [0; 3].map(|_| Peer::start(&name, "flooder"));
@@ -181,23 +181,23 @@ fn a_flood_of_junk_stops_and_denies_nothing() {
 }
 
 #[test]
-fn a_daemon_without_a_free_descriptor_is_stopped() {
+fn stop_arrives_without_free_descriptors() {
     let name = FreshBus::new("poor");
     let _daemon = Peer::start(&name, "poor");
     check_stopped(&name, 20);
 }
 
 #[test]
-fn a_stop_gets_through_where_every_disk_is_full() {
+fn stop_arrives_with_full_file_systems() {
     let name = FreshBus::new("fulldisk");
-    let Some(peer) = Peer::spawn_on_small_disks(&name, "on small disks") else {
+    let Some(peer) = Peer::spawn_on_small_file_systems(&name, "on small disks") else {
         return;
     };
     peer.succeed();
 }
 
 #[test]
-fn a_frozen_tick_is_told_from_a_stopped_robot() {
+fn frozen_tick_gives_outcome_waiting() {
     let name = FreshBus::new("frozen");
     let _daemon = Peer::start(&name, "frozen");
     let answer = stop::request(&name, "a test", WITHIN).expect("answered");
@@ -205,7 +205,7 @@ fn a_frozen_tick_is_told_from_a_stopped_robot() {
 }
 
 #[test]
-fn a_stop_waits_for_a_stopped_daemon() {
+fn stop_waits_for_a_suspended_daemon() {
     let name = FreshBus::new("asleep");
     let daemon = Peer::start(&name, "daemon");
     daemon.stop();
@@ -213,11 +213,11 @@ fn a_stop_waits_for_a_stopped_daemon() {
     assert!(matches!(unheard, BusError::NoAnswer { .. }), "{unheard}");
     daemon.signal(Signum::CONT);
     let second = stop::request(&name, "a test", WITHIN).expect("answered");
-    assert_eq!(second.stamp.sequence, 2, "the first one counted as well");
+    assert_eq!(second.stamp.sequence, 2, "the first stop counted as well");
 }
 
 #[test]
-fn without_a_daemon_the_cause_is_named() {
+fn stop_without_daemon_names_the_cause() {
     let name = FreshBus::new("nobody");
     let nothing = stop::request(&name, "a test", WITHIN).expect_err("no bus");
     assert!(

@@ -54,7 +54,7 @@ fn peer() {
 }
 
 #[test]
-fn payloads_arrive_whole_and_in_order() {
+fn payloads_arrive_complete_and_in_order() {
     let name = FreshBus::new("order");
     let (writer, reader) = (open(&name, "writer"), open(&name, "reader"));
     let publisher = writer
@@ -83,7 +83,7 @@ fn payloads_arrive_whole_and_in_order() {
         !subscriber.newest(&mut out).expect("read"),
         "nothing is left"
     );
-    assert_eq!(out, sent, "an empty stream leaves the output alone");
+    assert_eq!(out, sent, "an empty stream leaves the output unchanged");
     assert_eq!(subscriber.drain(5, |_| {}).expect("drained"), 0);
 }
 
@@ -113,7 +113,7 @@ fn a_slow_reader_loses_the_oldest() {
 }
 
 #[test]
-fn newest_skips_what_is_older() {
+fn newest_skips_older_payloads() {
     let name = FreshBus::new("newest");
     let bus = open(&name, "both");
     let publisher = bus.publisher::<JointState>(JOINT_STATE).expect("publisher");
@@ -134,13 +134,13 @@ fn newest_skips_what_is_older() {
         assert_eq!(out.stamp.sequence, last);
         assert!(
             !subscriber.newest(&mut out).expect("read"),
-            "nothing older comes after {last}"
+            "no older payload follows {last}"
         );
     }
 }
 
 #[test]
-fn who_joins_later_gets_the_history() {
+fn late_reader_gets_the_history() {
     let name = FreshBus::new("history");
     let bus = open(&name, "both");
     let publisher = bus
@@ -157,7 +157,7 @@ fn who_joins_later_gets_the_history() {
     let mut late = bus
         .subscriber::<ModuleEvent>(MODULE_EVENT)
         .expect("subscriber");
-    publisher.connect_readers().expect("greeted");
+    publisher.connect_readers().expect("connected");
     let mut seen = Vec::new();
     late.drain(usize::MAX, |event| seen.push(event.tick))
         .expect("drained");
@@ -165,7 +165,7 @@ fn who_joins_later_gets_the_history() {
 }
 
 #[test]
-fn several_sensors_may_report() {
+fn sensor_status_allows_several_writers() {
     let name = FreshBus::new("several");
     let bus = open(&name, "both");
     let first = bus.publisher::<SensorStatus>(SENSOR_STATUS).expect("first");
@@ -181,7 +181,7 @@ fn several_sensors_may_report() {
 }
 
 #[test]
-fn a_writer_killed_and_restarted_is_heard_again() {
+fn restarted_writer_is_received() {
     let name = FreshBus::new("restart");
     let bus = Bus::open(&name, "daemon", Realtime::Yes).expect("the bus opens");
     let mut subscriber = bus
@@ -191,7 +191,7 @@ fn a_writer_killed_and_restarted_is_heard_again() {
     let mut epochs = Vec::new();
     for _ in 0..3 {
         let writer = Peer::start(&name, "sensor");
-        until("a new writer is heard", || {
+        until("a frame of the new writer arrives", || {
             subscriber.drain(64, |frame| out = *frame).expect("read");
             out.stamp.writer_epoch != 0 && !epochs.contains(&out.stamp.writer_epoch)
         });
@@ -202,7 +202,7 @@ fn a_writer_killed_and_restarted_is_heard_again() {
 }
 
 #[test]
-fn a_second_writer_is_refused_with_the_name_of_the_first() {
+fn second_writer_is_rejected_naming_the_first() {
     let name = FreshBus::new("second");
     let writer = Peer::start(&name, "sensor-left");
     let bus = open(&name, "intruder");
@@ -218,15 +218,15 @@ fn a_second_writer_is_refused_with_the_name_of_the_first() {
     );
     writer.kill();
     bus.publisher::<HandFrame>(HAND_FRAME[0])
-        .expect("the dead do not keep their place");
+        .expect("a dead writer frees its slot");
 }
 
 #[test]
-fn places_for_readers_are_limited() {
+fn reader_slots_are_limited() {
     let name = FreshBus::new("places");
     let bus = open(&name, "reader");
     let readers: Vec<_> = (0..4)
-        .map(|_| bus.subscriber::<JointState>(JOINT_STATE).expect("place"))
+        .map(|_| bus.subscriber::<JointState>(JOINT_STATE).expect("a slot"))
         .collect();
     let refused = bus.subscriber::<JointState>(JOINT_STATE).expect_err("full");
     assert!(
@@ -235,11 +235,11 @@ fn places_for_readers_are_limited() {
     );
     drop(readers);
     bus.subscriber::<JointState>(JOINT_STATE)
-        .expect("a place again");
+        .expect("a free slot");
 }
 
 #[test]
-fn only_lines_of_the_table_open() {
+fn unknown_stream_is_rejected() {
     let name = FreshBus::new("table");
     let bus = open(&name, "both");
     assert!(matches!(

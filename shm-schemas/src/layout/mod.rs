@@ -54,8 +54,15 @@ impl Layout {
         ["dome-41", "dome-1", "flat-4x4-4.5", "cylinder-4x4-4.5-12"];
 
     /// Returns the layout with this name; see [`NamedLayout`].
+    ///
+    /// ```
+    /// # use shm_schemas::Layout;
+    /// let dome = Layout::from_name("dome-41").expect("a named layout");
+    /// assert_eq!(dome.hash(), Layout::dome_41().hash());
+    /// assert!(Layout::from_name("cube").is_none());
+    /// ```
     #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
+    pub fn from_name(name: &str) -> Option<Self> {
         name.parse().ok().map(NamedLayout::layout)
     }
 
@@ -65,7 +72,7 @@ impl Layout {
     /// finite, or a normal is no unit vector. A normal that points up or down is also rejected,
     /// because it does not define the tangents.
     #[must_use]
-    pub fn of_elements(
+    pub fn from_elements(
         elements: impl IntoIterator<Item = ([f64; 3], [f64; 3])>,
         element_area_m2: f64,
     ) -> Option<Self> {
@@ -206,6 +213,14 @@ fn on_sphere(theta: f64, phi: f64) -> [f64; 3] {
 pub const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
 
 /// Continues an FNV-1a 64 hash over more bytes.
+///
+/// ```
+/// use shm_schemas::layout::{FNV_OFFSET, fnv1a};
+///
+/// // Hashing in two parts equals hashing the whole.
+/// let parts = fnv1a(fnv1a(FNV_OFFSET, b"robot."), b"urdf");
+/// assert_eq!(parts, fnv1a(FNV_OFFSET, b"robot.urdf"));
+/// ```
 #[must_use]
 pub fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
     let mut hasher = FnvHasher::with_key(hash);

@@ -8,6 +8,15 @@ use crate::capacity::ELEMENTS;
 
 /// Layout named in a configuration, a robot file or a command line. [`fmt::Display`] writes the
 /// format that [`FromStr`] reads.
+///
+/// ```
+/// use shm_schemas::layout::NamedLayout;
+///
+/// let pad: NamedLayout = "flat-4x4-4.5".parse()?;
+/// assert!(!pad.is_dome());
+/// assert_eq!(pad.to_string(), "flat-4x4-4.5");
+/// # Ok::<(), shm_schemas::layout::UnknownLayout>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum NamedLayout {
@@ -56,7 +65,7 @@ const PITCH_MM: [f64; 2] = [0.5, 30.0];
 const RADIUS_MM: [f64; 2] = [2.0, 100.0];
 /// Largest angle of an element around its cylinder, rad. Design choice, 80°: the outermost elements
 /// must still measure the contact.
-const ROUND_RAD: f64 = 80.0 * core::f64::consts::PI / 180.0;
+const WRAP_ANGLE_MAX_RAD: f64 = 80.0 * core::f64::consts::PI / 180.0;
 
 impl NamedLayout {
     /// Formats of layout names, for messages.
@@ -71,7 +80,7 @@ impl NamedLayout {
             Self::Dome1 => Layout::dome_1(),
             Self::Pad { count } => Layout::pad(count),
             Self::Flat(grid) | Self::Cylinder(grid, _) => {
-                grid.layout(|down_m, across_m| self.place(down_m, across_m))
+                grid.layout(|down_m, across_m| self.surface_point(down_m, across_m))
             }
         }
     }
@@ -80,7 +89,7 @@ impl NamedLayout {
     /// point is given by its distances down and across from the face centre, m, along the face. Not
     /// meaningful for a dome.
     #[must_use]
-    pub fn place(self, down_m: f64, across_m: f64) -> ([f64; 3], [f64; 3]) {
+    pub fn surface_point(self, down_m: f64, across_m: f64) -> ([f64; 3], [f64; 3]) {
         let depth_m = self.depth_m();
         let Self::Cylinder(_, radius) = self else {
             return ([0.0, 0.0, 1.0], [down_m, across_m, depth_m]);
@@ -116,7 +125,7 @@ impl Millimetres {
         self.0 * 1e-3
     }
 
-    fn read(text: &str, [least, most]: [f64; 2]) -> Result<Self, UnknownLayout> {
+    fn parse(text: &str, [least, most]: [f64; 2]) -> Result<Self, UnknownLayout> {
         let value: f64 = text.parse().map_err(|_| UnknownLayout)?;
         // Also false for NaN.
         let possible = value >= least && value <= most;
@@ -139,7 +148,7 @@ impl Grid {
     fn layout(self, place: impl Fn(f64, f64) -> ([f64; 3], [f64; 3])) -> Layout {
         let pitch_m = self.pitch.metres();
         let mut layout = Layout::empty(self.rows * self.columns, pitch_m * pitch_m);
-        for (element, (down_m, across_m)) in self.places_m().enumerate() {
+        for (element, (down_m, across_m)) in self.element_offsets_m().enumerate() {
             let (normal, position_m) = place(down_m, across_m);
             layout.set(element, normal, position_m);
         }
@@ -147,7 +156,7 @@ impl Grid {
     }
 
     /// Returns the distances of each element down and across from the face centre, row by row, m.
-    pub fn places_m(self) -> impl Iterator<Item = (f64, f64)> {
+    pub fn element_offsets_m(self) -> impl Iterator<Item = (f64, f64)> {
         let pitch_m = self.pitch.metres();
         let from_middle_m =
             move |index: usize, of: usize| (index as f64 - 0.5 * (of as f64 - 1.0)) * pitch_m;
@@ -160,12 +169,12 @@ impl Grid {
         })
     }
 
-    fn read(size: &str, pitch: &str) -> Result<Self, UnknownLayout> {
+    fn parse(size: &str, pitch: &str) -> Result<Self, UnknownLayout> {
         let (rows, columns) = size.split_once('x').ok_or(UnknownLayout)?;
         let grid = Self {
             rows: count(rows)?,
             columns: count(columns)?,
-            pitch: Millimetres::read(pitch, PITCH_MM)?,
+            pitch: Millimetres::parse(pitch, PITCH_MM)?,
         };
         let fits = grid.rows * grid.columns <= ELEMENTS;
         fits.then_some(grid).ok_or(UnknownLayout)
@@ -191,7 +200,7 @@ impl FromStr for NamedLayout {
                 count: count(taxels)?,
             }),
             [Some("flat"), Some(size), Some(pitch), None, _] => {
-                Ok(Self::Flat(Grid::read(size, pitch)?))
+                Ok(Self::Flat(Grid::parse(size, pitch)?))
             }
             [
                 Some("cylinder"),
@@ -201,11 +210,11 @@ impl FromStr for NamedLayout {
                 None,
             ] => {
                 let (grid, radius) = (
-                    Grid::read(size, pitch)?,
-                    Millimetres::read(radius, RADIUS_MM)?,
+                    Grid::parse(size, pitch)?,
+                    Millimetres::parse(radius, RADIUS_MM)?,
                 );
                 let outermost_mm = 0.5 * (grid.columns as f64 - 1.0) * grid.pitch.0;
-                let bends = outermost_mm <= ROUND_RAD * radius.0;
+                let bends = outermost_mm <= WRAP_ANGLE_MAX_RAD * radius.0;
                 bends
                     .then_some(Self::Cylinder(grid, radius))
                     .ok_or(UnknownLayout)
@@ -235,7 +244,7 @@ impl fmt::Display for Grid {
 
 impl fmt::Display for UnknownLayout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "no layout is called so; choose {}", NamedLayout::FORMS)
+        write!(f, "unknown layout; choose {}", NamedLayout::FORMS)
     }
 }
 

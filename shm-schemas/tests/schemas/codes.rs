@@ -32,18 +32,18 @@ fn every_code_round_trips_and_unknown_values_print() {
 }
 
 #[test]
-fn names_keep_to_a_column() {
+fn names_are_padded_to_a_column() {
     assert_eq!(format!("[{:<6}]", Mode::RUN), "[run   ]");
 }
 
 #[test]
-fn only_known_hands_have_a_place() {
+fn unknown_hands_have_no_index() {
     let places: Vec<_> = [0, 1, 2, u32::MAX].map(|n| Hand(n).index()).to_vec();
     assert_eq!(places, [Some(0), Some(1), None, None]);
 }
 
 #[test]
-fn a_goal_is_final_unless_it_goes_on() {
+fn only_accepted_and_running_goals_continue() {
     let going_on: Vec<_> = GoalState::ALL.iter().filter(|s| !s.is_final()).collect();
     assert_eq!(going_on, [&GoalState::ACCEPTED, &GoalState::RUNNING]);
 }
@@ -54,7 +54,7 @@ fn module_ids_fit_into_the_mask_of_active_modules() {
 }
 
 #[test]
-fn goal_values_come_in_the_order_of_their_names() {
+fn goal_values_match_their_names() {
     let goal = GoalRequest {
         from_m: [1.0, 2.0, 3.0],
         from_yaw_rad: 4.0,

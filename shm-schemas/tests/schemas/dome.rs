@@ -57,8 +57,8 @@ fn rings_hold_1_7_13_20_elements_within_35_degrees() {
 }
 
 #[test]
-fn the_pole_element_looks_along_z_with_up_as_its_second_tangent() {
-    for dome in [Layout::dome_41(), Layout::named("dome-1").unwrap()] {
+fn pole_element_faces_z_with_second_tangent_up() {
+    for dome in [Layout::dome_41(), Layout::from_name("dome-1").unwrap()] {
         assert!(close(dome.normal[0], [0.0, 0.0, 1.0]));
         assert!(close(dome.tangent2[0], [-1.0, 0.0, 0.0]));
         assert!(close(dome.tangent1[0], [0.0, 1.0, 0.0]));
@@ -66,7 +66,7 @@ fn the_pole_element_looks_along_z_with_up_as_its_second_tangent() {
 }
 
 #[test]
-fn elements_have_equal_area_and_neighbours_in_a_ring_are_evenly_spread() {
+fn elements_have_equal_area_and_even_spacing() {
     let dome = Layout::dome_41();
     for (normal, position_m) in dome.normal.iter().zip(&dome.position_m).take(dome.count) {
         assert!(close(*position_m, normal.map(|d| d * DOME_RADIUS_M)));
@@ -87,7 +87,7 @@ fn hashes_are_pinned() {
         ("dome-41", 0x9528_63cb_70a3_5143),
         ("dome-1", 0xa5e7_9ed5_0910_3aea),
     ] {
-        assert_eq!(Layout::named(name).unwrap().hash(), hash, "{name}");
+        assert_eq!(Layout::from_name(name).unwrap().hash(), hash, "{name}");
     }
 }
 
@@ -105,7 +105,7 @@ fn another_layout_has_another_hash() {
         changed(&|l| l.normal.swap(1, 2)),
         changed(&|l| l.tangent1[40] = l.tangent1[40].map(|v| -v)),
         changed(&|l| l.tangent2[0][1] += 2e-6),
-        Layout::named("dome-1").unwrap().hash(),
+        Layout::from_name("dome-1").unwrap().hash(),
     ];
     for (i, a) in variants.iter().enumerate() {
         assert!(variants[..i].iter().all(|b| b != a), "variant {i}");
@@ -118,7 +118,7 @@ fn another_layout_has_another_hash() {
 #[test]
 fn layouts_are_found_by_name() {
     for name in Layout::NAMES {
-        assert!(Layout::named(name).is_some(), "{name}");
+        assert!(Layout::from_name(name).is_some(), "{name}");
     }
-    assert!(Layout::named("dome-42").is_none());
+    assert!(Layout::from_name("dome-42").is_none());
 }

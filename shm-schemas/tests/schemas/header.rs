@@ -51,17 +51,17 @@ fn declaration(kind: &Type, name: &str) -> String {
         Type::Text(bytes) => format!("char {name}[{bytes}]"),
         Type::Code(code) => format!("uint32_t {name}; // enum atas_{}", snake(code.name)),
         Type::Payload(part) => format!("atas_{} {name}", snake(part.name)),
-        Type::Array(..) => unreachable!("taken apart above"),
+        Type::Array(..) => unreachable!("arrays are unwrapped above"),
     }
 }
 
 fn code(text: &mut String, code: &CodeType) {
     let prefix = format!("ATAS_{}", snake(code.name).to_uppercase());
     text.push('\n');
-    comment(text, "", code.about);
+    comment(text, "", code.doc);
     writeln!(text, "enum atas_{} {{", snake(code.name)).unwrap();
     for value in code.values {
-        comment(text, "    ", value.about);
+        comment(text, "    ", value.doc);
         writeln!(text, "    {prefix}_{} = {},", value.name, value.number).unwrap();
     }
     text.push_str("};\n");
@@ -70,10 +70,13 @@ fn code(text: &mut String, code: &CodeType) {
 fn payload(text: &mut String, payload: &PayloadType) {
     let name = format!("atas_{}", snake(payload.name));
     text.push('\n');
-    comment(text, "", payload.about);
+    comment(text, "", payload.doc);
     writeln!(text, "typedef struct {name} {{").unwrap();
     for Field {
-        name, kind, about, ..
+        name,
+        kind,
+        doc: about,
+        ..
     } in payload.fields
     {
         comment(text, "    ", about);
@@ -137,7 +140,7 @@ fn header() -> String {
         ("SETTINGS", capacity::SETTINGS),
         ("STEPS", capacity::STEPS),
     ];
-    text.push_str("\n// How much fits into one payload.\n");
+    text.push_str("\n// Capacities of the payloads.\n");
     for (name, number) in capacities {
         writeln!(text, "#define ATAS_{name} {number}").unwrap();
     }
@@ -147,7 +150,7 @@ fn header() -> String {
     }
     text.push_str("\n// Hashes of the built-in layouts.\n");
     for name in Layout::NAMES {
-        let hash = Layout::named(name).expect("built in").hash();
+        let hash = Layout::from_name(name).expect("built-in layout").hash();
         let name = name.to_uppercase().replace(['-', '.'], "_");
         writeln!(text, "#define ATAS_LAYOUT_HASH_{name} 0x{hash:016x}u").unwrap();
     }
@@ -158,19 +161,20 @@ fn header() -> String {
 }
 
 #[test]
-fn the_header_says_what_the_schema_says() {
+fn c_header_matches_the_schema() {
     let actual = header();
     if GOLDEN != actual {
         let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/atas.h");
         std::fs::write(path, actual).unwrap();
         panic!(
-            "the C header is not the schema's: read {path}, then replace shm-schemas/atas.h by it"
+            "the C header differs from the schema: check {path}, then replace shm-schemas/atas.h \
+             by it"
         );
     }
 }
 
 #[test]
-fn what_is_part_of_a_payload_is_declared_before_it() {
+fn nested_types_are_declared_first() {
     let mut codes = CODES.iter().map(|code| code.name).collect::<Vec<_>>();
     for payload in PAYLOADS {
         for field in payload.fields {
@@ -212,7 +216,7 @@ fn frame() -> HandFrame {
 }
 
 #[test]
-fn a_c_program_writes_what_we_read() {
+fn c_program_writes_an_identical_frame() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("header");
     std::fs::create_dir_all(&folder).unwrap();
     let (source, program) = (folder.join("peer.c"), folder.join("peer"));
@@ -246,13 +250,13 @@ fn a_c_program_writes_what_we_read() {
         .arg(&program);
     let built = compiler
         .output()
-        .expect("Rust links with a C compiler, so there is one");
+        .expect("a C compiler is installed because Rust links with it");
     assert!(
         built.status.success(),
         "{}",
         String::from_utf8_lossy(&built.stderr)
     );
-    let ran = Command::new(&program).output().expect("it runs");
+    let ran = Command::new(&program).output().expect("the program starts");
     assert!(
         ran.status.success(),
         "{}",
@@ -261,7 +265,7 @@ fn a_c_program_writes_what_we_read() {
     assert_eq!(
         ran.stdout,
         frame().as_bytes(),
-        "its frame is ours, byte for byte"
+        "the C frame equals the Rust frame"
     );
     let ours = JointState::SCHEMA.fields.last().expect("fields");
     assert_eq!(

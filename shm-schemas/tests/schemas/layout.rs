@@ -59,8 +59,9 @@ fn every_payload_is_laid_out_as_pinned() {
     let path = concat!(env!("CARGO_TARGET_TMPDIR"), "/layout.actual");
     std::fs::write(path, actual).unwrap();
     panic!(
-        "the layout of a payload is not the pinned one:\n{changes}a changed layout is a new version: raise the number \
-         in the type name and in its service name, then replace layout.golden by {path}"
+        "a payload layout differs from the golden file:\n{changes}a changed layout needs a new \
+         version: raise the number in the type name and in its service name, then replace \
+         layout.golden by {path}"
     );
 }
 

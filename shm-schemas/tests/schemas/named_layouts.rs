@@ -4,7 +4,7 @@ use shm_schemas::Layout;
 use shm_schemas::layout::NamedLayout;
 
 #[test]
-fn a_name_is_read_and_written_alike() {
+fn layout_name_round_trips() {
     for name in [
         "dome-41",
         "dome-1",
@@ -19,7 +19,7 @@ fn a_name_is_read_and_written_alike() {
 }
 
 #[test]
-fn what_is_no_name_is_refused() {
+fn invalid_layout_names_are_rejected() {
     for name in [
         "",
         "dome",
@@ -48,8 +48,8 @@ fn what_is_no_name_is_refused() {
 }
 
 #[test]
-fn a_flat_pad_is_a_grid_before_its_frame_and_all_its_elements_look_ahead() {
-    let pad = Layout::named("flat-2x3-4").expect("a layout");
+fn flat_pad_is_a_grid_facing_forwards() {
+    let pad = Layout::from_name("flat-2x3-4").expect("valid layout");
     assert_eq!((pad.count, pad.element_area_m2), (6, 0.004 * 0.004));
     let places_m = [
         [-0.002, -0.004, 0.015],
@@ -65,14 +65,14 @@ fn a_flat_pad_is_a_grid_before_its_frame_and_all_its_elements_look_ahead() {
         assert!((0..3).all(|axis| off(axis) < 1e-12), "{element}");
     }
     // A face taller than a dome is moved ahead so that it does not touch a table.
-    let tall = Layout::named("flat-8x2-5").expect("a layout");
+    let tall = Layout::from_name("flat-8x2-5").expect("valid layout");
     assert_eq!(tall.position_m[0][2], 0.02);
 }
 
 #[test]
-fn a_cylinder_bends_the_grid_and_keeps_the_distances_along_it() {
+fn cylinder_keeps_distances_along_its_surface() {
     let (radius_m, pitch_m) = (0.012, 0.0045);
-    let pad = Layout::named("cylinder-3x4-4.5-12").expect("a layout");
+    let pad = Layout::from_name("cylinder-3x4-4.5-12").expect("valid layout");
     for element in 0..pad.count {
         let (normal, [_, y, z]) = (pad.normal[element], pad.position_m[element]);
         // The cylinder axis passes through the tip origin, along x.
@@ -87,7 +87,7 @@ fn a_cylinder_bends_the_grid_and_keeps_the_distances_along_it() {
 
 /// Pads with equal normals differ in the element positions.
 #[test]
-fn places_are_part_of_the_hash_where_they_do_not_follow_from_directions() {
+fn hash_covers_positions_unless_layout_is_dome() {
     let names = [
         "pad-16",
         "flat-4x4-4.5",
@@ -96,7 +96,7 @@ fn places_are_part_of_the_hash_where_they_do_not_follow_from_directions() {
         "cylinder-4x4-4.5-12",
         "cylinder-4x4-4.5-13",
     ];
-    let hashes = names.map(|name| Layout::named(name).expect("a layout").hash());
+    let hashes = names.map(|name| Layout::from_name(name).expect("valid layout").hash());
     for (i, a) in hashes.iter().enumerate() {
         assert!(!hashes[..i].contains(a), "{}", names[i]);
     }

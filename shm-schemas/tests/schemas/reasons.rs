@@ -4,7 +4,8 @@ use shm_schemas::{Body, BodyPair, Cause, GoalKind, Mode, ModuleId, Reason};
 
 /// One row per cause: a reason and its text.
 fn table() -> Vec<(Reason, &'static str)> {
-    let limit = |cause, value, limit, index| Reason::limit(cause, value, limit).about(index);
+    let limit =
+        |cause, value, limit, index| Reason::with_limit(cause, value, limit).with_index(index);
     let body = |hand, joint| Body { hand, joint };
     let collision = BodyPair([body(1, 2), body(0, 10)]).index();
     vec![
@@ -19,20 +20,25 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::UNREACHABLE, 0.55, 0.4, 0),
-            "the hand cannot reach it: from x is 0.5500 m, the limit is 0.4000 m; move the object nearer",
+            "goal out of reach: from x is 0.5500 m, the limit is 0.4000 m; use at most 0.4000 m",
         ),
         (
             limit(Cause::UNREACHABLE, 0.15, 0.11, 8),
-            "the hand cannot reach it: width is 150.0 mm, the limit is 110.0 mm; choose a value within it",
+            "goal out of reach: width is 150.0 mm, the limit is 110.0 mm; use at most 110.0 mm",
+        ),
+        (
+            limit(Cause::UNREACHABLE, 0.01, 0.03, 2),
+            "goal out of reach: from z is 0.0100 m, the limit is 0.0300 m; use at least 0.0300 m",
         ),
         (
             limit(Cause::UNREACHABLE, 0.24, 0.21, 9),
-            "the hand cannot lift it so high: the place and the lift together are 240.0 mm high, the limit is 210.0 mm; lift less",
+            "lift too high: place and lift together are 240.0 mm high, the limit is 210.0 mm; lift \
+             less",
         ),
         (
             limit(Cause::UNREACHABLE, 0.0123, 0.0, 4),
-            "the arm has no posture for the place \"to\" with this yaw, width and lift: the fingertips stay 12.3 mm off; \
-             move the place or turn the closing axis",
+            "no arm posture for the place \"to\" with this yaw, width and lift: the fingertips \
+             stay 12.3 mm off; move the place or turn the closing axis",
         ),
         (
             limit(Cause::UNKNOWN_GOAL, 99.0, 0.0, 1),
@@ -43,30 +49,32 @@ fn table() -> Vec<(Reason, &'static str)> {
             "another goal is active; wait for it or cancel it",
         ),
         (
-            limit(Cause::BUSY, f64::from(GoalKind::FOLLOW.0), 0.0, 0),
-            "the goal `follow` is active; wait for it or cancel it",
+            limit(Cause::BUSY, f64::from(GoalKind::TELEOP.0), 0.0, 0),
+            "the goal `teleop` is active; wait for it or cancel it",
         ),
         (
             limit(Cause::TARGETS_STOPPED, 0.0, 0.0, 1),
-            "the last target of the right hand has expired; the hand stands and keeps what it holds until the next one",
+            "the last target of the right hand has expired; the hand stops and keeps its grip \
+             until the next one",
         ),
         (
             limit(Cause::TARGET_CORRUPT, 0.0, 0.0, 0),
-            "a target failed its checksum; seal it last",
+            "a target failed its checksum; compute the checksum last",
         ),
         (
             limit(Cause::TARGET_FOREIGN, 0.0, 0.0, 0),
-            "a target comes from another writer than the client whose goal opened the stream; send the epoch of the goal's \
-             request",
+            "a target comes from a writer other than the client of the goal; send the writer epoch \
+             of the goal request",
         ),
         (
             limit(Cause::TARGET_STALE, 2.5e6, 0.0, 0),
-            "a target came 2.5 ms too late, or out of turn; stamp it with CLOCK_MONOTONIC, count its sequence up, and let \
-             valid_until_ns lie ahead",
+            "a target came 2.5 ms too late, or out of order; stamp it with CLOCK_MONOTONIC, \
+             increase its sequence, and set valid_until_ns in the future",
         ),
         (
             limit(Cause::TARGET_UNKNOWN, 7.0, 0.0, 0),
-            "a target names a hand or a grip order (7) that its goal does not have; see the goal's kind and hand",
+            "a target names a hand or a grip command (7) that its goal does not have; check the \
+             goal's kind and hand",
         ),
         (
             limit(Cause::TARGET_NOT_FINITE, 0.0, 0.0, 4),
@@ -74,12 +82,12 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::TARGET_OUT_OF_RANGE, 0.5, 0.4, 0),
-            "x of a target is 0.5000 m, the limit is 0.4000 m; the hand keeps to the target before",
+            "x of a target is 0.5000 m, the limit is 0.4000 m; the hand keeps its previous target",
         ),
         (
             limit(Cause::ACROSS_THE_MIDDLE, -0.0093, 0.003, 1),
-            "the right arm comes within -9.3 mm of the middle between the arms, needs 3.0 mm while a client leads a hand; \
-             bring it home with `atas release --hand right`",
+            "the right arm comes within -9.3 mm of the middle plane, needs 3.0 mm during \
+             teleoperation; move it home with `atas release --hand right`",
         ),
         (
             limit(Cause::NOT_READY, f64::from(Mode::SAFE_STOP.0), 0.0, 0),
@@ -91,7 +99,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::HAND_EMPTY, 0.0, 0.0, 1),
-            "the right hand holds nothing to go on with; grasp the object first with `atas grasp`",
+            "the right hand holds no object; grasp one first with `atas grasp`",
         ),
         (
             limit(Cause::NO_SENSOR, 0.0, 0.0, 0),
@@ -108,18 +116,18 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::NO_WORKSPACE, 0.0, 0.0, 1),
-            "a client can lead the right hand only within a workspace, and its robot file states none; `atas robot check` \
-             prints one",
+            "teleoperation of the right hand needs a workspace in its robot file; `atas robot \
+             check` prints one",
         ),
         (
-            limit(Cause::DOMES_ASKEW, 0.3, 0.2, 0),
-            "closed to this width at the place \"from\", a fingertip would face 17.2° beside the closing axis, and its dome bears \
-             11.5°; grasp where the object is of another width, see `atas robot check`",
+            limit(Cause::FINGERTIPS_MISALIGNED, 0.3, 0.2, 0),
+            "at the place \"from\" with this width a fingertip would be misaligned by 17.2°, the \
+             limit is 11.5°; grasp at another object width, see `atas robot check`",
         ),
         (
             limit(Cause::UNREACHABLE, 1.5, 0.5, 3),
-            "the arm cannot close in this direction there: from yaw is 85.9°, the nearest that it can is 28.6°; turn the closing \
-             axis or move the place",
+            "closing direction out of reach: from yaw is 85.9°, the nearest possible is 28.6°; \
+             turn the closing axis or move the place",
         ),
         (
             limit(Cause::ARMS_COLLIDE, 0.003, 0.01, 0),
@@ -137,45 +145,45 @@ fn table() -> Vec<(Reason, &'static str)> {
         (
             // The force applied may lie just below the limit, so the text does not ask for more.
             limit(Cause::TOO_HEAVY, 7.93, 8.0, 0),
-            "7.93 N do not hold it, and the fingers may press with 8.00 N at most (`grasp.f2_max_n`): object too heavy",
+            "object too heavy: not held with 7.93 N, the limit is 8.00 N (`grasp.f2_max_n`)",
         ),
         (
             limit(Cause::TOO_SOFT, 0.812, 0.83, 0),
-            "0.81 N do not hold it, and an object of this stiffness bears 0.83 N (F_2): too heavy to be held without crushing \
-             it",
+            "object too heavy for its stiffness: not held with 0.81 N, the limit F_2 is 0.83 N",
         ),
         (
             limit(Cause::ABOVE_MAX_FORCE, 2.013, 2.0, 0),
-            "2.01 N do not hold it, and the goal allows 2.00 N (`--max-force`)",
+            "object not held with 2.01 N, the goal allows 2.00 N (`--max-force`)",
         ),
         (
             limit(Cause::GRIP_FOUND, 3.61, 4.33, 1),
-            "the right hand was found gripping something with 3.61 N; it keeps it and presses with up to 4.33 N; `atas release \
-             --hand right` lets go",
+            "the right hand was gripping with 3.61 N when the daemon started; it keeps its grip \
+             with up to 4.33 N; `atas release --hand right` opens it",
         ),
         (
             limit(Cause::ROBOT_RESTARTED, 0.0, 0.0, 0),
-            "the robot process restarted; the goal has ended, what a hand holds it keeps",
+            "the robot process restarted; the goal has ended, the hands keep their grip",
         ),
         (
             limit(Cause::FORCE_IMPLAUSIBLE, 170.9, 30.0, 0),
-            "a fingertip of the left hand reports 170.90 N, the most that is believed is 30.00 N; check the sensor, or take its \
-             zero anew with the hand empty (`atas zero`)",
+            "a fingertip of the left hand reports 170.90 N, the plausible maximum is 30.00 N; \
+             check the sensor, or zero it with an empty hand (`atas zero`)",
         ),
         (
             limit(Cause::FORCE_AGAINST_JOINTS, 6.2, 3.9, 1),
-            "the skin of the right hand says that it presses with 6.20 N, its joints bear 3.90 N; does the zero drift? it keeps \
-             its grip; take the object, then `atas estop`, `atas recover`, `atas zero`",
+            "tactile force 6.20 N and joint-estimated force 3.90 N of the right hand disagree; \
+             does the zero drift? The hand keeps its grip; take the object, then `atas estop`, \
+             `atas recover`, `atas zero`",
         ),
         (
             limit(Cause::ELEMENT_STUCK, 12.0, 1.0, 0),
-            "element 12 of finger 1 of the left hand is stuck: its reading does not move any more; it is not believed until it \
-             does",
+            "element 12 of finger 1 of the left hand is stuck: its reading is constant; it is \
+             masked until the reading changes",
         ),
         (
             limit(Cause::NOT_NOW, 0.0, 0.0, 0),
-            "not now: taking zero needs mode ready and an empty hand, a change of `[safety]` needs a stopped robot (`atas \
-             estop`)",
+            "not now: zeroing needs mode ready and an empty hand, a change of `[safety]` needs a \
+             stopped robot (`atas estop`)",
         ),
         (
             limit(Cause::LOST_OBJECT, 0.01, 0.03, 0),
@@ -183,16 +191,17 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::TURNED_IN_HAND, 0.0021, 0.0038, 0),
-            "the object turned in the hand: the lever of its weight about the closing axis is 2.1 mm, it was 3.8 mm; grasp nearer \
-             to its centre of mass",
+            "the object turned in the hand: lever arm of its weight 2.1 mm, before 3.8 mm; grasp \
+             nearer to its centre of mass",
         ),
         (
             limit(Cause::SLIPPED_IN_HAND, 0.0052, 0.0028, 0),
-            "the object slipped in the hand by about 5.2 mm, allowed 2.8 mm; the hand keeps what it has",
+            "the object slipped in the hand by about 5.2 mm, allowed 2.8 mm; the hand keeps its \
+             grip",
         ),
         (
             limit(Cause::OUT_OF_FORCE, 8.031, 8.0, 0),
-            "still slipping at 8.03 N, F_2 is 8.00 N: the load grew beyond what the object bears",
+            "still slipping at 8.03 N, the force limit F_2 is 8.00 N: the load is too high",
         ),
         (
             limit(Cause::TIMED_OUT, 20.001, 20.0, 0),
@@ -204,29 +213,30 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::CLIENT_GONE, 0.0, 0.0, 0),
-            "the client of this attached goal went away",
+            "the client of this attached goal disconnected",
         ),
         (
             limit(Cause::NO_SUPPORT, 0.0181, 0.033, 0),
-            "lowered to 18.1 mm and felt no support, expected it at 33.0 mm; the hand keeps the object",
+            "no support found down to 18.1 mm, expected at 33.0 mm; the hand keeps the object",
         ),
         (
             limit(Cause::SLIDING, 0.051, 0.05, 0),
-            "the object slides through the fingers, for 0.05 s by now, allowed 0.05 s",
+            "the object has been sliding between the fingertips for 0.05 s, allowed 0.05 s",
         ),
         (
             limit(Cause::OBSTRUCTED, 0.0914, 0.06, 1),
-            "finger 2 touched something at 0.09 N on its way, the limit is 0.06 N; clear the way or grasp nearer to the \
-             object's top",
+            "finger 2 touched an obstacle at 0.09 N, the limit is 0.06 N; clear the path or grasp \
+             nearer to the object's top",
         ),
         (
             limit(Cause::UNKNOWN_TASK, 0.0, 0.0, 0),
-            "the daemon's configuration has no task of this name; `atasd --check-config` prints those that it has",
+            "the daemon's configuration has no task of this name; `atasd --check-config` lists the \
+             configured tasks",
         ),
         (
             limit(Cause::TASK_TOO_LONG, 1e5, 1e5, 0),
-            "the task leads through more than 100000 postures, which is the most that a check follows; let the hands wait for each \
-             other at meeting points, or split the task",
+            "the paths of the task are too long to check: more than 100000 postures; add meeting \
+             points of the hands, or split the task",
         ),
         (
             limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6, 0),
@@ -278,11 +288,11 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::SENSE_ONLY, 0.0, 0.0, 0),
-            "this daemon senses only and moves nothing because robot.joints_required is false",
+            "sense-only mode: the daemon commands no robot because robot.joints_required is false",
         ),
         (
             limit(Cause::JOINTS_INVALID, 3.5, 0.25, 4),
-            "joint 4 reports 3.5000 rad, last trusted position 0.2500 rad",
+            "joint 4 reports 3.5000 rad, last valid position 0.2500 rad",
         ),
         (
             limit(Cause::FOLLOWING_ERROR, 0.1, 0.08, 7),
@@ -298,7 +308,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::GRIP_CEILING, 15.5, 15.0, 1),
-            "grip force 15.50 N of finger 1 is above its ceiling 15.00 N",
+            "grip force 15.50 N of finger 1 exceeds its limit 15.00 N",
         ),
         (
             limit(Cause::MODULE_PANICKED, 0.0, 0.0, 0),
@@ -318,13 +328,13 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::SUPERVISOR_SILENT, 0.8, 0.5, 0),
-            "the daemon's supervisor has been silent for 0.8 s, allowed 0.5 s",
+            "the daemon's supervisor has not responded for 0.8 s, allowed 0.5 s",
         ),
     ]
 }
 
 #[test]
-fn every_cause_has_its_sentence() {
+fn every_cause_has_a_text() {
     for (reason, sentence) in table() {
         assert_eq!(reason.to_string(), sentence, "{}", reason.cause);
     }
@@ -338,12 +348,12 @@ fn every_cause_has_its_sentence() {
 
 /// Values are printed in the unit of the command line or the target file.
 #[test]
-fn values_are_said_in_the_unit_that_they_are_typed_in() {
+fn values_are_printed_in_the_input_unit() {
     let goal = |index: usize, value: f64, limit: f64| {
-        Reason::limit(Cause::OUT_OF_RANGE, value, limit).about(index)
+        Reason::with_limit(Cause::OUT_OF_RANGE, value, limit).with_index(index)
     };
     let target = |index: usize, value: f64, limit: f64| {
-        Reason::limit(Cause::TARGET_OUT_OF_RANGE, value, limit).about(index)
+        Reason::with_limit(Cause::TARGET_OUT_OF_RANGE, value, limit).with_index(index)
     };
     let deg = |degrees: f64| degrees.to_radians();
     for (reason, part) in [
@@ -400,14 +410,14 @@ fn values_are_said_in_the_unit_that_they_are_typed_in() {
             "opening of a target is 0.2000 m, the limit is 0.1000 m;",
         ),
     ] {
-        let told = reason.to_string();
-        assert!(told.starts_with(part), "{told}");
+        let output = reason.to_string();
+        assert!(output.starts_with(part), "{output}");
     }
 }
 
 #[test]
-fn a_reason_names_the_module_that_saw_it() {
-    let reason = Reason::limit(Cause::TOO_HEAVY, 8.0, 7.5).by(ModuleId::FORCE_LIMIT);
+fn reason_text_names_the_module() {
+    let reason = Reason::with_limit(Cause::TOO_HEAVY, 8.0, 7.5).with_module(ModuleId::FORCE_LIMIT);
     assert!(
         reason.to_string().ends_with(" (module 3, force limit)"),
         "{reason}"
@@ -416,30 +426,30 @@ fn a_reason_names_the_module_that_saw_it() {
 
 /// Bytes from the bus may have any value.
 #[test]
-fn a_reason_of_unknown_codes_still_prints() {
+fn reason_with_unknown_codes_prints() {
     for (reason, sentence) in [
         (
-            Reason::limit(Cause(999), 1.0, 2.0),
+            Reason::with_limit(Cause(999), 1.0, 2.0),
             "unknown(999): value 1, limit 2",
         ),
         (
-            Reason::of(Cause::BUSY).by(ModuleId(77)),
+            Reason::new(Cause::BUSY).with_module(ModuleId(77)),
             "another goal is active; wait for it or cancel it (unknown(77))",
         ),
         (
-            Reason::of(Cause::NOT_FINITE).about(usize::MAX),
+            Reason::new(Cause::NOT_FINITE).with_index(usize::MAX),
             "a value of the goal is not finite; send finite numbers",
         ),
         (
-            Reason::of(Cause::HAND_FULL).about(9),
+            Reason::new(Cause::HAND_FULL).with_index(9),
             "the unknown(9) hand still holds an object; release it first with `atas release --hand unknown(9)`",
         ),
         (
-            Reason::limit(Cause::NOT_READY, f64::NAN, 0.0),
+            Reason::with_limit(Cause::NOT_READY, f64::NAN, 0.0),
             "the daemon is in mode init, needs ready; see `atas status`",
         ),
         (
-            Reason::limit(Cause::NOT_READY, 1e300, 0.0),
+            Reason::with_limit(Cause::NOT_READY, 1e300, 0.0),
             "the daemon is in mode unknown(4294967295), needs ready; see `atas status`",
         ),
     ] {
@@ -448,11 +458,11 @@ fn a_reason_of_unknown_codes_still_prints() {
 }
 
 #[test]
-fn only_a_cause_makes_a_reason() {
+fn reason_without_cause_is_none() {
     assert!(!Reason::default().is_some());
     assert!(
         Cause::ALL
             .iter()
-            .all(|c| Reason::of(*c).is_some() == (*c != Cause::NONE))
+            .all(|c| Reason::new(*c).is_some() == (*c != Cause::NONE))
     );
 }

@@ -31,7 +31,7 @@ fn frame() -> HandFrame {
 }
 
 #[test]
-fn every_flipped_bit_of_a_command_is_noticed() {
+fn every_flipped_command_bit_is_detected() {
     let sound = command();
     assert!(sound.is_intact());
     let mut bytes = sound.as_bytes().to_vec();
@@ -47,7 +47,7 @@ fn every_flipped_bit_of_a_command_is_noticed() {
 }
 
 #[test]
-fn flipped_bits_of_a_joint_state_are_noticed() {
+fn flipped_joint_state_bits_are_detected() {
     let mut state = JointState {
         joint_count: 22,
         commanded_count: 22,
@@ -55,7 +55,7 @@ fn flipped_bits_of_a_joint_state_are_noticed() {
         command_epoch: 42,
         ..JointState::default()
     };
-    assert!(!state.is_intact(), "an unsealed state is nobody's");
+    assert!(!state.is_intact(), "an unsealed state is not intact");
     state.seal();
     let mut bytes = state.as_bytes().to_vec();
     for bit in 0..8 * bytes.len() {
@@ -67,7 +67,7 @@ fn flipped_bits_of_a_joint_state_are_noticed() {
 }
 
 #[test]
-fn flipped_bits_of_a_frame_are_noticed() {
+fn flipped_frame_bits_are_detected() {
     let mut bytes = frame().as_bytes().to_vec();
     // 101 is coprime to the length, so the samples cover all kinds of bytes and all bit positions.
     for bit in (0..8 * bytes.len()).step_by(101) {

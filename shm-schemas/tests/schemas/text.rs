@@ -3,7 +3,7 @@
 use shm_schemas::Text;
 
 #[test]
-fn what_does_not_fit_is_cut_at_a_character_boundary() {
+fn long_text_is_cut_at_a_character() {
     for (given, kept) in [
         ("", ""),
         ("grip", "grip"),

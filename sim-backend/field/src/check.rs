@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use thiserror::Error;
 
-use crate::chance::Noise;
+use crate::noise::Noise;
 use crate::preset::{Goals, Preset, Push};
 use crate::training::{Places, Training};
 use crate::weights::Weights;
@@ -12,14 +12,14 @@ use crate::weights::Weights;
 /// Largest number of goal sets. Design choice: more only lengthen a generation.
 const MAX_DRAWS: u8 = 64;
 /// Largest weight, ten times the points of a goal. Design choice.
-const MOST_WEIGHT: f32 = 1000.0;
+const WEIGHT_MAX: f32 = 1000.0;
 /// Probability 1, in 1/1024.
-const MOST_PARTS: u16 = 1024;
+const PROBABILITY_MAX: u16 = 1024;
 
 /// Invalid preset or layout.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
-    "could not use preset {preset:?} because {}; correct {}",
+    "could not use preset {preset:?}: {}; correct {}",
     .findings.iter().map(Finding::to_string).collect::<Vec<_>>().join(", and "),
     if let [_] = .findings[..] { "that value" } else { "those values" }
 )]
@@ -88,7 +88,8 @@ pub(crate) fn check(preset: &Preset) -> Vec<Finding> {
             "medium_speed_px_per_frame",
             p.medium_speed_px_per_frame,
             in_range(p.medium_speed_px_per_frame, positive, 0.25 * touch),
-            "above 0, at most a quarter of the two radii's sum, or bodies pass through each other",
+            "above 0 and at most a quarter of the sum of both radii, so that bodies do not pass \
+             through each other",
         ),
         (
             "starts.distance_px",
@@ -165,7 +166,7 @@ fn push(push: Push) -> (&'static str, f32, bool, &'static str) {
             "friction_per_stall_force",
             stall_forces,
             (0.0..=4.0).contains(&stall_forces),
-            "0 to 4: beyond, no team moves the object",
+            "0 to 4; above 4 no team moves the object",
         ),
     }
 }
@@ -175,18 +176,18 @@ fn noise(noise: Noise) -> (&'static str, f32, bool, &'static str) {
         sensor_flips_per_1024: flips,
         wheel_slips_per_1024: slips,
     } = noise;
-    let (key, parts) = if flips > MOST_PARTS {
+    let (key, parts) = if flips > PROBABILITY_MAX {
         ("noise.sensor_flips_per_1024", flips)
     } else {
         ("noise.wheel_slips_per_1024", slips)
     };
-    (key, f32::from(parts), parts <= MOST_PARTS, "0 to 1024")
+    (key, f32::from(parts), parts <= PROBABILITY_MAX, "0 to 1024")
 }
 
 /// Returns the first weight out of range, else checks that one is above 0.
 fn fitness(weights: Option<Weights>) -> (&'static str, f32, bool, &'static str) {
     let terms = weights.map(|weights| weights.terms());
-    let wrong = |(_, weight): &&(&str, f32)| !(-MOST_WEIGHT..=MOST_WEIGHT).contains(weight);
+    let wrong = |(_, weight): &&(&str, f32)| !(-WEIGHT_MAX..=WEIGHT_MAX).contains(weight);
     match terms.as_ref().and_then(|terms| terms.iter().find(wrong)) {
         Some(&(key, weight)) => (key, weight, false, "-1000 to 1000"),
         None => {
@@ -195,7 +196,7 @@ fn fitness(weights: Option<Weights>) -> (&'static str, f32, bool, &'static str) 
                 "fitness",
                 0.0,
                 counts,
-                "a weight above 0, or nothing is worth anything",
+                "a weight above 0; otherwise every trial scores 0",
             )
         }
     }
@@ -215,7 +216,7 @@ fn training(training: Option<Training>, noise: Noise) -> (&'static str, f32, boo
     let needs = if drawn {
         "1 to 64"
     } else {
-        "1 while nothing is drawn, neither starts nor goals nor noise: all sets are the same then"
+        "1 if starts, goals and noise are not random, because all sets are identical then"
     };
     (
         "training.draws",
@@ -271,8 +272,8 @@ mod tests {
 
     #[test]
     fn bad_values_are_refused_by_name() {
-        type Spoil = fn(&mut Preset, f32);
-        let keys: [(&str, Spoil); 14] = [
+        type SetValue = fn(&mut Preset, f32);
+        let keys: [(&str, SetValue); 14] = [
             ("agent_radius_px", |p, v| p.agent_radius_px = v),
             ("object_radius_px", |p, v| p.object_radius_px = v),
             ("medium_speed_px_per_frame", |p, v| {

@@ -1,8 +1,8 @@
 //! Constants derived from a preset, shared by both simulators.
 
 use crate::arithmetic::{greater, lesser};
-use crate::chance::Noise;
 use crate::heading::cos_sin;
+use crate::noise::Noise;
 use crate::obstacle::{Obstacles, Post, Wall};
 use crate::preset::{Contact, Preset};
 use crate::trial::MAX_AGENTS;

@@ -29,7 +29,8 @@ enum Kind {
 /// Unavailable engine: requested name, available names.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "could not use engine {0:?} because this machine does not have it, needs one of {1}; leave it out to take the fastest"
+    "engine {0:?} not available: this machine has {1}; choose one of these or leave it out to use \
+     the fastest"
 )]
 pub struct EngineError(pub String, pub String);
 

@@ -54,7 +54,7 @@ impl Preset {
             Contact::Blocking => 1.0,
         });
         add(self.half_side_px);
-        self.obstacles().into_iter().for_each(&mut add);
+        self.obstacle_numbers().into_iter().for_each(&mut add);
         if !self.noise.is_none() {
             add(self.noise.sensor_flips_per_1024.into());
             add(self.noise.wheel_slips_per_1024.into());
@@ -67,7 +67,7 @@ impl Preset {
     }
 
     /// Numbers of walls and posts, each list after its length; empty without obstacles.
-    fn obstacles(&self) -> Vec<f32> {
+    fn obstacle_numbers(&self) -> Vec<f32> {
         let drawn = self.drawn_posts;
         if self.walls.is_empty() && self.posts.is_empty() && drawn.is_none() {
             return Vec::new();
@@ -93,13 +93,13 @@ impl Preset {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chance::Noise;
+    use crate::noise::Noise;
     use crate::obstacle::{DrawnPosts, Post, Wall};
     use crate::training::Training;
     use crate::weights::Weights;
 
     #[test]
-    fn every_field_has_a_name_of_its_own() {
+    fn fingerprints_differ_between_fields() {
         let mut names = Preset::ALL.map(|preset| preset.fingerprint()).to_vec();
         let corners = [1, 0, 2, 3].map(|k| Preset::R3.starts.corners[k]);
         let mut other = Preset::R3;

@@ -21,10 +21,10 @@ const K2: f32 = 600.0;
 /// Points of one goal (paper III.b.3).
 pub const GOAL_POINTS: f32 = 100.0;
 /// Lower limit of the distance in E₁: a perfect trial scores K₁ / d = 100 points. Design choice.
-const NEAREST_PX: f32 = 10.0;
+const DISTANCE_MIN_PX: f32 = 10.0;
 /// Margin beyond contact within which an agent is with the object. Design choice; the paper prints
 /// none.
-const WITH_OBJECT_PX: f32 = 20.0;
+const NEAR_OBJECT_MARGIN_PX: f32 = 20.0;
 
 /// Scoring rule of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +58,7 @@ impl FitnessRule {
     /// Returns the default rule: the preset's weights, literal for the paper's constants, else
     /// anti-accident.
     #[must_use]
-    pub fn usual(preset: &Preset) -> Self {
+    pub fn default_for(preset: &Preset) -> Self {
         match preset.fitness {
             Some(weights) => Self::Weighted(weights),
             None if *preset == Preset::PAPER => Self::Literal,
@@ -85,7 +85,7 @@ impl FitnessRule {
 /// Returns E₁ (Eq. 2), points.
 #[must_use]
 pub fn accuracy(distance_px: f32) -> f32 {
-    K1 / distance_px.max(NEAREST_PX)
+    K1 / distance_px.max(DISTANCE_MIN_PX)
 }
 
 /// Returns E₂ (Eq. 3), points; 0 if the goal was never reached (frame 0).
@@ -123,7 +123,7 @@ fn weighted(weights: Weights, preset: &Preset, team: TeamSize, outcome: &Outcome
 }
 
 fn is_with_object(preset: &Preset, snapshot: &Snapshot, agent: usize) -> bool {
-    let near_px = preset.agent_radius_px + preset.object_radius_px + WITH_OBJECT_PX;
+    let near_px = preset.agent_radius_px + preset.object_radius_px + NEAR_OBJECT_MARGIN_PX;
     snapshot.agents_px[agent] <= near_px
 }
 
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn accidents_earn_no_more_than_the_goals_edge() {
+    fn accidents_score_at_most_the_goal_edge() {
         let edge = 1000.0 / 60.0;
         let rows = [
             (30.0, 80.0, 80.0, 100.0), // delivered
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn the_literal_rule_is_equations_2_and_3_capped() {
+    fn literal_rule_is_capped_equations_2_and_3() {
         let rows = [
             (100.0, 0, 10.0),
             (100.0, 60, 20.0),
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn the_comparison_takes_from_accidents_what_the_formulas_gave_them() {
+    fn compared_rule_caps_the_score_of_accidents() {
         let edge = 1000.0 / 60.0;
         let rows = [
             (30.0, 80.0, 80.0, 60, 1000.0 / 30.0 + 10.0), // delivered
@@ -231,12 +231,12 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_score_is_solved() {
+    fn only_the_largest_score_is_solved() {
         assert!(solved(100.0) && !solved(99.9));
     }
 
     #[test]
-    fn a_trial_earns_the_sum_of_what_is_weighed() {
+    fn weighted_score_is_the_clamped_sum() {
         // At the goal from frame 60; two of three agents with the object at the end, one
         // throughout.
         let outcome = Outcome {

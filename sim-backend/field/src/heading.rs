@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn headings_lie_on_the_unit_circle_and_axes_are_exact() {
+    fn headings_are_unit_vectors_and_axes_exact() {
         for k in 0..64u8 {
             let angle = f64::from(k) * std::f64::consts::TAU / 64.0;
             let (cos, sin) = cos_sin(k);

@@ -23,9 +23,17 @@
 //!
 //! Excluded: time, unseeded randomness, files, threads, learning. Units: pixels (px), frames,
 //! headings in 1/64 turn, counter-clockwise from +x. The paper's field is `[−400, 400]²` (III.b.3).
+//!
+//! ```
+//! use field::{Model, Preset, TeamSize};
+//!
+//! let model = Model::new(Preset::R3)?;
+//! assert_eq!(model.training_goals().len(), 8);
+//! assert!(TeamSize::new(5).is_err(), "at most four agents");
+//! # Ok::<(), field::PresetError>(())
+//! ```
 
 mod arithmetic;
-mod chance;
 mod check;
 mod constants;
 mod engine;
@@ -34,24 +42,25 @@ mod fitness;
 mod heading;
 mod lanes;
 mod model;
+mod noise;
 mod obstacle;
+mod placement;
 mod preset;
+mod preset_file;
 mod responses;
-mod room;
 mod run;
-mod sight;
+mod sensing;
 mod training;
 mod trial;
 mod weights;
 mod world;
-mod written;
 
-pub use chance::Noise;
 pub use check::{Finding, PresetError};
 pub use engine::{Engine, EngineError};
 pub use fitness::{FitnessRule, GOAL_POINTS, accompanied, accuracy, delivered, efficiency, solved};
 pub use heading::{HEADINGS, cos_sin};
 pub use model::{Model, TeamSize, TeamSizeError};
+pub use noise::Noise;
 pub use obstacle::{DrawnPosts, MAX_OBSTACLES, Post, Wall};
 pub use preset::{Contact, Corner, Goals, Photo, Preset, Push, Start, Starts};
 pub use responses::{ROWS, Responses, SENSORS, Wheels};

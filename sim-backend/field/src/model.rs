@@ -6,8 +6,8 @@ use crate::check::{Finding, PresetError, check};
 use crate::constants::Constants;
 use crate::heading::cos_sin;
 use crate::obstacle::{Body, Obstacles, Post, Wall};
+use crate::placement;
 use crate::preset::{Corner, Goals, Preset, Start};
-use crate::room;
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose};
 
 /// Number of agents on a field: 1 to [`MAX_AGENTS`].
@@ -16,7 +16,7 @@ pub struct TeamSize(u8);
 
 /// Unsupported number of agents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("could not place {0} agents, needs 1 to 4 (paper Fig. 13); choose one of these")]
+#[error("could not place {0} agents: a field holds 1 to 4 (paper Fig. 13); choose one of these")]
 pub struct TeamSizeError(pub usize);
 
 impl TeamSize {
@@ -61,15 +61,16 @@ impl Model {
         };
         let mut findings = check(&preset);
         let (starts, goals) = (start_poses(&preset), training_goals(preset.goals));
-        let places = room::places(&preset, &starts, &goals);
+        let places = placement::required_places(&preset, &starts, &goals);
         if findings.is_empty() {
-            findings = room::crowded(&preset, &places);
+            findings = placement::blocked_places(&preset, &places);
         }
-        findings.extend(room::shapes(&preset));
+        findings.extend(placement::shape_findings(&preset));
         if !findings.is_empty() {
             return Err(refused(findings));
         }
-        let posts = room::posts(&preset, &places).map_err(|found| refused(vec![found]))?;
+        let posts =
+            placement::place_posts(&preset, &places).map_err(|found| refused(vec![found]))?;
         let constants = Constants::new(&preset);
         let obstacles = Constants::obstacles(&preset, &preset.walls, &posts);
         let model = Self {
@@ -122,7 +123,7 @@ impl Model {
     /// Returns a goal between two neighbouring directions, interpolated linearly by `part` (0 to
     /// 1).
     #[must_use]
-    pub fn goal_beyond(&self, heading: u8, part: f32) -> Point {
+    pub fn goal_between(&self, heading: u8, part: f32) -> Point {
         let (from, to) = (
             self.goal_towards(heading),
             self.goal_towards(heading.wrapping_add(1)),
@@ -154,7 +155,7 @@ impl Model {
         for (i, a) in starts.iter().enumerate() {
             let apart = |key, sq: f32, least: f32, needs| match sq >= least {
                 true => Ok(()),
-                false => Err(self.refusal(key, sq.sqrt(), needs)),
+                false => Err(self.error(key, sq.sqrt(), needs)),
             };
             let origin = a.x_px * a.x_px + a.y_px * a.y_px;
             apart(
@@ -164,10 +165,10 @@ impl Model {
                 "no overlap",
             )?;
             let obstacles = &self.obstacles;
-            if !obstacles.lets(Body::Agent, a.position(), a.position()) {
+            if !obstacles.allows_move(Body::Agent, a.position(), a.position()) {
                 let key = "distance from a start to a wall or post";
                 let clearance_px = obstacles.clearance_px(a.position());
-                return Err(self.refusal(key, clearance_px, "no overlap"));
+                return Err(self.error(key, clearance_px, "no overlap"));
             }
             for b in &starts[..i] {
                 let (dx, dy) = (a.x_px - b.x_px, a.y_px - b.y_px);
@@ -185,11 +186,11 @@ impl Model {
     fn within(&self, key: &'static str, value: f32, limit: f32) -> Result<(), PresetError> {
         match value.abs() <= limit {
             true => Ok(()),
-            false => Err(self.refusal(key, value, "a finite number inside the field")),
+            false => Err(self.error(key, value, "a finite number inside the field")),
         }
     }
 
-    fn refusal(&self, key: &'static str, value: f32, needs: &'static str) -> PresetError {
+    fn error(&self, key: &'static str, value: f32, needs: &'static str) -> PresetError {
         PresetError {
             preset: self.preset.name.to_string(),
             findings: vec![Finding::new(key, value, needs)],
@@ -286,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn agents_start_looking_at_the_object() {
+    fn agents_start_facing_the_object() {
         for pose in start_poses(&Preset::R3) {
             let (cos, sin) = cos_sin(pose.heading);
             assert!(pose.x_px * cos < 0.0 && pose.y_px * sin < 0.0);

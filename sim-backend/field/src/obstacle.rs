@@ -14,7 +14,7 @@ pub const MAX_OBSTACLES: usize = 16;
 const SLACK_PX: f32 = 1.0 / 64.0;
 /// Margin of a body's largest move below its radius, px, so that no body crosses a wall. Design
 /// choice.
-pub(crate) const LEAP_MARGIN_PX: f32 = 0.5;
+pub(crate) const MOVE_MARGIN_PX: f32 = 0.5;
 
 /// Straight wall without thickness.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ pub(crate) enum Body {
 
 /// Distances between a body's centre and an obstacle's line.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Reach {
+pub(crate) struct ContactDistance {
     /// Contact distance.
     pub px: f32,
     pub sq: f32,
@@ -78,7 +78,7 @@ pub(crate) struct Obstacle {
     pub radius: f32,
     pub radius_sq: f32,
     /// Contact distances of agent and object.
-    pub reach: [Reach; 2],
+    pub contact: [ContactDistance; 2],
     /// Squared distance beyond which an agent neither detects nor touches the obstacle in this
     /// frame, unless bodies meet before.
     pub cull_sq: f32,
@@ -90,7 +90,7 @@ pub(crate) struct Obstacles {
     each: [Obstacle; MAX_OBSTACLES],
     count: usize,
     /// Squared largest move of an agent and of the object.
-    pub leap_sq: [f32; 2],
+    pub max_move_sq: [f32; 2],
 }
 
 impl Wall {
@@ -116,11 +116,11 @@ impl Obstacles {
             *slot = Obstacle::new(ends, radius, radii, range);
             count += 1;
         }
-        let leap_sq = radii.map(|radius| (radius - LEAP_MARGIN_PX) * (radius - LEAP_MARGIN_PX));
+        let leap_sq = radii.map(|radius| (radius - MOVE_MARGIN_PX) * (radius - MOVE_MARGIN_PX));
         Self {
             each,
             count,
-            leap_sq,
+            max_move_sq: leap_sq,
         }
     }
 
@@ -135,7 +135,7 @@ impl Obstacles {
     /// Returns the distance to the nearest obstacle; infinite without obstacles.
     pub(crate) fn clearance_px(&self, at: Point) -> f32 {
         let clearance = |obstacle: &Obstacle| {
-            let (dx, dy) = obstacle.to(at);
+            let (dx, dy) = obstacle.vector_to(at);
             (dx * dx + dy * dy).sqrt() - obstacle.radius
         };
         self.iter().map(clearance).fold(f32::INFINITY, f32::min)
@@ -146,31 +146,37 @@ impl Obstacles {
     /// largest move. A body at rest stays; without obstacles `to` is returned.
     ///
     /// Precondition: `from` is outside all obstacles.
-    pub(crate) fn settle(&self, body: Body, from: Point, to: Point, limit: f32) -> Option<Point> {
+    pub(crate) fn resolve_move(
+        &self,
+        body: Body,
+        from: Point,
+        to: Point,
+        limit: f32,
+    ) -> Option<Point> {
         if self.is_empty() || from == to {
             return Some(to);
         }
         let mut at = to;
         for obstacle in self.iter() {
-            at = obstacle.put_out(body, at);
+            at = obstacle.push_out(body, at);
         }
         let at = Point {
             x_px: clamp(at.x_px, limit),
             y_px: clamp(at.y_px, limit),
         };
-        self.lets(body, from, at).then_some(at)
+        self.allows_move(body, from, at).then_some(at)
     }
 
     /// Returns true if `to` is outside all obstacles and within the largest move, or if there are
     /// no obstacles.
-    pub(crate) fn lets(&self, body: Body, from: Point, to: Point) -> bool {
+    pub(crate) fn allows_move(&self, body: Body, from: Point, to: Point) -> bool {
         let (dx, dy) = (to.x_px - from.x_px, to.y_px - from.y_px);
         let inside = |obstacle: &Obstacle| {
-            let (dx, dy) = obstacle.to(to);
-            dx * dx + dy * dy < obstacle.reach[body as usize].inside_sq
+            let (dx, dy) = obstacle.vector_to(to);
+            dx * dx + dy * dy < obstacle.contact[body as usize].inside_sq
         };
         self.is_empty()
-            || dx * dx + dy * dy <= self.leap_sq[body as usize] && !self.iter().any(inside)
+            || dx * dx + dy * dy <= self.max_move_sq[body as usize] && !self.iter().any(inside)
     }
 }
 
@@ -185,7 +191,7 @@ impl Obstacle {
         };
         let reach = radii.map(|body| {
             let (px, inside) = (body + radius, body + radius - SLACK_PX);
-            Reach {
+            ContactDistance {
                 px,
                 sq: px * px,
                 inside_sq: inside * inside,
@@ -199,22 +205,22 @@ impl Obstacle {
             half,
             radius,
             radius_sq: radius * radius,
-            reach,
+            contact: reach,
             cull_sq: cull * cull,
         }
     }
 
     /// Returns the vector from the nearest point of the line.
-    pub(crate) fn to(&self, at: Point) -> (f32, f32) {
+    pub(crate) fn vector_to(&self, at: Point) -> (f32, f32) {
         let (dx, dy) = (at.x_px - self.middle.x_px, at.y_px - self.middle.y_px);
         let along = clamp(dx * self.along.x_px + dy * self.along.y_px, self.half);
         (dx - along * self.along.x_px, dy - along * self.along.y_px)
     }
 
     /// Moves an overlapping body to the nearest position in contact.
-    fn put_out(&self, body: Body, at: Point) -> Point {
-        let (dx, dy) = self.to(at);
-        let (sq, reach) = (dx * dx + dy * dy, self.reach[body as usize]);
+    fn push_out(&self, body: Body, at: Point) -> Point {
+        let (dx, dy) = self.vector_to(at);
+        let (sq, reach) = (dx * dx + dy * dy, self.contact[body as usize]);
         if sq < reach.sq {
             let more = reach.px / greater(sq, COINCIDENT_SQ).sqrt() - 1.0;
             point([at.x_px + more * dx, at.y_px + more * dy])
@@ -241,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn bodies_slide_along_obstacles_and_end_outside_of_them() {
+    fn bodies_slide_along_obstacles() {
         // from, to, end position of the agent
         let rows = [
             ([0.0, 30.0], [3.0, 25.0], Some([3.0, 25.0])), // clear of it
@@ -255,7 +261,7 @@ mod tests {
             ([0.0, 15.0], [0.0, 15.0], Some([0.0, 15.0])),    // no motion
         ];
         for (from, to, expected) in rows {
-            let found = obstacles().settle(Body::Agent, point(from), point(to), 400.0);
+            let found = obstacles().resolve_move(Body::Agent, point(from), point(to), 400.0);
             let near = |a: Point, b: [f32; 2]| {
                 (a.x_px - b[0]).abs() < 0.01 && (a.y_px - b[1]).abs() < 0.01
             };
@@ -268,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_passes_a_wall_wherever_bodies_are_thrown() {
+    fn random_moves_never_cross_a_wall() {
         let obstacles = obstacles();
         let mut at = point([0.0, 25.0]);
         let mut state = 1_u32;
@@ -281,8 +287,10 @@ mod tests {
                 clamp(at.x_px + throw(), 80.0),
                 clamp(at.y_px + throw(), 380.0),
             ]);
-            at = obstacles.settle(Body::Agent, at, to, 380.0).unwrap_or(at);
-            assert!(at.y_px > 20.0 - 2.0 * SLACK_PX, "{at:?} is beyond the wall");
+            at = obstacles
+                .resolve_move(Body::Agent, at, to, 380.0)
+                .unwrap_or(at);
+            assert!(at.y_px > 20.0 - 2.0 * SLACK_PX, "{at:?} is behind the wall");
         }
     }
 }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use crate::chance::Noise;
+use crate::noise::Noise;
 use crate::obstacle::{DrawnPosts, Post, Wall};
 use crate::training::Training;
 use crate::trial::MAX_AGENTS;
@@ -107,7 +107,7 @@ pub struct Starts {
 /// Corner of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[expect(missing_docs, reason = "the names say it")]
+#[expect(missing_docs, reason = "the names are self-explanatory")]
 pub enum Corner {
     LeftTop,
     RightTop,

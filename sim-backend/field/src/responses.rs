@@ -42,6 +42,18 @@ impl Wheels {
 /// One [`Wheels`] per row. Row index: IR left 1 + front 2 + right 4 + photo left 8 + right 16.
 ///
 /// Four bits per row: left level in bits 0–1, right level in bits 2–3.
+///
+/// ```
+/// use field::{Responses, Wheels};
+///
+/// // One response per row: drive ahead when the first sensor is set, else stop.
+/// let table = Responses::from_fn(|row| match row & 1 {
+///     1 => Wheels { left: 2, right: 2 },
+///     _ => Wheels::STOP,
+/// });
+/// assert_eq!(table.get(3), Wheels { left: 2, right: 2 });
+/// assert_eq!(Responses::from_fn(|row| table.get(row)), table);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Responses(u128);
 
@@ -114,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_row_reads_back_what_was_packed() {
+    fn packed_rows_round_trip() {
         let wheels = |row: usize| Wheels {
             left: (row % 3) as u8,
             right: (row / 3 % 3) as u8,
@@ -130,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_is_the_number_of_set_motor_bits() {
+    fn level_counts_set_motor_bits() {
         let table = Responses::from_motor_bits(0x0123_4567_89ab_cdef << 64 | 0xfedc_ba98_7654_3210);
         for row in 0..16_u8 {
             let ones = |bits: u8| bits.count_ones() as u8;
@@ -144,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn row_mask_covers_exactly_the_nibbles_of_its_rows() {
+    fn row_mask_covers_the_nibbles_of_its_rows() {
         for rows in [0, 1, 0x8000_0000, 0x0001_0280, 0xdead_beef, u32::MAX] {
             let expected = (0..32)
                 .filter(|r| rows >> r & 1 == 1)

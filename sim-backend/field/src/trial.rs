@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::chance::{Stream, seed};
+use crate::noise::{Stream, seed};
 use crate::responses::Responses;
 
 /// Largest number of agents (paper Fig. 13).

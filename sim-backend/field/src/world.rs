@@ -4,14 +4,14 @@
 //! [`Contact`] defines.
 
 use crate::arithmetic::{COINCIDENT_SQ, clamp, greater};
-use crate::chance::{Stream, Upset};
 use crate::constants::Constants;
 use crate::heading::cos_sin;
 use crate::model::{Model, TeamSize};
+use crate::noise::{FrameNoise, Stream};
 use crate::obstacle::{Body, Obstacles};
 use crate::preset::Contact;
 use crate::responses::Wheels;
-use crate::sight::Sight;
+use crate::sensing::SensingAgent;
 use crate::trial::{Layout, MAX_AGENTS, Point, Pose, Snapshot};
 
 /// State of one field.
@@ -25,7 +25,7 @@ pub struct World {
     goal: Point,
     touching: [bool; MAX_AGENTS],
     /// Noise of this frame.
-    upsets: [Upset; MAX_AGENTS],
+    frame_noise: [FrameNoise; MAX_AGENTS],
     noise: Stream,
 }
 
@@ -48,7 +48,7 @@ impl World {
             object: Point::default(),
             goal: layout.goal,
             touching: [false; MAX_AGENTS],
-            upsets,
+            frame_noise: upsets,
             noise,
         }
     }
@@ -101,7 +101,7 @@ impl World {
     pub fn sense(&self) -> [u8; MAX_AGENTS] {
         let mut rows = [0; MAX_AGENTS];
         for (i, row) in rows.iter_mut().enumerate().take(self.team.get()) {
-            *row = self.sense_agent(i) ^ self.upsets[i].flips;
+            *row = self.sense_agent(i) ^ self.frame_noise[i].flips;
         }
         rows
     }
@@ -110,7 +110,7 @@ impl World {
     pub fn advance(&mut self, wheels: &[Wheels; MAX_AGENTS]) {
         self.touching = [false; MAX_AGENTS];
         let wheels: [Wheels; MAX_AGENTS] =
-            std::array::from_fn(|i| self.upsets[i].turning(wheels[i]));
+            std::array::from_fn(|i| self.frame_noise[i].apply_slip(wheels[i]));
         match self.constants.contact {
             Contact::Sliding => {
                 for (i, wheels) in wheels.iter().enumerate().take(self.team.get()) {
@@ -127,17 +127,17 @@ impl World {
                 }
             }
         }
-        (self.upsets, self.noise) = self.noise.frame(self.constants.noise, self.team.get());
+        (self.frame_noise, self.noise) = self.noise.frame(self.constants.noise, self.team.get());
     }
 
     fn sense_agent(&self, i: usize) -> u8 {
         let c = &self.constants;
-        let sight = Sight::of(self.agents[i]);
-        let object = sight.to(self.object);
+        let sight = SensingAgent::new(self.agents[i]);
+        let object = sight.relative(self.object);
         let mut ir = sight.ir(object, c.object_radius_sq, c);
         for (j, other) in self.agents().iter().enumerate() {
             if j != i {
-                let seen = sight.ir(sight.to(other.position()), c.agent_radius_sq, c);
+                let seen = sight.ir(sight.relative(other.position()), c.agent_radius_sq, c);
                 ir = std::array::from_fn(|k| ir[k] | seen[k]);
             }
         }
@@ -149,7 +149,7 @@ impl World {
         let lit = |light, range_sq: f32| sight.photo(light, range_sq, c);
         let (by_object, by_goal) = (
             lit(object, c.object_light_sq),
-            lit(sight.to(self.goal), c.goal_light_sq),
+            lit(sight.relative(self.goal), c.goal_light_sq),
         );
         let bits = [
             ir[0] | walls[0],
@@ -180,7 +180,7 @@ impl World {
     /// Sliding: moves agent `i` to a position, or as near as obstacles allow.
     fn move_agent(&mut self, i: usize, to: Point) {
         let (from, limit) = (self.agents[i].position(), self.constants.agent_limit);
-        let at = self.obstacles.settle(Body::Agent, from, to, limit);
+        let at = self.obstacles.resolve_move(Body::Agent, from, to, limit);
         let Point { x_px, y_px } = at.unwrap_or(from);
         (self.agents[i].x_px, self.agents[i].y_px) = (x_px, y_px);
     }
@@ -219,8 +219,8 @@ impl World {
         }
     }
 
-    /// Sliding: moves the object by the sum of the overlaps, at most the largest one, then agents
-    /// that still overlap back.
+    /// Pushes the object by the sum of the overlaps, at most the largest one. Then moves agents
+    /// that still overlap the object back.
     fn push_object(&mut self) {
         let c = self.constants;
         let (mut sum_x, mut sum_y, mut deepest, mut pushers) = (0.0, 0.0, 0.0, 0);
@@ -250,7 +250,7 @@ impl World {
         };
         let settled = self
             .obstacles
-            .settle(Body::Object, self.object, to, c.object_limit);
+            .resolve_move(Body::Object, self.object, to, c.object_limit);
         self.object = settled.unwrap_or(self.object);
         for i in 0..self.team.get() {
             if let Some((overlap, dx, dy, distance)) = self.overlap(i) {
@@ -280,7 +280,7 @@ impl World {
     fn blocking_push(&self) -> f32 {
         let c = &self.constants;
         let facing = |agent: &Pose| {
-            let ray = Sight::of(*agent).to(self.object);
+            let ray = SensingAgent::new(*agent).relative(self.object);
             ray.distance_sq < c.facing_sq && ray.ahead > 0.0
         };
         let facing = self.agents().iter().filter(|agent| facing(agent)).count();
@@ -293,9 +293,12 @@ impl World {
         let c = self.constants;
         let from = self.agents[i].position();
         let to = self.turn_and_step(i, wheels);
-        let settled = self.obstacles.settle(Body::Agent, from, to, c.agent_limit);
+        let settled = self
+            .obstacles
+            .resolve_move(Body::Agent, from, to, c.agent_limit);
         let mut target = settled.unwrap_or(to);
-        let mut blocked = settled.is_none() || self.others_press(i, from, target, c.pair_sq);
+        let mut blocked =
+            settled.is_none() || self.would_press_other_agent(i, from, target, c.pair_sq);
         let (dx, dy) = (
             self.object.x_px - target.x_px,
             self.object.y_px - target.y_px,
@@ -313,15 +316,17 @@ impl World {
                 y_px: self.object.y_px + yielded * dy,
             };
             blocked |= c.object_limit < greater(pushed.x_px.abs(), pushed.y_px.abs())
-                || !self.obstacles.lets(Body::Object, self.object, pushed)
-                || self.others_press(i, self.object, pushed, c.touch_sq);
+                || !self
+                    .obstacles
+                    .allows_move(Body::Object, self.object, pushed)
+                || self.would_press_other_agent(i, self.object, pushed, c.touch_sq);
             let back = Point {
                 x_px: clamp(target.x_px - refused * dx, c.agent_limit),
                 y_px: clamp(target.y_px - refused * dy, c.agent_limit),
             };
             let settled = self
                 .obstacles
-                .settle(Body::Agent, target, back, c.agent_limit);
+                .resolve_move(Body::Agent, target, back, c.agent_limit);
             blocked |= settled.is_none();
             target = settled.unwrap_or(back);
             if !blocked {
@@ -335,7 +340,7 @@ impl World {
 
     /// Returns true if the move brings a body within contact of an agent other than `i`, and closer
     /// than before.
-    fn others_press(&self, i: usize, from: Point, to: Point, contact_sq: f32) -> bool {
+    fn would_press_other_agent(&self, i: usize, from: Point, to: Point, contact_sq: f32) -> bool {
         self.agents().iter().enumerate().any(|(j, other)| {
             let sq = distance_sq(to, other.position());
             j != i && sq < contact_sq && sq < distance_sq(from, other.position())

@@ -211,7 +211,7 @@ fn fingerprint(outcomes: &[Outcome]) -> u64 {
 }
 
 #[test]
-fn every_engine_gives_the_bits_of_the_scalar_reference() {
+fn engines_match_the_scalar_reference_bit_for_bit() {
     for (seed, preset) in presets().into_iter().enumerate() {
         let model = Model::new(preset).expect("a valid preset");
         let trials = trials(&model, seed as u64);
@@ -243,7 +243,7 @@ fn every_engine_gives_the_bits_of_the_scalar_reference() {
 
 /// A change of these numbers invalidates every evolved table and every figure.
 #[test]
-fn the_bits_are_the_ones_on_record() {
+fn bits_match_the_recorded_ones() {
     let record: [(&str, [u64; 4]); 11] = [
         (
             "R3",

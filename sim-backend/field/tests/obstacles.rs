@@ -50,7 +50,7 @@ fn pen(preset: Preset, half: f32) -> Preset {
 }
 
 #[test]
-fn nobody_leaves_a_pen_or_enters_an_obstacle() {
+fn bodies_stay_in_the_pen_outside_obstacles() {
     let slow = Preset {
         agent_radius_px: 30.0,
         starts: field::Starts {
@@ -105,14 +105,14 @@ fn nobody_leaves_a_pen_or_enters_an_obstacle() {
         }
         assert!(
             touched > 1000 && moved > 1000,
-            "{touched} {moved}: nothing was tried"
+            "{touched} {moved}: too few contacts or motions"
         );
     }
 }
 
 /// An IR sensor detects a wall or post exactly if its range ends behind it.
 #[test]
-fn infrared_sensors_tell_of_walls_and_posts() {
+fn ir_sensors_detect_walls_and_posts() {
     let preset = Preset {
         walls: vec![Wall {
             from_px: [300.0, -300.0],
@@ -177,7 +177,7 @@ fn infrared_sensors_tell_of_walls_and_posts() {
 
 /// Driving straight at a wall stops in contact; at an angle the agent slides along it.
 #[test]
-fn a_wall_stops_and_leads() {
+fn agents_stop_at_or_slide_along_walls() {
     let preset = Preset {
         walls: vec![Wall {
             from_px: [120.0, -390.0],

@@ -27,14 +27,14 @@ pub(crate) struct Body<const N: usize> {
     /// Mass, kg; static friction; series stiffness of object and finger, N/m.
     mass_kg: Lanes<N>,
     friction: Lanes<N>,
-    yields_n_m: Lanes<N>,
+    series_n_m: Lanes<N>,
     /// Closing since contact with the undeformed object, commanded and true, m.
-    pub(crate) closing_to_m: Lanes<N>,
+    pub(crate) commanded_closing_m: Lanes<N>,
     closed_m: Lanes<N>,
     /// Deflection of object and finger, m.
-    give_m: Lanes<N>,
+    deflection_m: Lanes<N>,
     /// Height of the hand, commanded and true, m; height and speed of the object, m, m/s.
-    pub(crate) hand_to_m: Lanes<N>,
+    pub(crate) commanded_hand_m: Lanes<N>,
     hand_m: Lanes<N>,
     pub(crate) raised_m: Lanes<N>,
     speed_m_s: Lanes<N>,
@@ -42,7 +42,7 @@ pub(crate) struct Body<const N: usize> {
     shear_m: [Lanes<N>; BRISTLES],
     sliding: [Mask<N>; BRISTLES],
     /// Slip weighted by normal force, m.
-    pub(crate) slid_m: Lanes<N>,
+    pub(crate) slip_m: Lanes<N>,
     /// Forces of one finger by ring, N.
     pub(crate) normal_n: [Lanes<N>; RINGS],
     pub(crate) shear_n: [Lanes<N>; RINGS],
@@ -56,17 +56,17 @@ impl<const N: usize> Body<N> {
         Self {
             mass_kg,
             friction,
-            yields_n_m: stiffness_n_m * FINGER_N_M / (stiffness_n_m + FINGER_N_M),
-            closing_to_m: zero,
+            series_n_m: stiffness_n_m * FINGER_N_M / (stiffness_n_m + FINGER_N_M),
+            commanded_closing_m: zero,
             closed_m: zero,
-            give_m: zero,
-            hand_to_m: zero,
+            deflection_m: zero,
+            commanded_hand_m: zero,
             hand_m: zero,
             raised_m: zero,
             speed_m_s: zero,
             shear_m: [zero; BRISTLES],
             sliding: [Mask::NONE; BRISTLES],
-            slid_m: zero,
+            slip_m: zero,
             normal_n: [zero; RINGS],
             shear_n: [zero; RINGS],
         }
@@ -75,21 +75,21 @@ impl<const N: usize> Body<N> {
     /// Adds `tremble_m` to the commanded height.
     #[inline(always)]
     pub(crate) fn step(&mut self, tremble_m: Lanes<N>) {
-        let closed_m = self.closed_m.towards(self.closing_to_m, SERVO_SHARE);
+        let closed_m = self.closed_m.towards(self.commanded_closing_m, SERVO_SHARE);
         self.closed_m = closed_m;
         let before_m = self.hand_m;
-        self.hand_m = before_m.towards(self.hand_to_m + tremble_m, SERVO_SHARE);
+        self.hand_m = before_m.towards(self.commanded_hand_m + tremble_m, SERVO_SHARE);
         let hand_m_s = (self.hand_m - before_m) * (1.0 / STEP_S);
-        let skin_n_m = self.give_way();
-        let friction_n = self.rub(hand_m_s - self.speed_m_s, skin_n_m);
-        self.fall(friction_n);
+        let skin_n_m = self.update_deflection();
+        let friction_n = self.update_friction(hand_m_s - self.speed_m_s, skin_n_m);
+        self.move_object(friction_n);
     }
 
     /// One Newton step of the implicit spring-damper of object and finger. Returns the stiffness of
     /// the skin in contact, N/m.
     #[inline(always)]
-    fn give_way(&mut self) -> Lanes<N> {
-        let depth_m = self.closed_m - self.give_m;
+    fn update_deflection(&mut self) -> Lanes<N> {
+        let depth_m = self.closed_m - self.deflection_m;
         let zero = Lanes::splat(0.0);
         let (mut force_n, mut slope_n_m) = (zero, zero);
         for bristle in &SKIN {
@@ -98,18 +98,18 @@ impl<const N: usize> Body<N> {
             force_n = force_n + touches.select(deep_m, zero) * bristle.normal_n_m;
             slope_n_m = slope_n_m + touches.select(Lanes::splat(bristle.normal_n_m), zero);
         }
-        let k = self.yields_n_m;
-        let residual_n = force_n - k * self.give_m;
+        let k = self.series_n_m;
+        let residual_n = force_n - k * self.deflection_m;
         let share = k * (OBJECT_DAMPING_S / STEP_S) + k + slope_n_m;
-        self.give_m = self.give_m + residual_n / share;
+        self.deflection_m = self.deflection_m + residual_n / share;
         slope_n_m
     }
 
     /// Shears every bristle up to its friction limit; returns the friction of one finger, N.
     #[inline(always)]
-    fn rub(&mut self, rubbing_m_s: Lanes<N>, skin_n_m: Lanes<N>) -> Lanes<N> {
+    fn update_friction(&mut self, rubbing_m_s: Lanes<N>, skin_n_m: Lanes<N>) -> Lanes<N> {
         let zero = Lanes::splat(0.0);
-        let depth_m = self.closed_m - self.give_m;
+        let depth_m = self.closed_m - self.deflection_m;
         let bound_s = self.mass_kg * (DAMPING_SHARE / STEP_S) / skin_n_m;
         let damping_s = Lanes::splat(DAMPING_S).lesser(bound_s);
         let speed_m_s = rubbing_m_s.abs();
@@ -142,13 +142,13 @@ impl<const N: usize> Body<N> {
             self.shear_n[bristle.ring] = self.shear_n[bristle.ring] + force_n;
         }
         let slid_m = slid_n_m * STEP_S / (pressed_n + f32::MIN_POSITIVE);
-        self.slid_m = self.slid_m + slid_m;
+        self.slip_m = self.slip_m + slid_m;
         sum_n
     }
 
     /// Object under friction of both fingers, weight and table support.
     #[inline(always)]
-    fn fall(&mut self, friction_n: Lanes<N>) {
+    fn move_object(&mut self, friction_n: Lanes<N>) {
         let zero = Lanes::splat(0.0);
         let weight_n = self.mass_kg * GRAVITY_M_S2;
         let stands = self.raised_m.below(0.0);

@@ -4,7 +4,7 @@
 use crate::body::{Body, STEP_S, STEPS_PER_TICK};
 use crate::lanes::{Lanes, Mask};
 use crate::percept::{Percept, TICK_S};
-use crate::trial::{End, HOLD_S, Interface, LIFT_M, Object, Outcome, Patience, Rows, Trial};
+use crate::trial::{End, HOLD_S, Interface, LIFT_M, Object, Outcome, Rows, TimeLimit, Trial};
 
 /// Speed of approach and probe, m/s; probe duration after first touch, s (paper II.b (1)).
 const PROBE_M_S: f32 = 0.002;
@@ -25,7 +25,7 @@ const CARRY_CHANGE: f32 = 50.0 * TICK_S;
 const GATE_F2: f32 = 1.5;
 /// Module 3: opening speed, m/s, above this multiple of F_2 (controller).
 const RELIEVE_M_S: f32 = 0.001;
-const RELIEVE_AT: f32 = 1.15;
+const RELIEVE_F2: f32 = 1.15;
 /// Stiffness overestimate of the probe, mean and standard deviation (`BORDERLINE_SHARE` of the
 /// evaluation).
 const PROBE_BIAS: f32 = 0.06;
@@ -44,7 +44,7 @@ pub(crate) fn run<const N: usize>(
     let mut batch = Batch::<N>::new(interface, trials);
     for tick in 0..TICKS_MAX {
         batch.tick(tick);
-        if batch.left == 0 {
+        if batch.remaining == 0 {
             break;
         }
     }
@@ -57,7 +57,7 @@ struct Batch<'a, const N: usize> {
     body: Body<N>,
     percept: Percept<N>,
     noise: Noise<N>,
-    tremble: [Rotor<N>; 2],
+    tremble: [Oscillator<N>; 2],
     crush_n: Lanes<N>,
     f1_n: Lanes<N>,
     f2_n: Lanes<N>,
@@ -69,12 +69,12 @@ struct Batch<'a, const N: usize> {
     time_s: Lanes<N>,
     held_s: Lanes<N>,
     back_s: Lanes<N>,
-    untouched_s: Lanes<N>,
-    most_n: Lanes<N>,
+    no_contact_s: Lanes<N>,
+    max_n: Lanes<N>,
     rows_read: [u64; N],
     outcomes: [Outcome; N],
     ended: [bool; N],
-    left: usize,
+    remaining: usize,
 }
 
 impl<'a, const N: usize> Batch<'a, N> {
@@ -89,12 +89,12 @@ impl<'a, const N: usize> Batch<'a, N> {
         let _warm = [noise.next(), noise.next(), noise.next()];
         let found = noise.next() * PROBE_SCATTER + (1.0 + PROBE_BIAS);
         let thresholds = |which: usize| {
-            Lanes::of(|lane| {
+            Lanes::from_fn(|lane| {
                 Object::thresholds_n(of(lane).object.stiffness_n_m * found.0[lane])[which]
             })
         };
-        let object = |get: fn(&Object) -> f32| Lanes::of(|lane| get(&of(lane).object));
-        let tremble = TREMBLE.map(|(hz, _)| Rotor::new(noise.next(), hz));
+        let object = |get: fn(&Object) -> f32| Lanes::from_fn(|lane| get(&of(lane).object));
+        let tremble = TREMBLE.map(|(hz, _)| Oscillator::new(noise.next(), hz));
         Self {
             interface,
             rows,
@@ -117,47 +117,47 @@ impl<'a, const N: usize> Batch<'a, N> {
             time_s: zero,
             held_s: zero,
             back_s: zero,
-            untouched_s: zero,
-            most_n: zero,
+            no_contact_s: zero,
+            max_n: zero,
             rows_read: [0; N],
             outcomes: [Outcome::NONE; N],
             ended: core::array::from_fn(|lane| lane >= trials.len()),
-            left: trials.len(),
+            remaining: trials.len(),
         }
     }
 
     #[inline(always)]
     fn tick(&mut self, tick: usize) {
-        let mut most_n = self.most_n;
+        let mut most_n = self.max_n;
         for _ in 0..STEPS_PER_TICK {
             let mut tremble_m = Lanes::splat(0.0);
             for (rotor, (_, amplitude_m)) in self.tremble.iter_mut().zip(TREMBLE) {
-                tremble_m = tremble_m + rotor.turn() * amplitude_m;
+                tremble_m = tremble_m + rotor.advance() * amplitude_m;
             }
             self.body.step(tremble_m);
             let [a, b, c] = self.body.normal_n;
             most_n = most_n.greater(a + b + c);
         }
-        self.most_n = most_n;
+        self.max_n = most_n;
         let noise = [self.noise.next(), self.noise.next()];
         let body = &self.body;
         self.percept
-            .feel(&body.normal_n, &body.shear_n, noise, tick);
-        self.percept.tell(self.f2_n);
+            .update(&body.normal_n, &body.shear_n, noise, tick);
+        self.percept.update_bits(self.f2_n);
         let probes = self.probe_left_s.above(0.0);
-        let (fingers_m_s, hand) = self.read(probes);
+        let (fingers_m_s, hand) = self.read_tables(probes);
         self.act(probes, fingers_m_s, hand);
-        self.judge(probes);
+        self.evaluate(probes);
     }
 
     /// Looks up the row of each table; records rows only after the probe.
     #[inline(always)]
-    fn read(&mut self, probes: Mask<N>) -> (Lanes<N>, Lanes<N>) {
+    fn read_tables(&mut self, probes: Mask<N>) -> (Lanes<N>, Lanes<N>) {
         let mut row = [0_u32; N];
         for (index, bit) in self.interface.bits.iter().enumerate() {
-            let tells = self.percept.bit(*bit, self.f1_n, self.carried_m);
-            for (row, tells) in row.iter_mut().zip(tells.0) {
-                *row |= (tells & 1) << index;
+            let reports = self.percept.bit(*bit, self.f1_n, self.carried_m);
+            for (row, reports) in row.iter_mut().zip(reports.0) {
+                *row |= (reports & 1) << index;
             }
         }
         let (mut fingers_m_s, mut hand) = (Lanes::splat(0.0), Lanes::splat(0.0));
@@ -184,7 +184,7 @@ impl<'a, const N: usize> Batch<'a, N> {
         let mut wanted = probes.select(Lanes::splat(PROBE_M_S), fingers_m_s);
         if self.interface.force_limit {
             let normal_n = self.percept.normal_n;
-            let relieve = normal_n.gt(self.f2_n * RELIEVE_AT);
+            let relieve = normal_n.gt(self.f2_n * RELIEVE_F2);
             let ceiling = relieve.select(Lanes::splat(-RELIEVE_M_S), zero);
             let ceiling = self
                 .percept
@@ -200,7 +200,7 @@ impl<'a, const N: usize> Batch<'a, N> {
             .lesser(most)
             .greater(zero - most);
         self.closing_m_s = self.closing_m_s + change;
-        self.body.closing_to_m = self.body.closing_to_m + self.closing_m_s * TICK_S;
+        self.body.commanded_closing_m = self.body.commanded_closing_m + self.closing_m_s * TICK_S;
         let most = Lanes::splat(CARRY_CHANGE);
         let change = (hand - self.carry).lesser(most).greater(zero - most);
         self.carry = probes.select(self.carry, self.carry + change);
@@ -211,25 +211,29 @@ impl<'a, const N: usize> Batch<'a, N> {
         let tau = self.path_s * (1.0 / PATH_S);
         let share = tau * tau * tau * ((tau * 6.0 - 15.0) * tau + 10.0);
         self.carried_m = share * LIFT_M;
-        self.body.hand_to_m = self.carried_m;
+        self.body.commanded_hand_m = self.carried_m;
         let back = hand.below(0.0) & !probes;
         self.back_s = back.select(self.back_s + TICK_S, self.back_s);
-        self.untouched_s = touching.select(zero, self.untouched_s + TICK_S);
+        self.no_contact_s = touching.select(zero, self.no_contact_s + TICK_S);
     }
 
     /// Records both evaluations and ends finished trials.
     #[inline(always)]
-    fn judge(&mut self, probes: Mask<N>) {
+    fn evaluate(&mut self, probes: Mask<N>) {
         self.time_s = probes.select(self.time_s, self.time_s + TICK_S);
         let arrived = self.path_s.above(PATH_S * (1.0 - 1e-6));
         let first = arrived & !self.held_s.above(0.0);
         self.held_s = arrived.select(self.held_s + TICK_S, self.held_s);
-        let crushed = self.most_n.gt(self.crush_n);
+        let crushed = self.max_n.gt(self.crush_n);
         let refused = self.back_s.above(BACK_MAX_S);
-        let lost = self.untouched_s.above(LOST_AFTER_S) & !probes;
+        let lost = self.no_contact_s.above(LOST_AFTER_S) & !probes;
         let held = self.held_s.above(HOLD_S);
-        let Patience { slack_s, slowest } = self.interface.patience;
-        let late = self.time_s.gt(self.path_s * slowest + slack_s) | (probes & self.time_up());
+        let TimeLimit {
+            constant_s,
+            path_factor,
+        } = self.interface.time_limit;
+        let late =
+            self.time_s.gt(self.path_s * path_factor + constant_s) | (probes & self.time_up());
         if !(first | crushed | refused | lost | held | late).any() {
             return;
         }
@@ -239,14 +243,14 @@ impl<'a, const N: usize> Batch<'a, N> {
             }
             if first.0[lane] != 0 {
                 self.outcomes[lane].raised_m[0] = self.body.raised_m.0[lane];
-                self.outcomes[lane].slid_m[0] = self.body.slid_m.0[lane];
+                self.outcomes[lane].slip_m[0] = self.body.slip_m.0[lane];
             }
             let end = match lane {
                 _ if crushed.0[lane] != 0 => End::Crushed,
                 _ if refused.0[lane] != 0 => End::Refused,
                 _ if lost.0[lane] != 0 => End::Lost,
                 _ if held.0[lane] != 0 => End::Arrived,
-                _ if late.0[lane] != 0 => End::Late,
+                _ if late.0[lane] != 0 => End::TimedOut,
                 _ => continue,
             };
             self.end(lane, end);
@@ -256,34 +260,34 @@ impl<'a, const N: usize> Batch<'a, N> {
     /// Fingers closed without contact.
     #[inline(always)]
     fn time_up(&self) -> Mask<N> {
-        self.body.closing_to_m.above(0.01)
+        self.body.commanded_closing_m.above(0.01)
     }
 
     fn end(&mut self, lane: usize, end: End) {
         let outcome = &mut self.outcomes[lane];
         outcome.end = end;
         outcome.raised_m[1] = self.body.raised_m.0[lane];
-        outcome.slid_m[1] = self.body.slid_m.0[lane];
+        outcome.slip_m[1] = self.body.slip_m.0[lane];
         outcome.normal_n = self
             .body
             .normal_n
             .iter()
             .fold(0.0, |sum, n| sum + n.0[lane]);
-        outcome.most_n = self.most_n.0[lane];
+        outcome.max_n = self.max_n.0[lane];
         outcome.time_s = self.time_s.0[lane];
         outcome.rows_read = self.rows_read[lane];
         self.ended[lane] = true;
-        self.left -= 1;
+        self.remaining -= 1;
     }
 }
 
 impl Outcome {
     pub(crate) const NONE: Self = Self {
-        end: End::Late,
+        end: End::TimedOut,
         raised_m: [0.0; 2],
-        slid_m: [0.0; 2],
+        slip_m: [0.0; 2],
         normal_n: 0.0,
-        most_n: 0.0,
+        max_n: 0.0,
         time_s: 0.0,
         rows_read: 0,
     };
@@ -313,14 +317,14 @@ impl<const N: usize> Noise<N> {
 }
 
 /// Sine generator: a point rotating on the unit circle.
-struct Rotor<const N: usize> {
+struct Oscillator<const N: usize> {
     cos: Lanes<N>,
     sin: Lanes<N>,
     /// Cosine and sine of one step.
     step: [f32; 2],
 }
 
-impl<const N: usize> Rotor<N> {
+impl<const N: usize> Oscillator<N> {
     /// Starts at a random phase.
     #[inline(always)]
     fn new(drawn: Lanes<N>, hz: f32) -> Self {
@@ -340,7 +344,7 @@ impl<const N: usize> Rotor<N> {
     }
 
     #[inline(always)]
-    fn turn(&mut self) -> Lanes<N> {
+    fn advance(&mut self) -> Lanes<N> {
         let [cos, sin] = self.step;
         let turned = self.cos * cos - self.sin * sin;
         self.sin = self.sin * cos + self.cos * sin;

@@ -54,7 +54,7 @@ impl<const N: usize> Lanes<N> {
     }
 
     #[inline(always)]
-    pub(crate) fn of(mut value: impl FnMut(usize) -> f32) -> Self {
+    pub(crate) fn from_fn(mut value: impl FnMut(usize) -> f32) -> Self {
         let mut lanes = Self([0.0; N]);
         for (lane, number) in lanes.0.iter_mut().enumerate() {
             *number = value(lane);

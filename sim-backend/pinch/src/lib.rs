@@ -27,4 +27,4 @@ mod skin;
 mod trial;
 
 pub use engine::Engine;
-pub use trial::{Bit, End, HOLD_S, Interface, LIFT_M, Object, Outcome, Patience, Rows, Trial};
+pub use trial::{Bit, End, HOLD_S, Interface, LIFT_M, Object, Outcome, Rows, TimeLimit, Trial};

@@ -21,7 +21,7 @@ const TOP_NOISE_N: f32 = 0.0003;
 const FORCE_SHARE: f32 = TICK_S / (0.005 + TICK_S);
 const FRICTION_SHARE: f32 = TICK_S / (0.02 + TICK_S);
 const RELAX_SHARE: f32 = TICK_S / (0.05 + TICK_S);
-const FELT_SHARE: f32 = TICK_S / (0.03 + TICK_S);
+const RATIO_SHARE: f32 = TICK_S / (0.03 + TICK_S);
 const TOUCH_ON_N: f32 = 0.06;
 const TOUCH_OFF_N: f32 = 0.03;
 const ELEMENT_FLOOR_N: f32 = 0.012;
@@ -33,12 +33,12 @@ const SLIP_GROSS: f32 = 0.955;
 const SLIP_GROSS_S: f32 = 0.01;
 const SLIP_LOADING: f32 = 0.8;
 const SLIP_LATCH_S: f32 = 0.02;
-const GROSS_OVER: f32 = 0.9;
+const GROSS_SLIP_END: f32 = 0.9;
 const SLIDING_SHARE: f32 = 0.96;
 const RELEASE_SHARE_F2: f32 = 0.97;
 const LIFTED_M: f32 = 0.003;
-const SPARE_BELOW: f32 = 0.91;
-const SPARE_S: f32 = 0.1;
+const LOW_UTILISATION: f32 = 0.91;
+const LOW_UTILISATION_S: f32 = 0.1;
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Percept<const N: usize> {
@@ -51,20 +51,20 @@ pub(crate) struct Percept<const N: usize> {
     pub(crate) normal_n: Lanes<N>,
     tangential_n: Lanes<N>,
     /// Highest friction estimate; utilisation relative to it and to the current estimate.
-    remembered: Lanes<N>,
+    friction_estimate: Lanes<N>,
     utilisation: Lanes<N>,
     utilisation_now: Lanes<N>,
     gross_s: Lanes<N>,
     /// Low-passed F_t/F_n, and its maximum during this gross slip.
-    felt: Lanes<N>,
-    slid_from: Lanes<N>,
+    ratio: Lanes<N>,
+    peak_ratio: Lanes<N>,
     window_n: [Lanes<N>; SAMPLES],
     oldest: usize,
     touching: Mask<N>,
     slipping: Mask<N>,
     latch_s: Lanes<N>,
     above_f2: Mask<N>,
-    spare_s: Lanes<N>,
+    low_utilisation_s: Lanes<N>,
 }
 
 impl<const N: usize> Percept<N> {
@@ -78,25 +78,25 @@ impl<const N: usize> Percept<N> {
             steady_shear_n: [zero; RINGS],
             normal_n: zero,
             tangential_n: zero,
-            remembered: zero,
+            friction_estimate: zero,
             utilisation: zero,
             utilisation_now: zero,
             gross_s: zero,
-            felt: zero,
-            slid_from: zero,
+            ratio: zero,
+            peak_ratio: zero,
             window_n: [zero; SAMPLES],
             oldest: 0,
             touching: Mask::NONE,
             slipping: Mask::NONE,
             latch_s: zero,
             above_f2: Mask::NONE,
-            spare_s: zero,
+            low_utilisation_s: zero,
         }
     }
 
     /// Updates from true forces; `noise` has a standard deviation of 1.
     #[inline(always)]
-    pub(crate) fn feel(
+    pub(crate) fn update(
         &mut self,
         normal_n: &[Lanes<N>; RINGS],
         shear_n: &[Lanes<N>; RINGS],
@@ -105,19 +105,19 @@ impl<const N: usize> Percept<N> {
     ) {
         let zero = Lanes::splat(0.0);
         let (mut sum_n, mut sum_t) = (zero, zero);
-        for (felt, normal_n) in self.normal_by_ring_n.iter_mut().zip(normal_n) {
-            *felt = felt.towards(*normal_n, FORCE_SHARE);
-            sum_n = sum_n + *felt;
+        for (measured, normal_n) in self.normal_by_ring_n.iter_mut().zip(normal_n) {
+            *measured = measured.towards(*normal_n, FORCE_SHARE);
+            sum_n = sum_n + *measured;
         }
-        for (felt, shear_n) in self.shear_by_ring_n.iter_mut().zip(shear_n) {
-            *felt = felt.towards(*shear_n, FORCE_SHARE);
-            sum_t = sum_t + *felt;
+        for (measured, shear_n) in self.shear_by_ring_n.iter_mut().zip(shear_n) {
+            *measured = measured.towards(*shear_n, FORCE_SHARE);
+            sum_t = sum_t + *measured;
         }
         self.normal_n = sum_n + noise[0] * NOISE_N;
         self.tangential_n = (sum_t + noise[1] * NOISE_N).abs();
         self.touching =
             self.normal_n.above(TOUCH_ON_N) | (self.touching & self.normal_n.above(TOUCH_OFF_N));
-        self.use_friction();
+        self.update_friction();
         if tick.is_multiple_of(SAMPLE_TICKS) {
             self.window_n[self.oldest] = self.tangential_n;
             self.oldest = (self.oldest + 1) % SAMPLES;
@@ -127,14 +127,14 @@ impl<const N: usize> Percept<N> {
     /// Utilisation S from the ring with the highest ratio (`friction.rs`), without the single
     /// centre element.
     #[inline(always)]
-    fn use_friction(&mut self) {
+    fn update_friction(&mut self) {
         let zero = Lanes::splat(0.0);
-        for (steady, felt) in [
+        for (steady, measured) in [
             (&mut self.steady_normal_n, &self.normal_by_ring_n),
             (&mut self.steady_shear_n, &self.shear_by_ring_n),
         ] {
-            for (steady, felt) in steady.iter_mut().zip(felt) {
-                *steady = steady.towards(*felt, FRICTION_SHARE);
+            for (steady, measured) in steady.iter_mut().zip(measured) {
+                *steady = steady.towards(*measured, FRICTION_SHARE);
             }
         }
         let (mut top, mut pressed) = (zero, Mask::NONE);
@@ -154,27 +154,27 @@ impl<const N: usize> Percept<N> {
         let now = ratio / reading.greater(Lanes::splat(0.03));
         let now = self.utilisation_now.towards(now, FRICTION_SHARE);
         self.utilisation_now = known.select(now, self.utilisation_now);
-        let felt = self.felt.towards(ratio, FELT_SHARE);
-        self.felt = known.select(felt, self.felt);
+        let measured = self.ratio.towards(ratio, RATIO_SHARE);
+        self.ratio = known.select(measured, self.ratio);
         let alike = known & self.utilisation_now.above(SLIP_GROSS);
-        let ended = known & self.utilisation_now.below(GROSS_OVER);
-        let slid_from = alike.select(self.slid_from.greater(self.felt), self.slid_from);
-        self.slid_from = ended.select(zero, slid_from);
-        let gross = alike & self.felt.gt(self.slid_from * SLIDING_SHARE);
+        let ended = known & self.utilisation_now.below(GROSS_SLIP_END);
+        let slid_from = alike.select(self.peak_ratio.greater(self.ratio), self.peak_ratio);
+        self.peak_ratio = ended.select(zero, slid_from);
+        let gross = alike & self.ratio.gt(self.peak_ratio * SLIDING_SHARE);
         self.gross_s = gross.select(self.gross_s + TICK_S, zero);
         let reading = known.select(reading, zero);
-        let remembered = self.remembered.greater(reading);
+        let remembered = self.friction_estimate.greater(reading);
         let relaxed = remembered.towards(ratio, RELAX_SHARE);
         let remembered = self.gross_s.above(SLIP_GROSS_S).select(relaxed, remembered);
         // Reset after loss of contact.
-        self.remembered = self.touching.select(remembered, zero);
-        let utilisation = ratio / self.remembered.greater(Lanes::splat(0.05));
+        self.friction_estimate = self.touching.select(remembered, zero);
+        let utilisation = ratio / self.friction_estimate.greater(Lanes::splat(0.05));
         self.utilisation = known.select(utilisation.lesser(Lanes::splat(1.2)), zero);
     }
 
     /// Updates bits with memory. Without lift verification the object never counts as suspended.
     #[inline(always)]
-    pub(crate) fn tell(&mut self, f2_n: Lanes<N>) {
+    pub(crate) fn update_bits(&mut self, f2_n: Lanes<N>) {
         let zero = Lanes::splat(0.0);
         let released_n = self.above_f2.select(f2_n * RELEASE_SHARE_F2, f2_n);
         self.above_f2 = self.normal_n.gt(released_n);
@@ -187,10 +187,10 @@ impl<const N: usize> Percept<N> {
         let slips = self.slipping | self.gross_s.above(SLIP_GROSS_S) | loads;
         self.latch_s = slips.select(Lanes::splat(SLIP_LATCH_S), self.latch_s - TICK_S);
         let spares = self.utilisation.above(0.0)
-            & self.utilisation.below(SPARE_BELOW)
+            & self.utilisation.below(LOW_UTILISATION)
             & !self.gross_s.above(0.0)
             & !slips;
-        self.spare_s = spares.select(self.spare_s + TICK_S, zero);
+        self.low_utilisation_s = spares.select(self.low_utilisation_s + TICK_S, zero);
     }
 
     #[inline(always)]
@@ -201,7 +201,7 @@ impl<const N: usize> Percept<N> {
             Bit::Slipping => self.latch_s.above(0.0),
             Bit::AboveF2 => self.above_f2,
             Bit::Lifted => carried_m.above(LIFTED_M),
-            Bit::Spare => self.spare_s.above(SPARE_S),
+            Bit::Spare => self.low_utilisation_s.above(LOW_UTILISATION_S),
         }
     }
 

@@ -42,7 +42,7 @@ pub struct Interface<'a> {
     /// Runs Module 3 beside the table, as robots require.
     pub force_limit: bool,
     /// Time limit of a trial.
-    pub patience: Patience,
+    pub time_limit: TimeLimit,
 }
 
 /// Four bits per row, row 0 lowest: finger level + 4 · hand level.
@@ -63,7 +63,7 @@ pub struct Trial {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// The time limit expired.
-    Late,
+    TimedOut,
     /// The hand stayed at the end of its path for 1 s.
     Arrived,
     /// The table moved the hand back too long.
@@ -82,11 +82,11 @@ pub struct Outcome {
     /// Height of the object on arrival and at the end, m.
     pub raised_m: [f32; 2],
     /// Slip in the fingers at the same instants, m.
-    pub slid_m: [f32; 2],
+    pub slip_m: [f32; 2],
     /// Final normal force of one finger, N.
     pub normal_n: f32,
     /// Largest normal force of one finger, N.
-    pub most_n: f32,
+    pub max_n: f32,
     /// Duration without the probe, s.
     pub time_s: f32,
     /// Bit r: row r was read.
@@ -99,23 +99,23 @@ pub const LIFT_M: f32 = 0.04;
 pub const HOLD_S: f32 = 1.0;
 /// Time limit: constant plus a multiple of the path's full-speed duration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patience {
+pub struct TimeLimit {
     /// Constant part, s.
-    pub slack_s: f32,
+    pub constant_s: f32,
     /// Multiple; a full-speed lift takes 4 s.
-    pub slowest: f32,
+    pub path_factor: f32,
 }
 
-impl Patience {
+impl TimeLimit {
     /// Short limit for evolution.
     pub const SHORT: Self = Self {
-        slack_s: 2.0,
-        slowest: 1.5,
+        constant_s: 2.0,
+        path_factor: 1.5,
     };
     /// Long limit for comparison: step timeout of the full simulation.
     pub const LONG: Self = Self {
-        slack_s: 20.0,
-        slowest: 0.0,
+        constant_s: 20.0,
+        path_factor: 0.0,
     };
 }
 
@@ -131,7 +131,7 @@ impl Object {
 
     /// Returns the force per finger that holds the object, N.
     #[must_use]
-    pub fn needed_n(&self) -> f32 {
+    pub fn required_n(&self) -> f32 {
         self.mass_kg * GRAVITY_M_S2 / (2.0 * self.friction)
     }
 
@@ -139,7 +139,7 @@ impl Object {
     #[must_use]
     pub fn is_feasible(&self) -> bool {
         let [_, f2_n] = Self::thresholds_n(self.stiffness_n_m);
-        self.needed_n() < f2_n && self.needed_n() < self.crush_n
+        self.required_n() < f2_n && self.required_n() < self.crush_n
     }
 }
 

@@ -1,6 +1,6 @@
 //! All engines give identical bits; basic grasp behaviour.
 
-use pinch::{Bit, End, Engine, Interface, Object, Outcome, Patience, Rows, Trial};
+use pinch::{Bit, End, Engine, Interface, Object, Outcome, Rows, TimeLimit, Trial};
 
 const BITS: [Bit; 5] = [
     Bit::Touching,
@@ -25,13 +25,13 @@ const fn object(mass_kg: f32, friction: f32, stiffness_n_m: f32, crush_n: f32) -
     }
 }
 
-fn interface(force_limit: bool, patience: Patience) -> Interface<'static> {
+fn interface(force_limit: bool, time_limit: TimeLimit) -> Interface<'static> {
     Interface {
         bits: &BITS,
         fingers_m_s: [0.0, -0.001, 0.002, 0.004],
         hand: [0.0, -0.1, 0.1, 1.0],
         force_limit,
-        patience,
+        time_limit: time_limit,
     }
 }
 
@@ -61,7 +61,7 @@ fn run(engine: Engine, interface: &Interface<'_>, trials: &[Trial]) -> Vec<Outco
 }
 
 #[test]
-fn engines_company_and_order_change_no_bit() {
+fn bits_are_independent_of_engine_and_order() {
     // Arbitrary tables from a multiplicative hash.
     let any = |seed: u64| {
         core::array::from_fn(|word| {
@@ -79,7 +79,7 @@ fn engines_company_and_order_change_no_bit() {
     };
     let trials: Vec<Trial> = (0..37).map(trial).collect();
     for force_limit in [false, true] {
-        let interface = interface(force_limit, Patience::SHORT);
+        let interface = interface(force_limit, TimeLimit::SHORT);
         let expected = run(Engine::all()[0], &interface, &trials);
         for engine in Engine::all() {
             assert_eq!(
@@ -92,13 +92,13 @@ fn engines_company_and_order_change_no_bit() {
             turned.reverse();
             let mut outcomes = run(engine, &interface, &turned);
             outcomes.reverse();
-            assert_eq!(outcomes, expected, "{}, the other way round", engine.name());
+            assert_eq!(outcomes, expected, "{}, reversed order", engine.name());
         }
     }
 }
 
 #[test]
-fn the_papers_rules_hold_what_can_be_held_and_refuse_the_rest() {
+fn paper_modules_hold_only_feasible_objects() {
     let trials = OBJECTS.map(|object| Trial {
         object,
         rows: rows(modules),
@@ -106,7 +106,7 @@ fn the_papers_rules_hold_what_can_be_held_and_refuse_the_rest() {
     });
     let outcomes = run(
         Engine::fastest(),
-        &interface(false, Patience::SHORT),
+        &interface(false, TimeLimit::SHORT),
         &trials,
     );
     for (trial, outcome) in trials.iter().zip(&outcomes) {
@@ -114,20 +114,20 @@ fn the_papers_rules_hold_what_can_be_held_and_refuse_the_rest() {
         let expected = if feasible { End::Arrived } else { End::Refused };
         assert_eq!(outcome.end, expected, "{trial:?}: {outcome:?}");
         assert_eq!(outcome.raised_m[1] > 0.035, feasible, "{outcome:?}");
-        let needed_n = trial.object.needed_n();
+        let needed_n = trial.object.required_n();
         assert!(!feasible || outcome.normal_n > needed_n, "{outcome:?}");
     }
 }
 
 #[test]
-fn what_is_pressed_too_hard_is_crushed_and_what_is_let_go_is_lost() {
+fn excess_force_crushes_and_opening_loses() {
     let ends = |row: fn([bool; 5]) -> [u64; 2], force_limit| {
         let trials = [Trial {
             object: OBJECTS[1],
             rows: rows(row),
             seed: 1,
         }];
-        let interface = interface(force_limit, Patience::LONG);
+        let interface = interface(force_limit, TimeLimit::LONG);
         run(Engine::fastest(), &interface, &trials)[0].end
     };
     let weak = object(0.02, 0.4, 1500.0, 0.9);
@@ -138,11 +138,15 @@ fn what_is_pressed_too_hard_is_crushed_and_what_is_let_go_is_lost() {
     }];
     let crushed = run(
         Engine::fastest(),
-        &interface(false, Patience::LONG),
+        &interface(false, TimeLimit::LONG),
         &trials,
     );
     assert_eq!(crushed[0].end, End::Crushed);
     assert_eq!(ends(|_| [1, 3], false), End::Lost);
-    assert_eq!(ends(|_| [0, 0], false), End::Late);
-    assert_eq!(ends(|_| [3, 3], true), End::Arrived, "Module 3 watches");
+    assert_eq!(ends(|_| [0, 0], false), End::TimedOut);
+    assert_eq!(
+        ends(|_| [3, 3], true),
+        End::Arrived,
+        "Module 3 limits the force"
+    );
 }

@@ -19,7 +19,7 @@ fn energy_j(body: &Body) -> f64 {
 }
 
 #[test]
-fn a_standing_object_stays() {
+fn standing_object_stays_at_rest() {
     for (shape, mass_kg) in [
         (
             Shape::Box {
@@ -46,7 +46,7 @@ fn a_standing_object_stays() {
         (0..8000).for_each(|_| body.step(&Ground::default(), DT_S));
         assert!(
             (body.position_m - start_m).norm() < 1e-9,
-            "{shape:?} went to {}",
+            "{shape:?} moved to {}",
             body.position_m
         );
         assert!(
@@ -64,7 +64,7 @@ fn a_standing_object_stays() {
 }
 
 #[test]
-fn a_falling_object_keeps_its_energy_until_it_lands_and_loses_it_then() {
+fn falling_object_loses_energy_only_on_landing() {
     let mut body = cube(0.1);
     body.position_m.z = 0.1;
     body.angular_rad_s = Vector3::new(3.0, -2.0, 5.0);
@@ -93,7 +93,7 @@ fn a_falling_object_keeps_its_energy_until_it_lands_and_loses_it_then() {
 }
 
 #[test]
-fn friction_of_the_table_stops_a_sliding_object() {
+fn table_friction_stops_a_sliding_object() {
     let mut body = cube(0.2);
     body.velocity_m_s.x = 0.1;
     let start_m = body.position_m.x;
@@ -108,14 +108,14 @@ fn friction_of_the_table_stops_a_sliding_object() {
 }
 
 #[test]
-fn a_pushed_object_tips_over_and_lies_still() {
+fn pushed_object_tips_over_and_rests() {
     let shape = Shape::Cylinder {
         radius_m: 0.02,
         half_height_m: 0.06,
     };
     let mut body = Body::standing(shape, 0.2, [0.0; 3], 0.0);
-    body.orientation = turned(body.orientation, &Vector3::new(0.0, 0.4, 0.0));
-    body.base_from_body = rotation(body.orientation);
+    body.orientation = rotated(body.orientation, &Vector3::new(0.0, 0.4, 0.0));
+    body.base_from_body = rotation_matrix(body.orientation);
     (0..12_000).for_each(|_| body.step(&Ground::default(), DT_S));
     assert!(
         (body.tilt_rad() - core::f64::consts::FRAC_PI_2).abs() < 0.01,

@@ -15,7 +15,7 @@ pub(super) struct Bristles {
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Rub<L> {
+pub(super) struct FrictionInput<L> {
     /// Outward normal of the surface.
     pub(super) normal: Vectors<L>,
     /// Tangential velocity of the foot, m/s.
@@ -25,7 +25,7 @@ pub(super) struct Rub<L> {
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Rods<L> {
+pub(super) struct BristleParameters<L> {
     /// Shear stiffness, N/m.
     pub(super) shear_n_m: L,
     /// Damping over stiffness of a sticking bristle, s.
@@ -34,7 +34,7 @@ pub(super) struct Rods<L> {
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Rubbed<L> {
+pub(super) struct FrictionResult<L> {
     /// Friction force on the object, N.
     pub(super) force_n: Vectors<L>,
     /// Sliding distance, m; zero while sticking.
@@ -52,7 +52,7 @@ impl Default for Bristles {
 
 impl Bristles {
     #[inline(always)]
-    pub(super) fn forget(&mut self, fresh: LaneSet) {
+    pub(super) fn clear_shear(&mut self, fresh: LaneSet) {
         for lane in fresh {
             self.friction_ratio[lane] = 1.0;
             self.shear_m.iter_mut().for_each(|axis| axis[lane] = 0.0);
@@ -62,13 +62,13 @@ impl Bristles {
     /// Computes one step of touching bristles: elastic trial force, reduced to the friction limit.
     /// Other lanes are undefined.
     #[inline(always)]
-    pub(super) fn rub<L: Lanes>(
+    pub(super) fn step<L: Lanes>(
         &mut self,
         cpu: L::Cpu,
         touching: LaneSet,
-        rub: &Rub<L>,
-        rods: &Rods<L>,
-    ) -> Rubbed<L> {
+        rub: &FrictionInput<L>,
+        rods: &BristleParameters<L>,
+    ) -> FrictionResult<L> {
         let before_m = Vectors::load(cpu, &self.shear_m);
         // The object may have rotated under the bristle: only tangential shear remains.
         let along_m = before_m - rub.normal * before_m.dot(rub.normal);
@@ -81,7 +81,7 @@ impl Bristles {
         if touching.without(L::set(sticks)).is_empty() {
             self.shear_m = shear_m.store();
             self.friction_ratio = one.store();
-            return Rubbed {
+            return FrictionResult {
                 force_n: trial_n,
                 slid_m: none,
             };
@@ -91,7 +91,7 @@ impl Bristles {
         let kinetic = L::splat(cpu, KINETIC_FRICTION_RATIO);
         self.shear_m = Vectors::select(sticks, shear_m, left_m).store();
         self.friction_ratio = L::select(sticks, one, kinetic).store();
-        Rubbed {
+        FrictionResult {
             force_n: Vectors::select(sticks, trial_n, force_n),
             slid_m: L::select(sticks, none, slid_m),
         }
@@ -103,7 +103,7 @@ impl Bristles {
     }
 }
 
-impl<L: Lanes> Rub<L> {
+impl<L: Lanes> FrictionInput<L> {
     /// Returns sliding distance, m, and remaining shear, m, of bristles at the friction limit. The
     /// shear alone gives the limit force, so that damping cannot reverse it when sliding stops.
     #[inline(always)]
@@ -112,7 +112,7 @@ impl<L: Lanes> Rub<L> {
         cpu: L::Cpu,
         force_n: Vectors<L>,
         limit_n: L,
-        rods: &Rods<L>,
+        rods: &BristleParameters<L>,
     ) -> (L, Vectors<L>) {
         let speed_m_s = self.sliding_m_s.dot(self.sliding_m_s).sqrt();
         let carried_m = limit_n / rods.shear_n_m;

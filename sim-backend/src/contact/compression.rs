@@ -21,7 +21,7 @@ impl Compression {
     }
 
     /// Sets the compression of a rigid object to zero.
-    pub(super) fn stand_firm(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.depth_m = 0.0;
     }
 

@@ -19,22 +19,23 @@ struct Bench {
 
 impl Bench {
     fn new(bristles_per_element: usize, stiffness_n_m: f64) -> Self {
-        Self::of(
+        Self::from_pad(
             Pad::dome(DOME_RADIUS_M, bristles_per_element),
             stiffness_n_m,
         )
     }
 
-    fn named(layout: &str) -> Self {
-        let layout: NamedLayout = layout.parse().expect("a layout");
-        let pad = Pad::of(layout, layout.depth_m()).expect("places");
+    fn from_layout_name(layout: &str) -> Self {
+        let layout: NamedLayout = layout.parse().expect("layout name");
+        let pad =
+            Pad::from_layout(layout, layout.depth_m()).expect("layout with element positions");
         Self {
             radius_m: layout.depth_m(),
-            ..Self::of(pad, f64::INFINITY)
+            ..Self::from_pad(pad, f64::INFINITY)
         }
     }
 
-    fn of(pad: Pad, stiffness_n_m: f64) -> Self {
+    fn from_pad(pad: Pad, stiffness_n_m: f64) -> Self {
         let shape = Shape::Box {
             half_m: Vector3::repeat(HALF_M),
         };
@@ -77,7 +78,7 @@ impl Bench {
         let mut touching = [0; ELEMENTS];
         let mut slipping = [0; ELEMENTS];
         for patch in &self.contact.patches {
-            let bristles = &self.contact.memories[patch.block].bristles;
+            let bristles = &self.contact.block_states[patch.block].bristles;
             for lane in patch.touching {
                 let element = self.pad.element_of(patch.block, lane);
                 touching[element] += 1;
@@ -93,7 +94,7 @@ impl Bench {
 }
 
 #[test]
-fn force_over_indentation_on_a_rigid_flat() {
+fn force_over_indentation_matches_the_design() {
     for (depth_m, expected_n) in [
         (0.2e-3, 0.25),
         (0.3e-3, 0.60),
@@ -187,7 +188,7 @@ fn every_instruction_set_gives_the_same_bits() {
 }
 
 #[test]
-fn gross_slip_is_carried_by_kinetic_friction() {
+fn gross_slip_has_kinetic_friction() {
     let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
     let speed_m_s = 0.01;
     let forces =
@@ -213,7 +214,10 @@ fn slip_counts_from_zero_in_a_new_grasp() {
     }
     bench.press(-1e-3, 0.0, 0.0);
     bench.press(0.5e-3, 0.0, 0.0);
-    assert!(bench.contact.slip_m > 1e-3, "a bounce is the same grasp");
+    assert!(
+        bench.contact.slip_m > 1e-3,
+        "a bounce continues the same grasp"
+    );
     (0..201).for_each(|_| _ = bench.press(-1e-3, 0.0, 0.0));
     bench.press(0.5e-3, 0.0, 0.0);
     assert_eq!(bench.contact.slip_m, 0.0);
@@ -223,7 +227,7 @@ fn slip_counts_from_zero_in_a_new_grasp() {
 /// closing at 2 mm/s through 5 kN/m. One bristle per element gives a wrong slope (tactile design:
 /// 524 instead of 844 N/m).
 #[test]
-fn one_bristle_per_element_would_feel_too_soft() {
+fn one_bristle_per_element_is_too_soft() {
     let (coarse, fine) = (probe_slope_n_m(1), probe_slope_n_m(BRISTLES_PER_ELEMENT));
     assert!(
         (0.55..0.70).contains(&(coarse / fine)),
@@ -261,7 +265,7 @@ fn probe_slope_n_m(bristles_per_element: usize) -> f64 {
 
 /// At rest, skin and object are springs in series.
 #[test]
-fn a_soft_object_takes_its_share_of_the_indentation() {
+fn soft_object_and_skin_share_the_indentation() {
     for stiffness_n_m in [400.0, 1500.0, 3e4] {
         let mut bench = Bench::new(BRISTLES_PER_ELEMENT, stiffness_n_m);
         let force_n = (0..2000)
@@ -282,7 +286,7 @@ fn a_soft_object_takes_its_share_of_the_indentation() {
 }
 
 #[test]
-fn elements_add_up_to_the_whole() {
+fn element_forces_sum_to_the_total() {
     let mut bench = Bench::new(BRISTLES_PER_ELEMENT, f64::INFINITY);
     let mut total = (0.0, 0.0);
     for step in 1..200 {
@@ -314,7 +318,7 @@ fn nothing_touches_beyond_an_edge() {
 /// Rigid flat face: F = K·A·δ for a flat pad of area A, F = (4/3)·K·L·√(2R)·δ^1.5 for a cylinder of
 /// length L and radius R.
 #[test]
-fn pads_and_cylinders_press_as_their_shape_says() {
+fn pad_and_cylinder_forces_match_their_shape() {
     let flat_n = |area_m2: f64| move |depth_m: f64| FOUNDATION_N_M3 * area_m2 * depth_m;
     let cylinder_n = |length_m: f64, radius_m: f64| {
         move |depth_m: f64| {
@@ -323,7 +327,7 @@ fn pads_and_cylinders_press_as_their_shape_says() {
     };
     let check = |layout: &str, expected_n: &dyn Fn(f64) -> f64, tolerance: f64| {
         for depth_m in [1e-4, 2e-4, 4e-4] {
-            let normal_n = Bench::named(layout).normal_n(depth_m);
+            let normal_n = Bench::from_layout_name(layout).normal_n(depth_m);
             let expected_n = expected_n(depth_m);
             assert!(
                 (normal_n / expected_n - 1.0).abs() < tolerance,
@@ -341,9 +345,9 @@ fn pads_and_cylinders_press_as_their_shape_says() {
 /// A pad whose lower half is below the cube reads forces on its upper half only; one element of a
 /// one-element dome reads the sum of all.
 #[test]
-fn each_element_feels_its_own_part_of_the_face() {
+fn elements_read_only_their_own_area() {
     let felt_n = |layout: &str, height_m: f64| {
-        let mut bench = Bench::named(layout);
+        let mut bench = Bench::from_layout_name(layout);
         bench.press(3e-4, height_m, 0.0);
         let mut force_n = [Vector3::zeros(); ELEMENTS];
         bench.contact.element_forces(&bench.pad, &mut force_n);
@@ -362,7 +366,8 @@ fn each_element_feels_its_own_part_of_the_face() {
 }
 
 #[test]
-fn a_skin_whose_elements_nobody_has_placed_is_not_simulated() {
-    let error = Pad::of(NamedLayout::Pad { count: 16 }, DOME_RADIUS_M).expect_err("refused");
+fn skin_without_element_positions_is_rejected() {
+    let error = Pad::from_layout(NamedLayout::Pad { count: 16 }, DOME_RADIUS_M)
+        .expect_err("layout without positions is rejected");
     assert!(error.to_string().contains("pad-16"), "{error}");
 }

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use field::Wheels;
 
 use super::floor::Floor;
-use crate::ride::Ride;
+use crate::base_motion::BaseMotion;
 
 /// Step, s: the period of the wheel controllers.
 pub const STEP_S: f64 = 0.005;
@@ -21,7 +21,7 @@ const ACCELERATION_M_S2: f64 = 0.8;
 const JERK_M_S3: f64 = 8.0;
 /// Share of all limits while carrying. Design choice: at full pace, turns and bumps shake out
 /// objects that need almost the whole allowed grip force.
-const CARRYING: f64 = 0.5;
+const CARRYING_SHARE: f64 = 0.5;
 
 /// Scale of the speed and acceleration limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,26 +37,29 @@ impl Pace {
     fn share(self) -> f64 {
         match self {
             Self::Free => 1.0,
-            Self::Carrying => CARRYING,
+            Self::Carrying => CARRYING_SHARE,
         }
     }
 }
 
 /// Position and direction in the field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Place {
+pub struct PlanarPose {
     /// Position x and y, m.
-    pub at_m: [f64; 2],
+    pub position_m: [f64; 2],
     /// Direction, rad.
     pub yaw_rad: f64,
 }
 
-impl Place {
+impl PlanarPose {
     /// Transforms a point of the field into this frame: metres ahead and to the left.
     #[must_use]
-    pub fn sees(&self, point_m: [f64; 2]) -> [f64; 2] {
+    pub fn relative_m(&self, point_m: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.yaw_rad);
-        let [dx, dy] = [point_m[0] - self.at_m[0], point_m[1] - self.at_m[1]];
+        let [dx, dy] = [
+            point_m[0] - self.position_m[0],
+            point_m[1] - self.position_m[1],
+        ];
         [dx * cos + dy * sin, dy * cos - dx * sin]
     }
 
@@ -65,8 +68,8 @@ impl Place {
     pub fn point_m(&self, [ahead_m, left_m]: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = libm::sincos(self.yaw_rad);
         [
-            self.at_m[0] + ahead_m * cos - left_m * sin,
-            self.at_m[1] + ahead_m * sin + left_m * cos,
+            self.position_m[0] + ahead_m * cos - left_m * sin,
+            self.position_m[1] + ahead_m * sin + left_m * cos,
         ]
     }
 }
@@ -103,21 +106,21 @@ impl Wheel {
 /// Wheeled base.
 #[derive(Clone, Debug)]
 pub struct Base {
-    place: Place,
+    pose: PlanarPose,
     wheels: [Wheel; 2],
     floor: Floor,
-    ride: Ride,
+    motion: BaseMotion,
 }
 
 impl Base {
     /// Creates a base at rest.
     #[must_use]
-    pub fn new(place: Place, floor: Floor) -> Self {
+    pub fn new(place: PlanarPose, floor: Floor) -> Self {
         Self {
-            place,
+            pose: place,
             wheels: [Wheel::default(); 2],
             floor,
-            ride: Ride::STILL,
+            motion: BaseMotion::STILL,
         }
     }
 
@@ -139,35 +142,35 @@ impl Base {
         let turn = |k: usize| (right[k] - left[k]) / TRACK_M;
         let way_m = (mean(0) + mean(1) * STEP_S / 2.0) * STEP_S;
         let turned_rad = (turn(0) + turn(1) * STEP_S / 2.0) * STEP_S;
-        self.ride = Ride {
+        self.motion = BaseMotion {
             speed_m_s: mean(0),
             acceleration_m_s2: mean(1),
             turn_rad_s: turn(0),
             turn_rad_s2: turn(1),
             heave_m_s2: self.floor.heave_m_s2(way_m, mean(0)),
         };
-        let middle_rad = self.place.yaw_rad + turned_rad / 2.0;
+        let middle_rad = self.pose.yaw_rad + turned_rad / 2.0;
         let (sin, cos) = libm::sincos(middle_rad);
-        self.place.at_m[0] += way_m * cos;
-        self.place.at_m[1] += way_m * sin;
-        self.place.yaw_rad = wrapped(self.place.yaw_rad + turned_rad);
+        self.pose.position_m[0] += way_m * cos;
+        self.pose.position_m[1] += way_m * sin;
+        self.pose.yaw_rad = wrapped(self.pose.yaw_rad + turned_rad);
     }
 
     /// Returns the pose.
     #[must_use]
-    pub fn place(&self) -> Place {
-        self.place
+    pub fn pose(&self) -> PlanarPose {
+        self.pose
     }
 
     /// Returns the motion in the current step, from its start.
     #[must_use]
-    pub fn ride(&self) -> Ride {
-        self.ride
+    pub fn motion(&self) -> BaseMotion {
+        self.motion
     }
 
     /// Returns true if both wheels are at rest.
     #[must_use]
-    pub fn stands(&self) -> bool {
+    pub fn is_at_rest(&self) -> bool {
         self.wheels == [Wheel::default(); 2]
     }
 }
@@ -188,11 +191,11 @@ mod tests {
     use proptest::prelude::*;
 
     fn base() -> Base {
-        Base::new(Place::default(), Floor::even())
+        Base::new(PlanarPose::default(), Floor::even())
     }
 
     #[test]
-    fn a_wheel_comes_to_its_speed_and_stays_there() {
+    fn wheels_reach_and_keep_their_speed() {
         for (level, pace) in [1, 2, 0]
             .map(|l| [(l, Pace::Free), (l, Pace::Carrying)])
             .concat()
@@ -204,31 +207,35 @@ mod tests {
             };
             (0..400).for_each(|_| base.step(levels, pace));
             let speed_m_s = f64::from(level) * MEDIUM_M_S * pace.share();
-            assert_eq!(base.ride().speed_m_s, speed_m_s);
+            assert_eq!(base.motion().speed_m_s, speed_m_s);
             (0..400).for_each(|_| base.step(Wheels::STOP, pace));
-            assert!(base.stands() && base.ride() == Ride::STILL);
-            assert_eq!(base.place().at_m[1], 0.0, "equal levels drive straight");
+            assert!(base.is_at_rest() && base.motion() == BaseMotion::STILL);
+            assert_eq!(
+                base.pose().position_m[1],
+                0.0,
+                "equal levels drive straight"
+            );
         }
     }
 
     proptest! {
         /// Limits hold for any sequence of levels.
         #[test]
-        fn limits_hold_whatever_is_told(
+        fn limits_hold_for_any_levels(
             levels in proptest::collection::vec((0_u8..4, 0_u8..4), 1..40),
             pace in prop_oneof![Just(Pace::Free), Just(Pace::Carrying)],
         ) {
-            let (mut base, mut before, share) = (base(), Ride::STILL, pace.share());
+            let (mut base, mut before, share) = (base(), BaseMotion::STILL, pace.share());
             for (left, right) in levels {
                 for _ in 0..20 {
                     base.step(Wheels { left, right }, pace);
-                    let ride = base.ride();
+                    let ride = base.motion();
                     prop_assert!(ride.speed_m_s.abs() <= share * HIGH_M_S * 1.05);
                     prop_assert!(ride.acceleration_m_s2.abs() <= share * ACCELERATION_M_S2 + 1e-9);
                     let jerk = (ride.acceleration_m_s2 - before.acceleration_m_s2).abs() / STEP_S;
                     // A wheel near its target speed reaches it within one step.
                     prop_assert!(jerk <= 3.0 * share * JERK_M_S3 + 1e-6, "{jerk} m/s³");
-                    prop_assert!(base.place().yaw_rad.abs() <= PI);
+                    prop_assert!(base.pose().yaw_rad.abs() <= PI);
                     before = ride;
                 }
             }
@@ -236,13 +243,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_seen_is_where_it_is() {
-        let place = Place {
-            at_m: [1.0, -2.0],
+    fn pose_transforms_are_inverse() {
+        let place = PlanarPose {
+            position_m: [1.0, -2.0],
             yaw_rad: 0.7,
         };
         let point_m = place.point_m([0.3, -0.1]);
-        let [ahead_m, left_m] = place.sees(point_m);
+        let [ahead_m, left_m] = place.relative_m(point_m);
         assert!((ahead_m - 0.3).abs() < 1e-12 && (left_m + 0.1).abs() < 1e-12);
     }
 }

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 use shm_schemas::WorldTruth;
 
 use super::SIDE;
-use crate::ride::Ride;
+use crate::base_motion::BaseMotion;
 
 /// Accelerations of the base during a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Shake {
+pub struct BaseAcceleration {
     /// Largest horizontal acceleration, m/s².
     pub horizontal_m_s2: f64,
     /// Largest vertical acceleration, m/s².
@@ -29,7 +29,7 @@ pub struct DriveFigures {
     /// True slip in the hand during the drive, m.
     pub slip_m: f64,
     /// Accelerations of the base.
-    pub shake: Shake,
+    pub shake: BaseAcceleration,
 }
 
 /// Drive in progress.
@@ -42,7 +42,7 @@ pub(super) struct Drive {
 
 impl Drive {
     pub(super) fn begin(truth: &WorldTruth) -> Self {
-        let pressed_n = weaker_n(truth);
+        let pressed_n = weaker_side_n(truth);
         Self {
             figures: DriveFigures {
                 began_n: pressed_n,
@@ -55,9 +55,9 @@ impl Drive {
         }
     }
 
-    pub(super) fn watch(&mut self, truth: &WorldTruth, ride: &Ride) {
+    pub(super) fn record(&mut self, truth: &WorldTruth, ride: &BaseMotion) {
         self.ticks += 1;
-        let (figures, pressed_n) = (&mut self.figures, weaker_n(truth));
+        let (figures, pressed_n) = (&mut self.figures, weaker_side_n(truth));
         figures.least_n = figures.least_n.min(pressed_n);
         figures.most_n = figures.most_n.max(pressed_n);
         figures.slip_m = (truth.objects[0].slip_in_hand_m - self.slip_before_m).max(0.0);
@@ -82,7 +82,7 @@ fn length(a: f64, b: f64) -> f64 {
 }
 
 /// Normal force of the weaker grasp side, N.
-fn weaker_n(truth: &WorldTruth) -> f64 {
-    let fingers = &truth.normal_n[SIDE.index()][..robot_model::VIRTUAL_FINGERS];
+fn weaker_side_n(truth: &WorldTruth) -> f64 {
+    let fingers = &truth.normal_n[SIDE.index()][..robot_model::GRASP_SIDES];
     fingers.iter().copied().fold(f64::INFINITY, f64::min)
 }

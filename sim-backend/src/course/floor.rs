@@ -79,7 +79,7 @@ mod tests {
 
     /// Doubly integrated heave equals the bump.
     #[test]
-    fn a_bump_is_as_high_as_it_was_drawn_and_ends_on_the_floor() {
+    fn integrated_heave_matches_the_bump_height() {
         let (speed_m_s, dt_s) = (0.3, 1e-5);
         let mut floor = Floor::bumpy(3, 0);
         let height_m = floor.height_m;
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_floor_is_even_and_bumps_follow_the_seed() {
+    fn bumps_depend_on_seed_and_robot() {
         let drive = |mut floor: Floor| -> Vec<f64> {
             (0..2000).map(|_| floor.heave_m_s2(0.001, 0.3)).collect()
         };

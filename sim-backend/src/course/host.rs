@@ -8,13 +8,13 @@
 use field::Wheels;
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
-use shm_schemas::{BaseCommand, BaseState, Light, Mishap, Say, WorldTruth};
+use shm_schemas::{BaseCommand, BaseState, ControlOwner, Light, Mishap, WorldTruth};
 
-use super::cast::Cast;
 use super::drive::{Drive, DriveFigures};
 use super::rovers::{self, Course};
+use super::scenario::Scenario;
 use super::{FRAME_STEPS, STEP_TICKS};
-use crate::ride::Ride;
+use crate::base_motion::BaseMotion;
 
 /// Ticks per frame.
 pub const FRAME_TICKS: u64 = FRAME_STEPS * STEP_TICKS;
@@ -32,7 +32,7 @@ pub struct Host {
 
 /// Final result of a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ended {
+pub struct RobotResult {
     /// Name of its object.
     pub object: String,
     /// Mishap that ended its course, as text.
@@ -54,7 +54,7 @@ struct Robot {
 impl Host {
     /// Creates the course before its first frame.
     #[must_use]
-    pub fn new(cast: &Cast) -> Self {
+    pub fn new(cast: &Scenario) -> Self {
         Self {
             course: Course::new(&cast.layout, Some(cast.floor_seed)),
             robots: vec![Robot::default(); cast.robots.len()],
@@ -83,24 +83,27 @@ impl Host {
     /// Returns true if a robot's course is over.
     #[must_use]
     pub fn is_over(&self, robot: usize) -> bool {
-        self.robots[robot].command.say == Say::OVER
+        self.robots[robot].command.owner == ControlOwner::OVER
     }
 
     /// Returns the state of a base, with the object's position from the world of the hands.
-    pub fn look(&mut self, robot: usize, truth: &WorldTruth) -> BaseState {
-        let (place, object) = (self.course.place(robot), &truth.objects[0]);
+    pub fn base_state(&mut self, robot: usize, truth: &WorldTruth) -> BaseState {
+        let (place, object) = (self.course.pose(robot), &truth.objects[0]);
         let [x_m, y_m, _] = object.position_m;
         let stands = object.table_n > 0.0;
         self.course
             .set_object(robot, stands.then(|| place.point_m([x_m, y_m])));
-        let sees = |light| self.course.sees(robot, light).unwrap_or_default();
+        let sees = |light| self.course.relative_m(robot, light).unwrap_or_default();
         BaseState {
             frame: self.ticks / FRAME_TICKS,
             object_m: sees(rovers::Light::Object),
             goal_m: sees(rovers::Light::Goal),
-            first_m: self.course.to_first_m(robot).unwrap_or(f64::INFINITY),
+            right_of_way_m: self
+                .course
+                .distance_to_priority_m(robot)
+                .unwrap_or(f64::INFINITY),
             object_stands: stands.into(),
-            stands: self.course.stands(robot).into(),
+            wheels_stopped: self.course.is_at_rest(robot).into(),
             mishap: self.course.mishap(robot).unwrap_or(Mishap::NONE),
             ..BaseState::default()
         }
@@ -109,26 +112,26 @@ impl Host {
     /// Returns the table row; `None` if the table does not control the base.
     #[must_use]
     pub fn row(&self, robot: usize, command: &BaseCommand) -> Option<u8> {
-        let drives = command.say == Say::TABLE;
+        let drives = command.owner == ControlOwner::TABLE;
         drives.then(|| self.course.sense(robot, light(command.light)))
     }
 
     /// Executes a command for this frame, with the table's response.
-    pub fn obey(
+    pub fn execute(
         &mut self,
         robot: usize,
         command: &BaseCommand,
         wheels: Option<Wheels>,
         truth: &WorldTruth,
     ) {
-        let told = &mut self.robots[robot];
-        told.command = *command;
-        let carries = command.light == Light::GOAL && command.say == Say::TABLE;
-        if carries && told.drive.is_none() {
-            told.drive = Some(Drive::begin(truth));
+        let robot_state = &mut self.robots[robot];
+        robot_state.command = *command;
+        let carries = command.light == Light::GOAL && command.owner == ControlOwner::TABLE;
+        if carries && robot_state.drive.is_none() {
+            robot_state.drive = Some(Drive::begin(truth));
         }
-        if command.say == Say::OVER {
-            return self.course.rest(robot);
+        if command.owner == ControlOwner::OVER {
+            return self.course.finish(robot);
         }
         let wheels = wheels.unwrap_or(Wheels::STOP);
         let pace = light(command.light).pace();
@@ -145,27 +148,30 @@ impl Host {
 
     /// Returns the motion of a base in the current tick.
     #[must_use]
-    pub fn ride(&self, robot: usize) -> Ride {
-        self.course.ride(robot)
+    pub fn base_motion(&self, robot: usize) -> BaseMotion {
+        self.course.base_motion(robot)
     }
 
     /// Measures the grip during a drive; calls `truth` only then.
-    pub fn watch(&mut self, robot: usize, truth: impl FnOnce() -> WorldTruth) {
-        let ride = self.course.ride(robot);
+    pub fn measure(&mut self, robot: usize, truth: impl FnOnce() -> WorldTruth) {
+        let ride = self.course.base_motion(robot);
         let Robot { command, drive } = &mut self.robots[robot];
-        if let Some(drive) = drive.as_mut().filter(|_| command.say != Say::HAND) {
-            drive.watch(&truth(), &ride);
+        if let Some(drive) = drive
+            .as_mut()
+            .filter(|_| command.owner != ControlOwner::HAND)
+        {
+            drive.record(&truth(), &ride);
         }
     }
 
     /// Returns the result of a robot.
     #[must_use]
-    pub fn ended(&self, robot: usize, truth: &WorldTruth) -> Ended {
+    pub fn result(&self, robot: usize, truth: &WorldTruth) -> RobotResult {
         let object = &truth.objects[0];
         let [x_m, y_m, _] = object.position_m;
-        let goal_m = self.course.sees(robot, rovers::Light::Goal);
+        let goal_m = self.course.relative_m(robot, rovers::Light::Goal);
         let [goal_x_m, goal_y_m] = goal_m.unwrap_or_default();
-        Ended {
+        RobotResult {
             object: object.name.as_str().to_owned(),
             mishap: self.course.mishap(robot).map(|mishap| mishap.to_string()),
             drive: self.robots[robot].drive.as_ref().map(Drive::figures),

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use super::base::Place;
+use super::base::PlanarPose;
 use crate::random::Random;
 use crate::scene::stream;
 
@@ -16,12 +16,12 @@ pub(super) const ROBOT_M: f64 = 0.45;
 pub(super) const BASE_M: f64 = 0.16;
 pub(super) const OBJECT_M: f64 = 0.05;
 /// Smallest wall distance of objects and goals, and of starts, m: room to pass and to turn.
-const TO_WALL_M: f64 = 1.0;
-const START_TO_WALL_M: f64 = 0.7;
+const WALL_DISTANCE_MIN_M: f64 = 1.0;
+const START_WALL_DISTANCE_MIN_M: f64 = 0.7;
 /// Smallest distance from object to start and goal of one lane, m.
-const OWN_APART_M: f64 = 1.0;
+const LANE_DISTANCE_MIN_M: f64 = 1.0;
 /// Smallest distance between places that two robots may use at once, m: their arms do not touch.
-const APART_M: f64 = 1.6;
+const ROBOT_DISTANCE_MIN_M: f64 = 1.6;
 /// Attempts of a random draw; one in ten is valid.
 const TRIES: usize = 10_000;
 
@@ -29,9 +29,9 @@ const TRIES: usize = 10_000;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lane {
     /// Start pose of the base.
-    pub start: Place,
+    pub start: PlanarPose,
     /// Pose of the object.
-    pub object: Place,
+    pub object: PlanarPose,
     /// Position of the goal, m.
     pub goal_m: [f64; 2],
 }
@@ -40,12 +40,12 @@ pub struct Lane {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CourseError {
     /// Unsupported number of robots.
-    #[error("could not lay a course for {0} robots, needs 1 to {LANES_MAX}; choose another number")]
+    #[error("course rejected: {0} robots, needs 1 to {LANES_MAX}; choose another number")]
     Robots(usize),
     /// Unreachable place.
     #[error(
-        "could not lay the course because {what} of robot {robot} was at {value_m} m, needs at most {limit_m} m from the \
-         middle; there is no way to it"
+        "course rejected: {what} of robot {robot} is at {value_m} m, needs at most {limit_m} m \
+         from the centre in x and y; move it inwards"
     )]
     Outside {
         /// Kind of place.
@@ -58,9 +58,7 @@ pub enum CourseError {
         limit_m: f64,
     },
     /// Two places too close to each other.
-    #[error(
-        "could not lay the course because {what} are {value_m:.2} m apart, needs {least_m} m; move them apart"
-    )]
+    #[error("course rejected: {what} are {value_m:.2} m apart, needs {least_m} m; move them apart")]
     TooClose {
         /// Names of the two places.
         what: &'static str,
@@ -70,7 +68,7 @@ pub enum CourseError {
         least_m: f64,
     },
     /// Direction that is not finite.
-    #[error("could not lay the course because a direction of robot {0} was not finite; correct it")]
+    #[error("course rejected: a direction of robot {0} is not finite; correct it")]
     Direction(usize),
 }
 
@@ -93,22 +91,32 @@ impl Layout {
             check_lane(robot, lane)?;
         }
         if let [a, b] = &lanes[..] {
-            check_apart("two starts", a.start.at_m, b.start.at_m, APART_M)?;
-            check_apart("two objects", a.object.at_m, b.object.at_m, APART_M)?;
-            check_apart("two goals", a.goal_m, b.goal_m, APART_M)?;
+            check_distance(
+                "two starts",
+                a.start.position_m,
+                b.start.position_m,
+                ROBOT_DISTANCE_MIN_M,
+            )?;
+            check_distance(
+                "two objects",
+                a.object.position_m,
+                b.object.position_m,
+                ROBOT_DISTANCE_MIN_M,
+            )?;
+            check_distance("two goals", a.goal_m, b.goal_m, ROBOT_DISTANCE_MIN_M)?;
             for (a, b) in [(a, b), (b, a)] {
-                let (start_m, object_m) = (a.start.at_m, b.object.at_m);
-                check_apart(
+                let (start_m, object_m) = (a.start.position_m, b.object.position_m);
+                check_distance(
                     "a start and another's object",
                     start_m,
                     object_m,
-                    OWN_APART_M,
+                    LANE_DISTANCE_MIN_M,
                 )?;
-                check_apart(
+                check_distance(
                     "a goal and another's object",
                     a.goal_m,
                     object_m,
-                    OWN_APART_M,
+                    LANE_DISTANCE_MIN_M,
                 )?;
             }
         }
@@ -119,11 +127,11 @@ impl Layout {
     ///
     /// # Errors
     /// [`CourseError::Robots`].
-    pub fn drawn(robots: usize, seed: u64) -> Result<Self, CourseError> {
+    pub fn random(robots: usize, seed: u64) -> Result<Self, CourseError> {
         let mut random = Random::new(seed, stream::COURSE);
         let mut last = Self::new(Vec::new());
         for _ in 0..TRIES {
-            last = Self::new((0..robots).map(|_| Lane::drawn(&mut random)).collect());
+            last = Self::new((0..robots).map(|_| Lane::random(&mut random)).collect());
             if last.is_ok() || matches!(last, Err(CourseError::Robots(_))) {
                 break;
             }
@@ -139,18 +147,18 @@ impl Layout {
 }
 
 impl Lane {
-    fn drawn(random: &mut Random) -> Self {
+    fn random(random: &mut Random) -> Self {
         let mut point_m = |to_wall_m: f64| {
             let most_m = HALF_SIDE_M - to_wall_m;
             [(); 2].map(|()| random.between(-most_m, most_m))
         };
         let places_m = [
-            point_m(START_TO_WALL_M),
-            point_m(TO_WALL_M),
-            point_m(TO_WALL_M),
+            point_m(START_WALL_DISTANCE_MIN_M),
+            point_m(WALL_DISTANCE_MIN_M),
+            point_m(WALL_DISTANCE_MIN_M),
         ];
-        let mut towards = |at_m| Place {
-            at_m,
+        let mut towards = |at_m| PlanarPose {
+            position_m: at_m,
             yaw_rad: random.between(-PI, PI),
         };
         Self {
@@ -163,9 +171,13 @@ impl Lane {
 
 fn check_lane(robot: usize, lane: &Lane) -> Result<(), CourseError> {
     let places = [
-        ("the start", lane.start.at_m, START_TO_WALL_M),
-        ("the object", lane.object.at_m, TO_WALL_M),
-        ("the goal", lane.goal_m, TO_WALL_M),
+        (
+            "the start",
+            lane.start.position_m,
+            START_WALL_DISTANCE_MIN_M,
+        ),
+        ("the object", lane.object.position_m, WALL_DISTANCE_MIN_M),
+        ("the goal", lane.goal_m, WALL_DISTANCE_MIN_M),
     ];
     for (what, at_m, to_wall_m) in places {
         let limit_m = HALF_SIDE_M - to_wall_m;
@@ -183,17 +195,22 @@ fn check_lane(robot: usize, lane: &Lane) -> Result<(), CourseError> {
     if !(lane.start.yaw_rad.is_finite() && lane.object.yaw_rad.is_finite()) {
         return Err(CourseError::Direction(robot));
     }
-    let object_m = lane.object.at_m;
-    check_apart(
+    let object_m = lane.object.position_m;
+    check_distance(
         "a start and its object",
-        lane.start.at_m,
+        lane.start.position_m,
         object_m,
-        OWN_APART_M,
+        LANE_DISTANCE_MIN_M,
     )?;
-    check_apart("an object and its goal", object_m, lane.goal_m, OWN_APART_M)
+    check_distance(
+        "an object and its goal",
+        object_m,
+        lane.goal_m,
+        LANE_DISTANCE_MIN_M,
+    )
 }
 
-fn check_apart(
+fn check_distance(
     what: &'static str,
     a_m: [f64; 2],
     b_m: [f64; 2],
@@ -215,19 +232,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_seed_draws_a_course() {
+    fn every_seed_gives_a_valid_course() {
         for robots in 1..=LANES_MAX {
             for seed in 0..200 {
-                let layout = Layout::drawn(robots, seed).expect("a course");
-                assert_eq!(Layout::drawn(robots, seed), Ok(layout.clone()));
-                assert_ne!(Layout::drawn(robots, seed + 1), Ok(layout));
+                let layout = Layout::random(robots, seed).expect("a course");
+                assert_eq!(Layout::random(robots, seed), Ok(layout.clone()));
+                assert_ne!(Layout::random(robots, seed + 1), Ok(layout));
             }
         }
     }
 
     #[test]
-    fn courses_without_way_are_refused_by_name() {
-        let good = Layout::drawn(1, 1).expect("a course").lanes()[0];
+    fn invalid_courses_are_rejected() {
+        let good = Layout::random(1, 1).expect("a course").lanes()[0];
         let check = |change: fn(&mut Lane), part: &str| {
             let mut lane = good;
             change(&mut lane);
@@ -235,15 +252,15 @@ mod tests {
             assert!(error.to_string().contains(part), "{error}");
         };
         check(|lane| lane.goal_m = [2.9, 0.0], "the goal of robot 1");
-        check(|lane| lane.object.at_m[1] = f64::NAN, "the object");
-        check(|lane| lane.start.at_m[0] = -2.5, "the start");
+        check(|lane| lane.object.position_m[1] = f64::NAN, "the object");
+        check(|lane| lane.start.position_m[0] = -2.5, "the start");
         check(
             |lane| lane.start.yaw_rad = f64::INFINITY,
             "direction of robot 1",
         );
-        check(|lane| lane.goal_m = lane.object.at_m, "0.00 m apart");
+        check(|lane| lane.goal_m = lane.object.position_m, "0.00 m apart");
         for robots in [0, 3] {
-            assert_eq!(Layout::drawn(robots, 1), Err(CourseError::Robots(robots)));
+            assert_eq!(Layout::random(robots, 1), Err(CourseError::Robots(robots)));
         }
         assert!(matches!(
             Layout::new(vec![good, good]),

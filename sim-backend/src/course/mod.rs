@@ -9,9 +9,9 @@
 //!
 //! * **Inputs:** a [`Layout`]; wheel levels (0 stop, 1 medium, 2 high: paper Table 1) per frame.
 //! * **Outputs:** table rows, base motions, mishaps ([`Mishap`](shm_schemas::Mishap)). A [`Host`]
-//!   runs a [`Cast`] with coordinators and tables in any process.
+//!   runs a [`Scenario`] with coordinators and tables in any process.
 //! * **Right of way:** 30 s for each robot in turn. The other robots know their distance to it
-//!   ([`Course::to_first_m`]) and may stop.
+//!   ([`Course::distance_to_priority_m`]) and may stop.
 //! * **Invariants:** deterministic, without a clock; randomness only from the seed. Under any
 //!   command a base keeps its limits of acceleration and jerk and stays clear of walls, objects and
 //!   other bases. An independent check reports violations as mishaps; the base then brakes and
@@ -23,24 +23,24 @@
 //! small service robot (design choice).
 
 mod base;
-mod cast;
+mod collision_guard;
 mod drive;
 mod floor;
-mod guard;
 mod host;
 mod layout;
 mod rovers;
-mod sight;
+mod scenario;
+mod sensing;
 
 pub use ::field::{Responses, Wheels};
-pub use base::{Base, HIGH_M_S, Pace, Place, STEP_S};
-pub use cast::{Cast, Player, SIDE};
-pub use drive::{DriveFigures, Shake};
+pub use base::{Base, HIGH_M_S, Pace, PlanarPose, STEP_S};
+pub use drive::{BaseAcceleration, DriveFigures};
 pub use floor::Floor;
-pub use host::{Ended, FRAME_TICKS, Host, SETTLE_TICKS};
+pub use host::{FRAME_TICKS, Host, RobotResult, SETTLE_TICKS};
 pub use layout::{CourseError, HALF_SIDE_M, LANES_MAX, Lane, Layout};
 pub use rovers::{Course, Light};
-pub use sight::EYES_M;
+pub use scenario::{RobotSetup, SIDE, Scenario};
+pub use sensing::PHOTO_SENSORS_M;
 
 /// Length of a frame, s; the table is read once per frame.
 pub const FRAME_S: f64 = 0.1;

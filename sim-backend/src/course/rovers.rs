@@ -3,21 +3,21 @@
 use field::Wheels;
 use shm_schemas::Mishap;
 
-use super::base::{Base, Pace, Place};
+use super::base::{Base, Pace, PlanarPose};
+use super::collision_guard::{FrameCommand, Surroundings, are_apart};
 use super::floor::Floor;
-use super::guard::{Order, Surroundings, apart};
 use super::layout::{BASE_M, HALF_SIDE_M, Layout, OBJECT_M, ROBOT_M};
-use super::sight::{Disc, row};
-use crate::ride::Ride;
+use super::sensing::{Disc, row};
+use crate::base_motion::BaseMotion;
 
 /// Radius at which IR sensors detect another robot with its arms in front, m. Design choice: the
 /// table turns before the collision guard acts. The sum of both radii, 0.9 m, would leave no
 /// passage along a wall.
-const PASSING_M: f64 = 0.75;
+const DETECTED_ROBOT_M: f64 = 0.75;
 
 /// Right of way, steps: 30 s, about one drive. Design choice. Without rotation, two robots could
 /// block each other forever.
-const TURN_STEPS: u64 = 6000;
+const RIGHT_OF_WAY_STEPS: u64 = 6000;
 
 /// Light that the photo sensors detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,9 +43,9 @@ impl Light {
 #[derive(Clone, Debug)]
 struct Rover {
     base: Base,
-    order: Order,
+    command: FrameCommand,
     /// True after its course; it stays.
-    rests: bool,
+    is_finished: bool,
     /// Object on the floor; `None` while held.
     object_m: Option<[f64; 2]>,
     goal_m: [f64; 2],
@@ -68,9 +68,9 @@ impl Course {
         let rovers = layout.lanes().iter().enumerate();
         let rovers = rovers.map(|(robot, lane)| Rover {
             base: Base::new(lane.start, floor(robot)),
-            order: Order::default(),
-            rests: false,
-            object_m: Some(lane.object.at_m),
+            command: FrameCommand::default(),
+            is_finished: false,
+            object_m: Some(lane.object.position_m),
             goal_m: lane.goal_m,
             mishap: None,
         });
@@ -93,16 +93,16 @@ impl Course {
         let discs = others.flat_map(|(_, other)| {
             // Radii include the size of the passing body.
             let body = Disc {
-                at_m: other.base.place().at_m,
-                radius_m: PASSING_M,
+                position_m: other.base.pose().position_m,
+                radius_m: DETECTED_ROBOT_M,
             };
             let object = other.object_m.map(|at_m| Disc {
-                at_m,
+                position_m: at_m,
                 radius_m: BASE_M + OBJECT_M,
             });
             [Some(body), object].into_iter().flatten()
         });
-        let place = self.place(robot);
+        let place = self.pose(robot);
         row(&place, discs, self.light_m(robot, light))
     }
 
@@ -116,21 +116,22 @@ impl Course {
 
     /// Returns the light in the robot's frame: metres ahead and to the left; `None` while held.
     #[must_use]
-    pub fn sees(&self, robot: usize, light: Light) -> Option<[f64; 2]> {
-        let place = self.place(robot);
-        self.light_m(robot, light).map(|at_m| place.sees(at_m))
+    pub fn relative_m(&self, robot: usize, light: Light) -> Option<[f64; 2]> {
+        let place = self.pose(robot);
+        self.light_m(robot, light)
+            .map(|at_m| place.relative_m(at_m))
     }
 
     /// Returns the distance to the base with the right of way, m; `None` for that robot and after
     /// its course.
     #[must_use]
-    pub fn to_first_m(&self, robot: usize) -> Option<f64> {
-        let first = (self.steps / TURN_STEPS) as usize % self.rovers.len();
+    pub fn distance_to_priority_m(&self, robot: usize) -> Option<f64> {
+        let first = (self.steps / RIGHT_OF_WAY_STEPS) as usize % self.rovers.len();
         let other = &self.rovers[first];
-        if first == robot || other.rests {
+        if first == robot || other.is_finished {
             return None;
         }
-        let [ahead_m, left_m] = self.place(robot).sees(other.base.place().at_m);
+        let [ahead_m, left_m] = self.pose(robot).relative_m(other.base.pose().position_m);
         Some(libm::hypot(ahead_m, left_m))
     }
 
@@ -139,13 +140,13 @@ impl Course {
     pub fn steer(&mut self, robot: usize, wheels: Wheels, pace: Pace) {
         let base = &self.rovers[robot].base;
         if let Some(order) = self.surroundings(robot).allow(base, wheels, pace) {
-            self.rovers[robot].order = order;
+            self.rovers[robot].command = order;
         }
     }
 
     fn surroundings(&self, robot: usize) -> Surroundings {
         let others = self.rovers.iter().enumerate().filter(|(k, _)| *k != robot);
-        let foreseen = |(_, other): (usize, &Rover)| (other.base.on_even_floor(), other.order);
+        let foreseen = |(_, other): (usize, &Rover)| (other.base.on_even_floor(), other.command);
         let objects_m = self.rovers.iter().filter_map(|rover| rover.object_m);
         Surroundings {
             others: others.map(foreseen).collect(),
@@ -154,10 +155,10 @@ impl Course {
     }
 
     /// Ends a robot's course: it brakes, stays and gives up its right of way.
-    pub fn rest(&mut self, robot: usize) {
+    pub fn finish(&mut self, robot: usize) {
         let rover = &mut self.rovers[robot];
-        rover.order.stop();
-        rover.rests = true;
+        rover.command.stop();
+        rover.is_finished = true;
     }
 
     /// Sets the position of a robot's object, m; `None` while held.
@@ -170,9 +171,9 @@ impl Course {
         self.steps += 1;
         for rover in &mut self.rovers {
             if rover.mishap.is_some() {
-                rover.order.stop();
+                rover.command.stop();
             }
-            rover.order.step(&mut rover.base);
+            rover.command.step(&mut rover.base);
         }
         for robot in 0..self.rovers.len() {
             let mishap = self.mishap_of(robot);
@@ -182,13 +183,13 @@ impl Course {
     }
 
     fn mishap_of(&self, robot: usize) -> Option<Mishap> {
-        let at_m = self.place(robot).at_m;
-        let near = |other_m: [f64; 2], radius_m: f64| !apart(at_m, other_m, radius_m);
+        let at_m = self.pose(robot).position_m;
+        let near = |other_m: [f64; 2], radius_m: f64| !are_apart(at_m, other_m, radius_m);
         if at_m.iter().any(|m| m.abs() > HALF_SIDE_M - ROBOT_M) {
             return Some(Mishap::LEFT_FIELD);
         }
         let meets = |(k, other): (usize, &Rover)| {
-            k != robot && near(other.base.place().at_m, 2.0 * ROBOT_M)
+            k != robot && near(other.base.pose().position_m, 2.0 * ROBOT_M)
         };
         if self.rovers.iter().enumerate().any(meets) {
             return Some(Mishap::MET_ROBOT);
@@ -200,20 +201,20 @@ impl Course {
 
     /// Returns the pose of a base.
     #[must_use]
-    pub fn place(&self, robot: usize) -> Place {
-        self.rovers[robot].base.place()
+    pub fn pose(&self, robot: usize) -> PlanarPose {
+        self.rovers[robot].base.pose()
     }
 
     /// Returns the motion of a base in the current step.
     #[must_use]
-    pub fn ride(&self, robot: usize) -> Ride {
-        self.rovers[robot].base.ride()
+    pub fn base_motion(&self, robot: usize) -> BaseMotion {
+        self.rovers[robot].base.motion()
     }
 
     /// Returns true if a base is at rest.
     #[must_use]
-    pub fn stands(&self, robot: usize) -> bool {
-        self.rovers[robot].base.stands()
+    pub fn is_at_rest(&self, robot: usize) -> bool {
+        self.rovers[robot].base.is_at_rest()
     }
 
     /// Returns the mishap that ended a robot's course.
@@ -234,12 +235,12 @@ mod tests {
 
     fn course(lanes: &[([f64; 2], f64, [f64; 2])]) -> Course {
         let lane = |(start_m, yaw_rad, object_m): &([f64; 2], f64, [f64; 2])| Lane {
-            start: Place {
-                at_m: *start_m,
+            start: PlanarPose {
+                position_m: *start_m,
                 yaw_rad: *yaw_rad,
             },
-            object: Place {
-                at_m: *object_m,
+            object: PlanarPose {
+                position_m: *object_m,
                 yaw_rad: 0.0,
             },
             goal_m: [object_m[0], -object_m[1]],
@@ -252,26 +253,26 @@ mod tests {
     fn ends(mut course: Course, expected: [Option<Mishap>; 2]) {
         for _ in 0..200 {
             for rover in &mut course.rovers {
-                rover.order = Order::for_a_frame(AHEAD, Pace::Free);
+                rover.command = FrameCommand::new(AHEAD, Pace::Free);
             }
             (0..FRAME_STEPS).for_each(|_| course.step());
         }
         for (robot, expected) in (0..course.robots()).zip(expected) {
             assert_eq!(course.mishap(robot), expected);
             assert!(
-                course.stands(robot) || expected.is_none(),
-                "it stays after a mishap"
+                course.is_at_rest(robot) || expected.is_none(),
+                "base must stop after a mishap"
             );
-            let at_m = course.place(robot).at_m;
+            let at_m = course.pose(robot).position_m;
             assert!(
                 at_m.iter().all(|m| m.abs() < HALF_SIDE_M),
-                "it brakes before the wall: {at_m:?}"
+                "base must brake before the wall: {at_m:?}"
             );
         }
     }
 
     #[test]
-    fn mishaps_are_named_and_end_the_drive() {
+    fn mishaps_are_reported_and_stop_the_base() {
         let left = Some(Mishap::LEFT_FIELD);
         ends(course(&[([0.0, 0.0], 0.0, [0.0, 1.5])]), [left, None]);
         let over = Some(Mishap::MET_OBJECT);
@@ -285,7 +286,7 @@ mod tests {
     /// Obstacles: a wall, an object, another base. Tables cannot reverse, so a base at rest must
     /// turn.
     #[test]
-    fn a_base_that_only_drives_ahead_meets_nothing_and_never_stays() {
+    fn driving_straight_neither_collides_nor_gets_stuck() {
         let pi = core::f64::consts::PI;
         for lanes in [
             &[([0.0, 0.0], 0.0, [0.0, 1.5])][..],
@@ -297,8 +298,12 @@ mod tests {
             for _ in 0..600 {
                 for (robot, stood) in stood.iter_mut().enumerate() {
                     course.steer(robot, AHEAD, Pace::Free);
-                    *stood = if course.stands(robot) { *stood + 1 } else { 0 };
-                    assert!(*stood < 20, "{lanes:?}: robot {robot} stays");
+                    *stood = if course.is_at_rest(robot) {
+                        *stood + 1
+                    } else {
+                        0
+                    };
+                    assert!(*stood < 20, "{lanes:?}: robot {robot} is stuck");
                 }
                 (0..FRAME_STEPS).for_each(|_| course.step());
             }
@@ -310,14 +315,14 @@ mod tests {
     proptest! {
         /// Holds for any commands, also interrupted ones.
         #[test]
-        fn no_base_meets_anything(
+        fn guard_prevents_collisions_for_any_commands(
             seed in 0_u64..1 << 40,
             robots in 1..=LANES_MAX,
-            told in proptest::collection::vec((0_u8..4, 0_u8..3, 0_u8..3, 1_u8..30), 1..60),
+            reported in proptest::collection::vec((0_u8..4, 0_u8..3, 0_u8..3, 1_u8..30), 1..60),
         ) {
-            let layout = Layout::drawn(robots, seed).expect("a course");
+            let layout = Layout::random(robots, seed).expect("a course");
             let mut course = Course::new(&layout, Some(seed));
-            for (robot, (pace, left, right, frames)) in (0..robots).cycle().zip(told) {
+            for (robot, (pace, left, right, frames)) in (0..robots).cycle().zip(reported) {
                 let pace = if pace == 0 { Pace::Carrying } else { Pace::Free };
                 for _ in 0..frames {
                     course.steer(robot, Wheels { left, right }, pace);
@@ -333,32 +338,35 @@ mod tests {
     }
 
     #[test]
-    fn robots_have_the_right_of_way_in_turn_until_they_rest() {
+    fn right_of_way_rotates_among_active_robots() {
         let mut course = course(&[
             ([-1.5, 0.0], 0.0, [0.0, 1.9]),
             ([1.5, 0.0], 0.0, [1.8, 1.0]),
         ]);
         let check = |course: &Course, expected: [Option<f64>; 2]| {
-            assert_eq!([0, 1].map(|robot| course.to_first_m(robot)), expected);
+            assert_eq!(
+                [0, 1].map(|robot| course.distance_to_priority_m(robot)),
+                expected
+            );
         };
         check(&course, [None, Some(3.0)]);
-        (0..TURN_STEPS).for_each(|_| course.step());
+        (0..RIGHT_OF_WAY_STEPS).for_each(|_| course.step());
         check(&course, [Some(3.0), None]);
-        course.rest(1);
+        course.finish(1);
         check(&course, [None, None]);
-        (0..TURN_STEPS).for_each(|_| course.step());
+        (0..RIGHT_OF_WAY_STEPS).for_each(|_| course.step());
         check(&course, [None, Some(3.0)]);
     }
 
     #[test]
-    fn a_light_is_seen_until_the_hand_has_it_and_the_own_object_is_no_obstacle() {
+    fn held_object_has_no_light_and_no_obstacle() {
         let mut course = course(&[([0.0, 1.5], 0.0, [1.0, 1.4])]);
         assert_eq!(course.sense(0, Light::Object), 24);
         assert_eq!(course.sense(0, Light::Goal), 16);
-        let [ahead_m, left_m] = course.sees(0, Light::Object).expect("it stands");
+        let [ahead_m, left_m] = course.relative_m(0, Light::Object).expect("it stands");
         assert!((ahead_m - 1.0).abs() < 1e-12 && (left_m + 0.1).abs() < 1e-12);
         course.set_object(0, None);
         assert_eq!(course.sense(0, Light::Object), 0);
-        assert_eq!(course.sees(0, Light::Object), None);
+        assert_eq!(course.relative_m(0, Light::Object), None);
     }
 }

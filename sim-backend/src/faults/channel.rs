@@ -2,30 +2,30 @@
 
 use std::collections::VecDeque;
 
+use super::inject::{FaultInjector, Payload};
 use super::spec::{Fault, FaultKind};
-use super::spoil::{Payload, Spoiler};
 use crate::random::Random;
 
 /// Capacity of delayed payloads; more are lost. Equals the longest delay at 1 kHz.
-const HELD_MAX: usize = 1024;
+const DELAYED_MAX: usize = 1024;
 
 #[derive(Clone, Debug)]
 pub(super) struct Channel<T> {
     faults: Vec<Fault>,
     random: Random,
-    spoiler: Spoiler<T>,
+    injector: FaultInjector<T>,
     /// Delayed payloads with their due tick, oldest first.
-    held: VecDeque<(u64, T)>,
+    delayed: VecDeque<(u64, T)>,
 }
 
 impl<T: Payload> Channel<T> {
     pub(super) fn new(faults: Vec<Fault>, random: Random) -> Self {
-        let held = VecDeque::with_capacity(if faults.is_empty() { 0 } else { HELD_MAX });
+        let held = VecDeque::with_capacity(if faults.is_empty() { 0 } else { DELAYED_MAX });
         Self {
             faults,
             random,
-            spoiler: Spoiler::default(),
-            held,
+            injector: FaultInjector::default(),
+            delayed: held,
         }
     }
 
@@ -35,14 +35,14 @@ impl<T: Payload> Channel<T> {
             sensed.into_iter().for_each(deliver);
             return;
         }
-        let fresh = sensed.map(|payload| self.spoilt(tick, payload));
+        let fresh = sensed.map(|payload| self.with_faults(tick, payload));
         // One pass through the queue: due payloads leave, the rest keep their order.
-        for _ in 0..self.held.len() {
-            if let Some((due, payload)) = self.held.pop_front() {
+        for _ in 0..self.delayed.len() {
+            if let Some((due, payload)) = self.delayed.pop_front() {
                 if due <= tick {
                     deliver(&payload)
                 } else {
-                    self.held.push_back((due, payload))
+                    self.delayed.push_back((due, payload))
                 }
             }
         }
@@ -51,27 +51,27 @@ impl<T: Payload> Channel<T> {
         }
     }
 
-    fn spoilt(&mut self, tick: u64, payload: &T) -> T {
+    fn with_faults(&mut self, tick: u64, payload: &T) -> T {
         let mut payload = *payload;
-        for fault in self.faults.iter().filter(|fault| fault.is_on(tick)) {
-            self.spoiler.spoil(fault, tick, &mut payload);
+        for fault in self.faults.iter().filter(|fault| fault.is_active(tick)) {
+            self.injector.inject(fault, tick, &mut payload);
         }
         payload.seal();
-        for fault in self.faults.iter().filter(|fault| fault.is_on(tick)) {
+        for fault in self.faults.iter().filter(|fault| fault.is_active(tick)) {
             if fault.kind == FaultKind::Corrupt && self.random.chance(fault.value) {
                 let bytes = payload.as_mut_bytes();
                 let bit = (self.random.bits() % (8 * bytes.len() as u64)) as usize;
                 bytes[bit / 8] ^= 1 << (bit % 8);
             }
         }
-        self.spoiler.remember(&payload);
+        self.injector.remember(&payload);
         payload
     }
 
     /// Delivers a payload now, later, several times or never.
     fn send(&mut self, tick: u64, payload: T, mut deliver: impl FnMut(&T)) {
         let (mut due, mut copies) = (tick, 1);
-        for fault in self.faults.iter().filter(|fault| fault.is_on(tick)) {
+        for fault in self.faults.iter().filter(|fault| fault.is_active(tick)) {
             match fault.kind {
                 FaultKind::Drop if self.random.chance(fault.value) => copies = 0,
                 FaultKind::Duplicate => copies *= 2,
@@ -84,8 +84,8 @@ impl<T: Payload> Channel<T> {
         for _ in 0..copies {
             if due == tick {
                 deliver(&payload);
-            } else if self.held.len() < HELD_MAX {
-                self.held.push_back((due, payload));
+            } else if self.delayed.len() < DELAYED_MAX {
+                self.delayed.push_back((due, payload));
             }
         }
     }

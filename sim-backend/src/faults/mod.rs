@@ -8,12 +8,12 @@
 //! processes.
 
 mod channel;
+mod inject;
 mod spec;
-mod spoil;
 
 pub use spec::{Fault, FaultError, FaultInfo, FaultKind, Target};
 
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::{HandFrame, JointState};
 
 use crate::random::Random;
@@ -25,19 +25,19 @@ use channel::Channel;
 #[derive(Clone, Copy, Debug)]
 pub enum Delivery<'a> {
     /// Tactile frame of a hand.
-    Frame(Side, &'a HandFrame),
+    Frame(HandSide, &'a HandFrame),
     /// Joint feedback.
     Joints(&'a JointState),
 }
 
 /// Applies faults to the sensed payloads. Equal faults, seed and inputs give equal deliveries.
 #[derive(Clone, Debug)]
-pub struct Injector {
+pub struct FaultPipeline {
     hands: [Channel<HandFrame>; 2],
     joints: Channel<JointState>,
 }
 
-impl Injector {
+impl FaultPipeline {
     /// Creates a pipeline with these faults.
     #[must_use]
     pub fn new(faults: &[Fault], seed: u64) -> Self {
@@ -61,7 +61,7 @@ impl Injector {
     /// Delivers the payloads of a tick, counted from the world's start: left frame, right frame,
     /// joints.
     pub fn pass(&mut self, tick: u64, sensed: &Sensed, mut deliver: impl FnMut(Delivery<'_>)) {
-        for side in Side::BOTH {
+        for side in HandSide::BOTH {
             let frame = sensed.frames[side.index()].as_ref();
             self.hands[side.index()]
                 .pass(tick, frame, |frame| deliver(Delivery::Frame(side, frame)));

@@ -10,7 +10,7 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(
     missing_docs,
-    reason = "each kind is explained by its line of FaultKind::all"
+    reason = "the table of FaultKind::all describes each kind"
 )]
 pub enum FaultKind {
     Drop,
@@ -36,7 +36,7 @@ pub enum FaultKind {
 
 /// Targets that a kind of fault supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Strikes {
+enum Scope {
     Any,
     Hands,
     Joints,
@@ -54,36 +54,37 @@ pub struct FaultInfo {
     pub value: f64,
     /// Lowest and highest value; both zero if the kind has no value.
     pub range: [f64; 2],
-    strikes: Strikes,
+    scope: Scope,
 }
 
 #[rustfmt::skip]
 const TABLE: &[FaultInfo] = {
     use FaultKind::*;
-    use Strikes::*;
-    const fn line(kind: FaultKind, name: &'static str, about: &'static str, value: f64, range: [f64; 2], strikes: Strikes) -> FaultInfo {
-        FaultInfo { kind, name, about, value, range, strikes }
+    use Scope::*;
+    const fn info(kind: FaultKind, name: &'static str, about: &'static str, value: f64, range: [f64; 2], scope: Scope) -> FaultInfo {
+        FaultInfo { kind, name, about, value, range, scope: scope }
     }
     &[
-        line(Drop, "drop", "payloads are lost with this probability", 1.0, [0.0, 1.0], Any),
-        line(Delay, "delay", "payloads arrive this many milliseconds late", 10.0, [1.0, 1000.0], Any),
-        line(Duplicate, "duplicate", "every payload arrives twice", 0.0, [0.0, 0.0], Any),
-        line(Reorder, "reorder", "neighbouring payloads change places", 0.0, [0.0, 0.0], Any),
-        line(Burst, "burst", "payloads are held back and arrive this many at once", 20.0, [2.0, 64.0], Any),
-        line(Freeze, "freeze", "content stays what it was while the counter goes on", 0.0, [0.0, 0.0], Any),
-        line(Stick, "stick", "the element with this index keeps its reading", 0.0, [0.0, 40.0], Hands),
-        line(Nan, "nan", "this many readings, the first ones, are not numbers", 1.0, [1.0, 41.0], Any),
-        line(Huge, "huge", "the first reading is this large, N or rad", 1e9, [-1e30, 1e30], Any),
-        line(Denormal, "denormal", "every reading is a denormal number", 0.0, [0.0, 0.0], Hands),
-        line(Bias, "bias", "normal forces drift by so many newtons per second", 0.01, [-10.0, 10.0], Hands),
-        line(Saturate, "saturate", "every normal force reads this, N", 25.0, [0.0, 1e3], Hands),
-        line(Corrupt, "corrupt", "a bit flips after the seal with this probability", 1.0, [0.0, 1.0], Hands),
-        line(Future, "future", "stamps are so many seconds ahead", 0.01, [0.0, 1e9], Any),
-        line(Stale, "stale", "stamps are so many seconds behind", 0.01, [0.0, 1e9], Any),
-        line(Epoch, "epoch", "the writer's epoch changes and its counter begins again", 0.0, [0.0, 0.0], Any),
-        line(Wrap, "wrap", "the counter wraps round to zero after so many payloads from the world's start", 1000.0, [1.0, 1e9], Any),
-        line(Foreign, "foreign", "frames claim to be the other hand's", 0.0, [0.0, 0.0], Hands),
-        line(Jump, "jump", "every joint angle is off by this, rad", 0.5, [-10.0, 10.0], Joints),
+        info(Drop, "drop", "payloads are lost with this probability", 1.0, [0.0, 1.0], Any),
+        info(Delay, "delay", "payloads arrive this many milliseconds late", 10.0, [1.0, 1000.0], Any),
+        info(Duplicate, "duplicate", "every payload arrives twice", 0.0, [0.0, 0.0], Any),
+        info(Reorder, "reorder", "neighbouring payloads swap their order", 0.0, [0.0, 0.0], Any),
+        info(Burst, "burst", "payloads are held back and arrive this many at once", 20.0, [2.0, 64.0], Any),
+        info(Freeze, "freeze", "content is frozen while the sequence counter continues", 0.0, [0.0, 0.0], Any),
+        info(Stick, "stick", "the element with this index repeats its reading", 0.0, [0.0, 40.0], Hands),
+        info(Nan, "nan", "this many readings, from the first, are NaN", 1.0, [1.0, 41.0], Any),
+        info(Huge, "huge", "the first reading is this large, N or rad", 1e9, [-1e30, 1e30], Any),
+        info(Denormal, "denormal", "every reading is a denormal number", 0.0, [0.0, 0.0], Hands),
+        info(Bias, "bias", "normal forces drift by this many newtons per second", 0.01, [-10.0, 10.0], Hands),
+        info(Saturate, "saturate", "every normal force reads this, N", 25.0, [0.0, 1e3], Hands),
+        info(Corrupt, "corrupt", "a bit flips after the seal with this probability", 1.0, [0.0, 1.0], Hands),
+        info(Future, "future", "timestamps are this many seconds ahead", 0.01, [0.0, 1e9], Any),
+        info(Stale, "stale", "timestamps are this many seconds behind", 0.01, [0.0, 1e9], Any),
+        info(Epoch, "epoch", "the writer epoch changes and the sequence counter restarts", 0.0, [0.0, 0.0], Any),
+        info(Wrap, "wrap", "the sequence counter wraps to zero after this many payloads from the \
+            world's start", 1000.0, [1.0, 1e9], Any),
+        info(Foreign, "foreign", "frames carry the id of the other hand", 0.0, [0.0, 0.0], Hands),
+        info(Jump, "jump", "every joint position is offset by this, rad", 0.5, [-10.0, 10.0], Joints),
     ]
 };
 
@@ -101,6 +102,12 @@ pub enum Target {
 }
 
 /// Fault with its time and target.
+///
+/// ```
+/// use sim_backend::faults::Fault;
+///
+/// assert!("melt@1".parse::<Fault>().is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
     /// Kind.
@@ -120,13 +127,12 @@ pub struct Fault {
 pub enum FaultError {
     /// Missing start.
     #[error(
-        "could not read the fault {0:?} because it lacks a start, needs KIND[=VALUE]@START[+LENGTH][:TARGET]; e.g. drop=0.3@2+0.5:right"
+        "could not read the fault {0:?}: it lacks a start, needs \
+         KIND[=VALUE]@START[+LENGTH][:TARGET]; e.g. drop=0.3@2+0.5:right"
     )]
     Form(String),
     /// Unknown kind.
-    #[error(
-        "could not read the fault {text:?} because {kind:?} is no kind of fault, needs one of {known}"
-    )]
+    #[error("could not read the fault {text:?}: unknown kind {kind:?}, needs one of {known}")]
     Kind {
         /// Fault description.
         text: String,
@@ -136,9 +142,7 @@ pub enum FaultError {
         known: String,
     },
     /// Value that is not a number or out of range.
-    #[error(
-        "could not read the fault {text:?} because its {what} was {value:?}, needs {lower} to {upper}"
-    )]
+    #[error("could not read the fault {text:?}: {what} is {value:?}, needs {lower} to {upper}")]
     Number {
         /// Fault description.
         text: String,
@@ -153,7 +157,7 @@ pub enum FaultError {
     },
     /// Target that the kind does not support.
     #[error(
-        "could not read the fault {text:?} because {target:?} cannot be struck by it, needs one of {known}"
+        "could not read the fault {text:?}: unsupported target {target:?}, needs one of {known}"
     )]
     Target {
         /// Fault description.
@@ -182,12 +186,12 @@ impl Target {
         self == channel || (self == Self::Hands && matches!(channel, Self::Left | Self::Right))
     }
 
-    fn named(name: &str, strikes: Strikes) -> Option<Self> {
+    fn from_name(name: &str, scope: Scope) -> Option<Self> {
         match name {
-            "left" if strikes != Strikes::Joints => Some(Self::Left),
-            "right" if strikes != Strikes::Joints => Some(Self::Right),
-            "hands" if strikes != Strikes::Joints => Some(Self::Hands),
-            "joints" if strikes != Strikes::Hands => Some(Self::Joints),
+            "left" if scope != Scope::Joints => Some(Self::Left),
+            "right" if scope != Scope::Joints => Some(Self::Right),
+            "hands" if scope != Scope::Joints => Some(Self::Hands),
+            "joints" if scope != Scope::Hands => Some(Self::Joints),
             _ => None,
         }
     }
@@ -197,11 +201,11 @@ impl FaultInfo {
     /// Returns the supported targets as a list.
     #[must_use]
     pub fn targets(&self) -> &'static str {
-        self.strikes.names()
+        self.scope.names()
     }
 }
 
-impl Strikes {
+impl Scope {
     fn names(self) -> &'static str {
         match self {
             Self::Any => "left, right, hands, joints",
@@ -210,7 +214,7 @@ impl Strikes {
         }
     }
 
-    fn usual(self) -> &'static str {
+    fn default_target(self) -> &'static str {
         if self == Self::Joints {
             "joints"
         } else {
@@ -220,7 +224,7 @@ impl Strikes {
 }
 
 impl Fault {
-    pub(super) fn is_on(&self, tick: u64) -> bool {
+    pub(super) fn is_active(&self, tick: u64) -> bool {
         (self.first_tick..self.end_tick).contains(&tick)
     }
 }
@@ -248,7 +252,7 @@ impl FromStr for Fault {
         let seconds = |what, value| number(text, what, value, [0.0, TIME_MAX_S]);
         let first_tick = ticks(seconds("start", start)?);
         let length = length.map(|length| seconds("length", length)).transpose()?;
-        let target = target.unwrap_or(entry.strikes.usual());
+        let target = target.unwrap_or(entry.scope.default_target());
         Ok(Self {
             kind: entry.kind,
             value: value.map_or(Ok(entry.value), |value| {
@@ -256,10 +260,10 @@ impl FromStr for Fault {
             })?,
             first_tick,
             end_tick: length.map_or(u64::MAX, |length_s| first_tick + ticks(length_s)),
-            target: Target::named(target, entry.strikes).ok_or_else(|| FaultError::Target {
+            target: Target::from_name(target, entry.scope).ok_or_else(|| FaultError::Target {
                 text: text.into(),
                 target: target.into(),
-                known: entry.strikes.names(),
+                known: entry.scope.names(),
             })?,
         })
     }

@@ -15,11 +15,11 @@ struct Arrived {
 fn run(faults: &[&str], ticks: u64) -> Arrived {
     let faults: Vec<Fault> = faults
         .iter()
-        .map(|text| text.parse().expect("a fault"))
+        .map(|text| text.parse().expect("a valid fault"))
         .collect();
     let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
     let mut world = World::new(&robot, &Scene::default(), 3).expect("a world");
-    let (mut injector, mut sensed) = (Injector::new(&faults, 3), Sensed::default());
+    let (mut injector, mut sensed) = (FaultPipeline::new(&faults, 3), Sensed::default());
     let mut arrived = Arrived {
         frames: Vec::new(),
         joints: Vec::new(),
@@ -28,8 +28,8 @@ fn run(faults: &[&str], ticks: u64) -> Arrived {
         world.sense(&mut sensed);
         let (mut frames, mut joints) = (Vec::new(), Vec::new());
         injector.pass(tick, &sensed, |delivery| match delivery {
-            Delivery::Frame(Side::Right, frame) => frames.push(*frame),
-            Delivery::Frame(Side::Left, _) => {}
+            Delivery::Frame(HandSide::Right, frame) => frames.push(*frame),
+            Delivery::Frame(HandSide::Left, _) => {}
             Delivery::Joints(state) => joints.push(*state),
         });
         arrived.frames.push(frames);
@@ -51,7 +51,7 @@ fn frame_five(fault: &str) -> (HandFrame, HandFrame) {
 }
 
 #[test]
-fn without_faults_everything_arrives_untouched() {
+fn payloads_pass_unchanged_without_faults() {
     let arrived = run(&[], 4);
     assert!(
         arrived
@@ -60,12 +60,12 @@ fn without_faults_everything_arrives_untouched() {
             .all(|frames| frames.len() == 1 && frames[0].is_intact())
     );
     let plain = run(&["drop@1:left"], 4);
-    assert_eq!(arrived.frames, plain.frames, "another hand's fault");
+    assert_eq!(arrived.frames, plain.frames, "fault of another hand");
     assert_eq!(arrived.joints, plain.joints);
 }
 
 #[test]
-fn deliveries() {
+fn delivery_faults_change_the_sequence() {
     let check = |fault: &str, expected: &[&[u64]]| {
         assert_eq!(counters(fault, expected.len() as u64), expected, "{fault}");
     };
@@ -84,7 +84,7 @@ fn deliveries() {
 }
 
 #[test]
-fn contents() {
+fn content_faults_change_the_readings() {
     let (spoilt, clean) = frame_five("freeze@0.003");
     assert_eq!(spoilt.stamp, clean.stamp);
     assert_eq!(spoilt.force_n, run(&[], 6).frames[2][0].force_n);
@@ -127,7 +127,7 @@ fn contents() {
 
 /// Only `corrupt` breaks the seal; content faults are resealed.
 #[test]
-fn seals() {
+fn only_corrupt_breaks_the_seal() {
     for name in FaultKind::all()
         .iter()
         .map(|info| info.name)
@@ -140,7 +140,7 @@ fn seals() {
 }
 
 #[test]
-fn joint_feedback() {
+fn joint_faults_change_joint_feedback() {
     let joints = |fault: &str| run(&[fault], 6).joints;
     assert!(joints("drop@0.003:joints")[5].is_empty());
     assert!(joints("nan=2@0.003:joints")[5][0].position_rad[1].is_nan());
@@ -156,7 +156,7 @@ fn joint_feedback() {
 }
 
 #[test]
-fn chance_follows_the_seed() {
+fn same_seed_drops_the_same_frames() {
     let lost = |fault: &str| {
         counters(fault, 1000)
             .iter()
@@ -172,7 +172,7 @@ fn chance_follows_the_seed() {
 }
 
 #[test]
-fn texts() {
+fn fault_descriptions_are_parsed_or_rejected() {
     let check = |text: &str, part: &str| match text.parse::<Fault>() {
         Ok(fault) => assert_eq!(part, "", "{text} became {fault:?}"),
         Err(error) => {
@@ -189,14 +189,14 @@ fn texts() {
     check("nan@0:joints", "");
     check("drop", "lacks a start");
     check("", "lacks a start");
-    check("fall@1", "no kind of fault, needs one of drop, delay");
-    check("drop=2@1", "its value was \"2\", needs 0 to 1");
-    check("drop=NaN@1", "its value was \"NaN\"");
-    check("drop@-1", "its start was \"-1\"");
-    check("drop@1+x", "its length was \"x\"");
+    check("fall@1", "unknown kind \"fall\", needs one of drop, delay");
+    check("drop=2@1", "value is \"2\", needs 0 to 1");
+    check("drop=NaN@1", "value is \"NaN\"");
+    check("drop@-1", "start is \"-1\"");
+    check("drop@1+x", "length is \"x\"");
     check(
         "drop@1:feet",
-        "\"feet\" cannot be struck by it, needs one of left, right, hands, joints",
+        "unsupported target \"feet\", needs one of left, right, hands, joints",
     );
     check("jump@1:left", "needs one of joints");
     check("stick@1:joints", "needs one of left, right, hands");

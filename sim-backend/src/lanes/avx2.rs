@@ -1,7 +1,7 @@
 //! Four lanes in one AVX2 register.
 #![expect(
     unsafe_code,
-    reason = "intrinsics, whose values exist only where AVX2 was detected"
+    reason = "AVX2 intrinsics; their values exist only after AVX2 was detected"
 )]
 
 use core::arch::x86_64::*;
@@ -104,6 +104,6 @@ impl Lanes for Numbers {
 
     #[inline(always)]
     fn set(mask: Truths) -> LaneSet {
-        LaneSet::of_bits(avx2!(_mm256_movemask_pd(mask.0)) as u8)
+        LaneSet::from_bits(avx2!(_mm256_movemask_pd(mask.0)) as u8)
     }
 }

@@ -91,6 +91,6 @@ impl Lanes for Numbers {
     #[inline(always)]
     fn set(mask: Truths) -> LaneSet {
         let bits = (0..LANES).map(|lane| u8::from(mask.0[lane]) << lane);
-        LaneSet::of_bits(bits.fold(0, |set, bit| set | bit))
+        LaneSet::from_bits(bits.fold(0, |set, bit| set | bit))
     }
 }

@@ -71,7 +71,7 @@ fn as_scalars<L: Lanes>(cpu: L::Cpu) {
 }
 
 #[test]
-fn lanes_compute_as_scalars_do() {
+fn lanes_equal_scalars() {
     as_scalars::<portable::Numbers>(());
     #[cfg(target_arch = "x86_64")]
     if let Some(cpu) = avx2::Cpu::detect() {
@@ -80,7 +80,7 @@ fn lanes_compute_as_scalars_do() {
 }
 
 #[test]
-fn vectors_compute_as_vectors_do() {
+fn lane_vectors_equal_vectors() {
     let mut random = Random::new(12, 0);
     let mut vector_of = || Vector3::from_fn(|_, _| random.between(-2.0, 2.0));
     for _ in 0..500 {
@@ -93,7 +93,7 @@ fn vectors_compute_as_vectors_do() {
         assert_eq!(vector(&(x + y).store(), 0), a + b);
         assert_eq!(vector(&(x - y).store(), 1), a - b);
         assert_eq!(vector(&x.cross(y).store(), 2), a.cross(&b));
-        assert_eq!(vector(&x.turned((), &by).store(), 3), by * a);
+        assert_eq!(vector(&x.rotated((), &by).store(), 3), by * a);
         assert_eq!(x.dot(y).store(), [a.dot(&b); LANES]);
     }
 }

@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 
-use super::{Neck, ObjectError, checked};
+use super::{Neck, ObjectError, check_range};
 use crate::shape::Shape;
-use crate::thread::{Thread, Turn};
+use crate::thread::{ClosingDirection, Thread};
 
 /// Allowed values. Design choice: around the task families, within the thread model's limits at 250
 /// µs.
@@ -24,7 +24,7 @@ pub(super) struct ThreadFile {
     closing_deg: f64,
     pitch_m: f64,
     #[serde(default)]
-    closes: Turn,
+    closes: ClosingDirection,
 }
 
 #[derive(Deserialize)]
@@ -34,9 +34,9 @@ pub(super) struct NeckFile {
 }
 
 impl ThreadFile {
-    pub(super) fn checked(self, shape: &Shape, origin: &str) -> Result<Thread, ObjectError> {
-        needs_a_cylinder(shape, origin)?;
-        let check = |key, value, range| checked(origin, key, value, range);
+    pub(super) fn validate(self, shape: &Shape, origin: &str) -> Result<Thread, ObjectError> {
+        check_cylinder(shape, origin)?;
+        let check = |key, value, range| check_range(origin, key, value, range);
         let closing_deg = check("thread.closing_deg", self.closing_deg, range::CLOSING_DEG)?;
         Ok(Thread {
             friction_n_m: check(
@@ -52,16 +52,16 @@ impl ThreadFile {
 }
 
 impl NeckFile {
-    pub(super) fn checked(self, shape: &Shape, origin: &str) -> Result<Neck, ObjectError> {
-        needs_a_cylinder(shape, origin)?;
+    pub(super) fn validate(self, shape: &Shape, origin: &str) -> Result<Neck, ObjectError> {
+        check_cylinder(shape, origin)?;
         let shoulder_m = 2.0 * shape.half_height_m();
         let neck_m = range::NECK_M.map(|neck_m| shoulder_m + neck_m);
-        let rim_m = checked(origin, "neck.rim_m", self.rim_m, neck_m)?;
+        let rim_m = check_range(origin, "neck.rim_m", self.rim_m, neck_m)?;
         Ok(Neck { rim_m })
     }
 }
 
-fn needs_a_cylinder(shape: &Shape, origin: &str) -> Result<(), ObjectError> {
+fn check_cylinder(shape: &Shape, origin: &str) -> Result<(), ObjectError> {
     match shape {
         Shape::Cylinder { .. } => Ok(()),
         Shape::Box { .. } => Err(ObjectError::Malformed {

@@ -16,7 +16,7 @@ struct Field {
     unit: &'static str,
     /// Factor from this unit to the unit of the field.
     per_unit: f64,
-    of: fn(&mut Errors) -> &mut f64,
+    field: fn(&mut Errors) -> &mut f64,
 }
 
 const fn field(
@@ -29,14 +29,14 @@ const fn field(
         name,
         unit,
         per_unit,
-        of,
+        field: of,
     }
 }
 
 impl Field {
     fn size(&self) -> f64 {
         let mut all = Errors::ALL;
-        *(self.of)(&mut all)
+        *(self.field)(&mut all)
     }
 }
 
@@ -51,7 +51,7 @@ const FIELDS: [Field; Errors::KINDS.len()] = [
     field("centre-of-mass", "mm", 1e-3, |e| &mut e.centre_of_mass_m),
     field("position", "mm", 1e-3, |e| &mut e.position_m),
     field("yaw", "°", PI / 180.0, |e| &mut e.yaw_rad),
-    field("told-width", "mm", 1e-3, |e| &mut e.told_width_m),
+    field("expected-width", "mm", 1e-3, |e| &mut e.expected_width_m),
     field("height", "mm", 1e-3, |e| &mut e.height_m),
 ];
 
@@ -59,7 +59,7 @@ const FIELDS: [Field; Errors::KINDS.len()] = [
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum ErrorSpecError {
     /// Unknown kind of error.
-    #[error("no error is named {name:?}; needs all, none, or some of {known}")]
+    #[error("unknown error kind {name:?}; needs all, none, or some of {known}")]
     Unknown {
         /// Requested name.
         name: String,
@@ -67,7 +67,7 @@ pub enum ErrorSpecError {
         known: String,
     },
     /// Invalid amount after the `=`.
-    #[error("the amount of {name} was {amount:?}, needs a number of {unit} from 0")]
+    #[error("amount of {name} is {amount:?}, needs a number of {unit} from 0")]
     Amount {
         /// Kind of error.
         name: String,
@@ -125,14 +125,14 @@ impl Errors {
             "all" => {
                 let factor = amount("times the stated sizes").transpose()?.unwrap_or(1.0);
                 for field in &FIELDS {
-                    *(field.of)(self) = factor * field.size();
+                    *(field.field)(self) = factor * field.size();
                 }
             }
             _ => {
                 let field = FIELDS.iter().find(|field| field.name == name);
                 let field = field.ok_or_else(|| unknown(name))?;
                 let given = amount(field.unit).transpose()?;
-                *(field.of)(self) = given.map_or(field.size(), |amount| amount * field.per_unit);
+                *(field.field)(self) = given.map_or(field.size(), |amount| amount * field.per_unit);
             }
         }
         Ok(())
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_kind_has_its_line() {
+    fn every_kind_has_a_text_field() {
         for (field, kind) in FIELDS.iter().zip(&Errors::KINDS) {
             assert_eq!(field.name, kind.name);
             assert_eq!(kind.name.parse(), Ok(kind.errors), "{}", kind.name);
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_by_name_and_amount() {
+    fn names_and_amounts_are_parsed() {
         let check = |text: &str, expected: Errors| assert_eq!(text.parse(), Ok(expected), "{text}");
         check("none", Errors::NONE);
         check("all", Errors::ALL);
@@ -174,21 +174,21 @@ mod tests {
             },
         );
         let text = "all=0.5,crosstalk=5,height=0";
-        let errors: Errors = text.parse().expect("known names");
+        let errors: Errors = text.parse().expect("valid text");
         assert_eq!((errors.crosstalk, errors.bias_n), (0.05, 0.0025));
         assert_eq!(errors.height_m, 0.0);
-        let degrees: Errors = "yaw=15".parse().expect("a known name");
+        let degrees: Errors = "yaw=15".parse().expect("valid text");
         assert!((degrees.yaw_rad - Errors::ALL.yaw_rad).abs() < 1e-12);
     }
 
     #[test]
-    fn what_is_no_error_is_named() {
+    fn invalid_texts_are_rejected() {
         let check = |text: &str, part: &str| {
             let refused = text.parse::<Errors>().expect_err(text).to_string();
             assert!(refused.contains(part), "{text}: {refused}");
         };
         check("moon", "crosstalk (%)");
-        check("", "no error is named \"\"");
+        check("", "unknown error kind \"\"");
         check("gain=-1", "needs a number of % from 0");
         check("gain=NaN", "needs a number");
         check("position=5mm", "\"5mm\"");

@@ -5,10 +5,10 @@
 //!
 //! ```
 //! use sim_backend::{Errors, Object, Scene};
-//! use robot_model::Side;
+//! use robot_model::HandSide;
 //!
 //! # fn main() -> Result<(), sim_backend::ObjectError> {
-//! let nominal = Scene::grasp(Object::built_in("wood")?, Side::Right);
+//! let nominal = Scene::grasp(Object::built_in("wood")?, HandSide::Right);
 //! // Each kind of error alone, then all of them together.
 //! for kind in &Errors::KINDS {
 //!     let scene = nominal.varied(7).with_errors(&kind.errors, 7);
@@ -51,7 +51,7 @@ pub struct Errors {
     /// Yaw of every object relative to nominal, rad.
     pub yaw_rad: f64,
     /// Error of the expected width of every object, m. For caps and bottles the true size changes.
-    pub told_width_m: f64,
+    pub expected_width_m: f64,
     /// Largest object height, m, drawn upwards from the object's own. Clients know it; caps and
     /// bottles keep their height.
     pub height_m: f64,
@@ -80,7 +80,7 @@ impl Errors {
         centre_of_mass_m: 0.0,
         position_m: 0.0,
         yaw_rad: 0.0,
-        told_width_m: 0.0,
+        expected_width_m: 0.0,
         height_m: 0.0,
     };
 
@@ -95,7 +95,7 @@ impl Errors {
         centre_of_mass_m: 0.005,
         position_m: 0.005,
         yaw_rad: 15.0 * PI / 180.0,
-        told_width_m: 0.004,
+        expected_width_m: 0.004,
         height_m: 0.20,
     };
 
@@ -174,10 +174,10 @@ impl Errors {
             },
         },
         ErrorKind {
-            name: "told-width",
-            about: "told widths wrong by up to 4 mm",
+            name: "expected-width",
+            about: "expected widths wrong by up to 4 mm",
             errors: Self {
-                told_width_m: Self::ALL.told_width_m,
+                expected_width_m: Self::ALL.expected_width_m,
                 ..Self::NONE
             },
         },
@@ -193,7 +193,7 @@ impl Errors {
 
     /// Returns the kind of this name.
     #[must_use]
-    pub fn named(name: &str) -> Option<&'static ErrorKind> {
+    pub fn kind_from_name(name: &str) -> Option<&'static ErrorKind> {
         Self::KINDS.iter().find(|kind| kind.name == name)
     }
 
@@ -213,7 +213,11 @@ impl Errors {
             ),
             ("the position error in metres", self.position_m, 0.05),
             ("the yaw error in radians", self.yaw_rad, PI),
-            ("the told width error in metres", self.told_width_m, 0.05),
+            (
+                "the expected width error in metres",
+                self.expected_width_m,
+                0.05,
+            ),
             ("the height in metres", self.height_m, 0.3),
         ] {
             in_range(what, value, 0.0, upper)?;
@@ -231,7 +235,7 @@ impl Scene {
         scene.errors = *errors;
         for (index, placed) in scene.objects.iter_mut().enumerate() {
             let before_m = placed.nominal.from_m[2];
-            placed.err(errors, &mut Draws::of(seed, index));
+            placed.apply_errors(errors, &mut Draws::new(seed, index));
             let raised_m = placed.nominal.from_m[2] - before_m;
             if let Some(place) = scene.place.as_mut().filter(|_| index == 0) {
                 place.from_m[2] += raised_m;
@@ -239,7 +243,7 @@ impl Scene {
                 place.width_m = placed.nominal.width_m;
             }
         }
-        scene.share_the_neck();
+        scene.align_cap_with_bottle();
         scene
     }
 }
@@ -254,7 +258,7 @@ struct Draws {
 }
 
 impl Draws {
-    fn of(seed: u64, index: usize) -> Self {
+    fn new(seed: u64, index: usize) -> Self {
         let kinds = 5;
         let stream =
             |kind: u64| Random::new(seed, stream::OBJECT_ERRORS + kinds * index as u64 + kind);
@@ -269,7 +273,7 @@ impl Draws {
 }
 
 impl Placed {
-    fn err(&mut self, errors: &Errors, draws: &mut Draws) {
+    fn apply_errors(&mut self, errors: &Errors, draws: &mut Draws) {
         if errors.position_m > 0.0 {
             let [x_m, y_m, _] = self.nominal.from_m;
             let mut off = || {
@@ -283,18 +287,18 @@ impl Placed {
             let off_rad = draws.yaw.between(-errors.yaw_rad, errors.yaw_rad);
             self.yaw_rad = self.nominal.yaw_rad + off_rad;
         }
-        let told_m = draws.width.between(-1.0, 1.0) * errors.told_width_m;
+        let told_m = draws.width.between(-1.0, 1.0) * errors.expected_width_m;
         self.nominal.width_m += told_m;
         let aside_m = draws.centre_of_mass.between(-1.0, 1.0) * errors.centre_of_mass_m;
         self.object.centre_of_mass_m.y += aside_m;
         if self.object.thread.is_none() && self.object.neck.is_none() {
-            self.grow(errors.height_m, draws.height.uniform());
+            self.increase_height(errors.height_m, draws.height.uniform());
         }
     }
 
     /// Increases the height by this share of the difference to `height_m`, also in the nominal
     /// data.
-    fn grow(&mut self, height_m: f64, share: f64) {
+    fn increase_height(&mut self, height_m: f64, share: f64) {
         let before = self.object.shape;
         let missing_m = (height_m - 2.0 * before.half_height_m()).max(0.0);
         let half_m = before.half_height_m() + missing_m * share / 2.0;
@@ -322,25 +326,28 @@ impl Placed {
 mod tests {
     use super::*;
     use crate::object::Object;
-    use robot_model::Side;
+    use robot_model::HandSide;
 
-    fn meant() -> Scene {
-        Scene::pick_place(Object::built_in("wood").expect("built in"), Side::Right)
+    fn nominal_scene() -> Scene {
+        Scene::pick_place(
+            Object::built_in("wood").expect("built-in object"),
+            HandSide::Right,
+        )
     }
 
     #[test]
     fn no_errors_change_nothing() {
-        let scene = meant().varied(3);
+        let scene = nominal_scene().varied(3);
         assert_eq!(scene.with_errors(&Errors::NONE, 3), scene);
         assert_eq!(Errors::default(), Errors::NONE);
     }
 
     #[test]
-    fn every_kind_is_itself_and_all_are_all() {
+    fn kinds_are_distinct_and_all_combines_them() {
         let (mut all, mut names) = (Errors::NONE, Vec::new());
         for kind in &Errors::KINDS {
             assert_ne!(kind.errors, Errors::NONE, "{}", kind.name);
-            assert_eq!(Errors::named(kind.name), Some(kind));
+            assert_eq!(Errors::kind_from_name(kind.name), Some(kind));
             names.push(kind.name);
             let (total, one) = (&mut all, &kind.errors);
             total.servo_stiffness += one.servo_stiffness;
@@ -352,47 +359,50 @@ mod tests {
             total.centre_of_mass_m += one.centre_of_mass_m;
             total.position_m += one.position_m;
             total.yaw_rad += one.yaw_rad;
-            total.told_width_m += one.told_width_m;
+            total.expected_width_m += one.expected_width_m;
             total.height_m += one.height_m;
         }
         assert_eq!(all, Errors::ALL);
-        assert_eq!(Errors::named("moon"), None);
+        assert_eq!(Errors::kind_from_name("moon"), None);
     }
 
     /// Compares one error with all together, in fields that no other error affects.
     #[test]
-    fn switching_an_error_on_changes_no_other_draw() {
-        let (one, all) = (Errors::named("yaw").expect("known"), Errors::ALL);
-        let yaw = |errors: &Errors| meant().with_errors(errors, 5).objects[0].yaw_rad;
+    fn enabling_an_error_changes_no_other_draw() {
+        let (one, all) = (
+            Errors::kind_from_name("yaw").expect("known kind"),
+            Errors::ALL,
+        );
+        let yaw = |errors: &Errors| nominal_scene().with_errors(errors, 5).objects[0].yaw_rad;
         assert_eq!(yaw(&one.errors), yaw(&all));
-        assert_ne!(yaw(&one.errors), meant().objects[0].yaw_rad);
+        assert_ne!(yaw(&one.errors), nominal_scene().objects[0].yaw_rad);
     }
 
     #[test]
-    fn a_client_knows_how_high_an_object_is_and_not_where_it_stands() {
+    fn client_knows_the_height_but_not_the_position() {
         let tall = Errors {
             height_m: 0.2,
             position_m: 0.005,
             ..Errors::NONE
         };
         for seed in 0..50 {
-            let scene = meant().with_errors(&tall, seed);
-            let (placed, meant) = (&scene.objects[0], &meant().objects[0]);
+            let scene = nominal_scene().with_errors(&tall, seed);
+            let (placed, nominal_scene) = (&scene.objects[0], &nominal_scene().objects[0]);
             let hint = placed.nominal;
             let height_m = 2.0 * placed.object.shape.half_height_m();
-            let own_m = 2.0 * meant.object.shape.half_height_m();
+            let own_m = 2.0 * nominal_scene.object.shape.half_height_m();
             assert!((own_m..=0.2).contains(&height_m), "{height_m} m");
-            let foot_m = meant.nominal.height_m - own_m;
+            let foot_m = nominal_scene.nominal.height_m - own_m;
             assert!((hint.height_m - foot_m - height_m).abs() < 1e-12);
             assert!(hint.from_m[2] < hint.height_m - 0.009, "below its top");
-            assert_eq!(hint.from_m[..2], meant.nominal.from_m[..2]);
+            assert_eq!(hint.from_m[..2], nominal_scene.nominal.from_m[..2]);
             let off_m = placed.position_m[0] - hint.from_m[0];
             assert!(off_m.abs() <= 0.005 && off_m != 0.0);
         }
     }
 
     #[test]
-    fn absurd_errors_are_refused() {
+    fn check_rejects_excessive_errors() {
         for errors in [
             Errors {
                 crosstalk: f64::NAN,

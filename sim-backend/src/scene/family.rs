@@ -43,6 +43,16 @@ impl Scene {
     /// Returns the scene with true values drawn from its family: mass, friction, stiffness and pose
     /// of every object, size and thread of cap and bottle, height of a place. Nominal data stay,
     /// except the sizes of cap and bottle, which clients know exactly.
+    ///
+    /// ```
+    /// use robot_model::HandSide;
+    /// use sim_backend::{Object, Scene};
+    ///
+    /// let scene = Scene::grasp(Object::built_in("sponge").expect("built in"), HandSide::Right);
+    /// let mass_kg = |seed| scene.varied(seed).objects[0].object.mass_kg;
+    /// assert_eq!(mass_kg(7), mass_kg(7), "one seed gives one object");
+    /// assert_ne!(mass_kg(7), mass_kg(8));
+    /// ```
     #[must_use]
     pub fn varied(&self, seed: u64) -> Self {
         let mut random = Random::new(seed, stream::FAMILY);
@@ -53,15 +63,15 @@ impl Scene {
         if let [from, to] = &mut scene.plates[..] {
             to.height_m = from.height_m + random.between(-PLACE_M, PLACE_M);
         }
-        scene.share_the_neck();
+        scene.align_cap_with_bottle();
         if scene.place.is_some() {
-            scene.tell_of_closure();
+            scene.update_nominal_cap_and_bottle();
         }
         scene
     }
 
     /// Moves a cap on a neck to its bottle's position.
-    pub(super) fn share_the_neck(&mut self) {
+    pub(super) fn align_cap_with_bottle(&mut self) {
         let [cap, bottle] = &mut self.objects[..] else {
             return;
         };

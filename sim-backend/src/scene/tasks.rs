@@ -9,7 +9,7 @@
 //! thread, friction or mass.
 
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandModel, Side};
+use robot_model::{GraspPose, HandModel, HandSide};
 
 use super::{DEFAULT_YAW_RAD, GraspHint, Mount, Placed, Scene};
 use crate::object::Object;
@@ -57,16 +57,16 @@ impl Scene {
 impl Scene {
     /// Returns a scene with an object in front of one hand, to be placed 12 cm farther out.
     #[must_use]
-    pub fn pick_place(object: Object, side: Side) -> Self {
+    pub fn pick_place(object: Object, side: HandSide) -> Self {
         let plate = |centre_m| Plate {
             centre_m,
             half_m: [STEP_HALF_M; 2],
             height_m: STEP_M,
         };
-        let mut placed = Placed::before(object, side);
+        let mut placed = Placed::in_front_of(object, side);
         placed.nominal.from_m[2] += STEP_M;
         placed.nominal.height_m += STEP_M;
-        let to_m = beside(PLACE_M, side);
+        let to_m = off_midline(PLACE_M, side);
         let place = GraspHint {
             from_m: [to_m[0], to_m[1], placed.nominal.from_m[2]],
             ..placed.nominal
@@ -82,7 +82,7 @@ impl Scene {
     /// Moves the place into the hand's reach, if necessary: at the same distance on the circle
     /// about the arm's base, rotated accordingly. A five-joint arm rotates its hand only with its
     /// base.
-    pub(super) fn place_in_reach(&mut self, hand: &HandModel) {
+    pub(super) fn move_place_into_reach(&mut self, hand: &HandModel) {
         let ([_], [_, plate], Some(place)) =
             (&self.objects[..], &mut self.plates[..], &mut self.place)
         else {
@@ -115,8 +115,8 @@ impl Scene {
     /// Returns a scene with a cap on the neck of a clamped bottle in front of one hand, not turned
     /// yet.
     #[must_use]
-    pub fn screw(cap: Object, bottle: Object, side: Side) -> Self {
-        let at_m = beside(SCREW_M, side);
+    pub fn screw(cap: Object, bottle: Object, side: HandSide) -> Self {
+        let at_m = off_midline(SCREW_M, side);
         let mounted = |object, mount| Placed {
             mount,
             ..Placed::new(object, at_m, DEFAULT_YAW_RAD)
@@ -125,16 +125,16 @@ impl Scene {
             objects: vec![mounted(cap, Mount::OnNeck), mounted(bottle, Mount::Clamped)],
             ..Self::default()
         };
-        scene.tell_of_closure();
+        scene.update_nominal_cap_and_bottle();
         scene
     }
 
     /// Returns a scene with a cap on a stand in front of the screwing hand and a free bottle
     /// between the hands.
     #[must_use]
-    pub fn assembly(cap: Object, bottle: Object, screws: Side) -> Self {
+    pub fn assembly(cap: Object, bottle: Object, screws: HandSide) -> Self {
         let stand = Plate {
-            centre_m: beside(STAND_M, screws),
+            centre_m: off_midline(STAND_M, screws),
             half_m: [STAND_HALF_M; 2],
             height_m: STAND_HEIGHT_M,
         };
@@ -148,12 +148,12 @@ impl Scene {
             ..Self::default()
         };
         scene.objects[1].nominal.from_m[2] = HOLD_HEIGHT_M;
-        scene.tell_of_closure();
+        scene.update_nominal_cap_and_bottle();
         scene
     }
 
     /// Sets the nominal sizes and heights of cap and bottle to their true values.
-    pub(super) fn tell_of_closure(&mut self) {
+    pub(super) fn update_nominal_cap_and_bottle(&mut self) {
         let [cap, bottle] = &mut self.objects[..] else {
             return;
         };
@@ -181,14 +181,14 @@ impl Scene {
 /// Returns whether a hand reaches the place and the approach above it, opened for release.
 fn reaches(hand: &HandModel, hint: &GraspHint) -> bool {
     let [x_m, y_m, z_m] = hint.from_m;
-    let opening_m = (hint.width_m + OPEN_M).min(hand.widest_m());
+    let opening_m = (hint.width_m + OPEN_M).min(hand.max_opening_m());
     [z_m, z_m + LIFT_M].into_iter().all(|z_m| {
         let centre_m = Vector3::new(x_m, y_m, z_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, hint.yaw_rad);
-        hand.reaches(&GraspFrame::from_above(centre_m, yaw_rad, opening_m))
+        hand.reaches(&GraspPose::from_above(centre_m, yaw_rad, opening_m))
     })
 }
 
-fn beside([x_m, off_middle_m]: [f64; 2], side: Side) -> [f64; 2] {
+fn off_midline([x_m, off_middle_m]: [f64; 2], side: HandSide) -> [f64; 2] {
     [x_m, side.y_sign() * off_middle_m]
 }

@@ -5,15 +5,15 @@ use field::{
 };
 use shm_schemas::{AgentTruth, ArenaTruth, FieldTruth, PostTruth, Text, WallTruth};
 
-use super::{Answer, Swarm};
+use super::{FrameCommands, Swarm};
 
 impl Swarm {
     /// Writes the observer's view of this frame, without the stamp: poses, sensor bits, and the
     /// motion for the commands that [`Swarm::advance`] is about to receive. After a trial it
     /// contains the result. Robots are not affected.
-    pub fn show(&self, answer: Answer<'_>, arena: &mut ArenaTruth) {
+    pub fn show(&self, answer: FrameCommands<'_>, arena: &mut ArenaTruth) {
         let commands = match answer {
-            Answer::Commands(commands) if self.understands(commands) => Some(commands),
+            FrameCommands::Commands(commands) if self.accepts(commands) => Some(commands),
             _ => None,
         };
         let team = self.settings.team.get();

@@ -1,7 +1,7 @@
 //! Tests of the object history.
 
 use super::*;
-use crate::body::{Motion, turned};
+use crate::body::{Motion, rotated};
 
 const TICK_NS: u64 = 1_000_000;
 
@@ -14,10 +14,10 @@ fn object(name: &str) -> WorldObject {
 fn pose(object: &mut WorldObject, up_m: f64, lean_rad: f64) {
     let mut orientation = [1.0, 0.0, 0.0, 0.0];
     for _ in 0..100 {
-        orientation = turned(orientation, &Vector3::new(lean_rad / 100.0, 0.0, 0.0));
+        orientation = rotated(orientation, &Vector3::new(lean_rad / 100.0, 0.0, 0.0));
     }
-    object.body.follow(&Motion {
-        position_m: Vector3::new(0.3, 0.0, up_m + object.rest_m.z),
+    object.body.set_motion(&Motion {
+        position_m: Vector3::new(0.3, 0.0, up_m + object.start_m.z),
         orientation,
         velocity_m_s: Vector3::zeros(),
         angular_rad_s: Vector3::zeros(),
@@ -25,12 +25,12 @@ fn pose(object: &mut WorldObject, up_m: f64, lean_rad: f64) {
 }
 
 #[test]
-fn only_an_open_bottle_that_tilts_far_enough_spills() {
+fn open_bottle_spills_above_thirty_degrees() {
     let check = |lean_deg: f64, open: bool, spilt: u32, tipped: u32| {
         let mut bottle = object("open-bottle");
         pose(&mut bottle, 0.05, lean_deg.to_radians());
         bottle.touched = true;
-        bottle.judge(&Ground::default(), false, open, TICK_NS);
+        bottle.evaluate(&Ground::default(), false, open, TICK_NS);
         let truth = bottle.truth(None);
         assert_eq!((truth.spilt, truth.tipped), (spilt, tipped), "{lean_deg}°");
     };
@@ -41,18 +41,18 @@ fn only_an_open_bottle_that_tilts_far_enough_spills() {
 }
 
 /// Returns the truth of a wooden block after ticks of height, fingertip contact and support force.
-fn after(history: &[(f64, bool, f64)]) -> ObjectTruth {
+fn truth_after(history: &[(f64, bool, f64)]) -> ObjectTruth {
     let mut wood = object("wood");
     for (tick, (up_m, held, table_n)) in (1..).zip(history) {
         pose(&mut wood, *up_m, 0.0);
         (wood.touched, wood.body.table_n) = (*held, *table_n);
-        wood.judge(&Ground::default(), false, false, tick * TICK_NS);
+        wood.evaluate(&Ground::default(), false, false, tick * TICK_NS);
     }
     wood.truth(None)
 }
 
 #[test]
-fn the_release_that_counts_is_the_first_after_landing() {
+fn first_release_after_landing_counts() {
     let history = [
         (0.010, true, 0.0),
         (0.010, true, 0.0),
@@ -64,7 +64,7 @@ fn the_release_that_counts_is_the_first_after_landing() {
         (0.0, true, 3.0),
         (0.0, false, 3.0),
     ];
-    let truth = after(&history);
+    let truth = truth_after(&history);
     assert_eq!(
         [truth.landed_ns, truth.carried_ns, truth.released_ns],
         [3, 6, 7].map(|tick| tick * TICK_NS)
@@ -75,7 +75,7 @@ fn the_release_that_counts_is_the_first_after_landing() {
 /// Regression: after put back and regrasp, the first landing counted, which made the release 17 s
 /// late.
 #[test]
-fn what_is_put_back_and_lifted_again_has_landed_when_it_lands_at_last() {
+fn second_lift_resets_the_landing() {
     let history = [
         (0.010, true, 0.0),
         (0.0, true, 3.0),
@@ -87,22 +87,22 @@ fn what_is_put_back_and_lifted_again_has_landed_when_it_lands_at_last() {
         (0.0, true, 3.0),
         (0.0, false, 3.0),
     ];
-    let told = |history| {
-        let truth = after(history);
+    let output = |history| {
+        let truth = truth_after(history);
         [truth.landed_ns, truth.carried_ns, truth.released_ns].map(|ns| ns / TICK_NS)
     };
-    assert_eq!(told(&history[..5]), [2, 2, 4]);
-    assert_eq!(told(&history[..6]), [0, 0, 0], "in the air again");
-    assert_eq!(told(&history), [7, 7, 9]);
+    assert_eq!(output(&history[..5]), [2, 2, 4]);
+    assert_eq!(output(&history[..6]), [0, 0, 0], "lifted again");
+    assert_eq!(output(&history), [7, 7, 9]);
 }
 
 #[test]
-fn an_object_let_go_in_the_air_is_dropped_from_where_it_was() {
+fn release_in_the_air_is_a_drop() {
     let mut wood = object("wood");
     for (tick, held) in (1..).zip([true, false]) {
         pose(&mut wood, 0.010, 0.0);
         wood.touched = held;
-        wood.judge(&Ground::default(), false, false, tick * TICK_NS);
+        wood.evaluate(&Ground::default(), false, false, tick * TICK_NS);
     }
     let truth = wood.truth(None);
     assert_eq!((truth.dropped, truth.landed_ns), (1, 0));
@@ -111,14 +111,14 @@ fn an_object_let_go_in_the_air_is_dropped_from_where_it_was() {
 }
 
 #[test]
-fn an_object_stands_where_it_was_only_by_itself_and_upright() {
+fn object_stands_only_upright_free_and_in_place() {
     let check = |off_m: f64, lean_rad: f64, pressed: bool, share: f64, stands: u32| {
         let mut wood = object("wood");
         pose(&mut wood, 0.0, lean_rad);
         wood.body.position_m.x += off_m;
         wood.body.table_n = share * wood.body.weight_n();
         wood.touched = pressed;
-        wood.judge(&Ground::default(), false, false, TICK_NS);
+        wood.evaluate(&Ground::default(), false, false, TICK_NS);
         let truth = wood.truth(None);
         assert!((truth.displaced_m - off_m).abs() < 1e-12);
         let case = format!("{off_m} m, {lean_rad} rad, pressed {pressed}, carried {share}");

@@ -1,16 +1,16 @@
 //! Two-hand assembly; either hand screws.
 
 use crate::rig::{Rig, goal, object};
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::GoalKind;
 use sim_backend::Scene;
 
 #[test]
-fn either_hand_screws_the_cap_onto_the_bottle_that_the_other_holds() {
-    for side in Side::BOTH {
+fn either_hand_screws_the_cap_on() {
+    for side in HandSide::BOTH {
         let scene = Scene::assembly(object("cap"), object("open-bottle"), side);
         let mut rig = Rig::new(&scene);
-        rig.achieve(&goal(GoalKind::ASSEMBLE, &scene, side));
+        rig.execute_successfully(&goal(GoalKind::ASSEMBLE, &scene, side));
         let [cap, bottle, ..] = rig.world.truth().objects;
         assert_eq!(
             (cap.cap_engaged, cap.cap_closed),

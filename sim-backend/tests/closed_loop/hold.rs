@@ -1,26 +1,26 @@
 //! Added load during a hold: compensated or reported.
 
 use crate::rig::{Rig, goal, object};
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::{Cause, GoalKind};
 use sim_backend::Scene;
 
 /// Returns a hand that holds an object 50 mm above the table without warnings.
 fn holding(name: &str) -> Rig {
-    let scene = Scene::grasp(object(name), Side::Right);
+    let scene = Scene::grasp(object(name), HandSide::Right);
     let mut rig = Rig::new(&scene);
-    rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+    rig.execute_successfully(&goal(GoalKind::GRASP, &scene, HandSide::Right));
     assert_eq!(rig.warnings, []);
     rig
 }
 
 fn force_n(rig: &Rig) -> f64 {
-    let [first_n, second_n, ..] = rig.world.truth().normal_n[Side::Right.index()];
+    let [first_n, second_n, ..] = rig.world.truth().normal_n[HandSide::Right.index()];
     first_n.min(second_n)
 }
 
 #[test]
-fn a_load_that_grows_slowly_is_answered_with_force() {
+fn slowly_growing_load_raises_the_grip() {
     let check = |name: &str, load_n: f64| {
         let mut rig = holding(name);
         let (before, before_n) = (rig.object(), force_n(&rig));
@@ -42,7 +42,7 @@ fn a_load_that_grows_slowly_is_answered_with_force() {
 }
 
 #[test]
-fn running_out_of_force_is_reported_and_the_object_is_set_down() {
+fn force_limit_is_reported_and_object_set_down() {
     let mut rig = holding("slippery-200");
     rig.load(2.5, 0.5);
     rig.ticks(10_000);
@@ -56,7 +56,7 @@ fn running_out_of_force_is_reported_and_the_object_is_set_down() {
 }
 
 #[test]
-fn a_load_that_comes_at_once_is_held_or_reported() {
+fn sudden_load_is_held_or_reported() {
     let check = |name: &str, load_n: f64| {
         let mut rig = holding(name);
         let before = rig.object();
@@ -64,11 +64,11 @@ fn a_load_that_comes_at_once_is_held_or_reported() {
         rig.ticks(1000);
         let after = rig.object();
         let sunk_m = before.lifted_m - after.lifted_m;
-        let told = [Cause::SLIDING, Cause::LOST_OBJECT, Cause::OUT_OF_FORCE];
-        let reported = rig.warnings.iter().any(|cause| told.contains(cause));
+        let output = [Cause::SLIDING, Cause::LOST_OBJECT, Cause::OUT_OF_FORCE];
+        let reported = rig.warnings.iter().any(|cause| output.contains(cause));
         assert!(
             reported || sunk_m < 0.005,
-            "{name} sank by {sunk_m} m, told {:?}",
+            "{name} sank by {sunk_m} m, warnings {:?}",
             rig.warnings
         );
     };

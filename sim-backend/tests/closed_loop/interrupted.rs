@@ -1,45 +1,49 @@
 //! Interrupted motions: a hand resumes along its path without oscillation, with the same outcome.
 
 use crate::rig::{Missing, Rig, goal, object, seeds};
-use atas_core::Order;
-use robot_model::{RobotModel, Side};
+use atas_core::OperatorRequest;
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Mode, Reason};
 use sim_backend::random::Random;
 use sim_backend::{Object, Scene};
 
 /// Largest ratio of the joint path to that of an undisturbed hand. Braking and catching up take up
 /// to 10 %.
-const DETOUR: f64 = 1.1;
+const PATH_RATIO_MAX: f64 = 1.1;
 
 fn hold(rig: &mut Rig) {
-    rig.order(&Order::Hold(Reason::of(Cause::SUPERVISOR_SILENT)));
+    rig.send_request(&OperatorRequest::Hold(Reason::new(
+        Cause::SUPERVISOR_SILENT,
+    )));
     assert_eq!(rig.mode(), Mode::HOLD);
 }
 
 /// Approaches an object, with a hold after `held_after` ticks; returns the joint path commanded
 /// until the fingers close, rad.
 fn reach_rad(robot: &RobotModel, scene: &Scene, held_after: Option<u64>) -> f64 {
-    let mut rig = Rig::of(robot.clone(), scene, 1);
-    rig.begin(&goal(GoalKind::GRASP, scene, Side::Right));
+    let mut rig = Rig::with_robot(robot.clone(), scene, 1);
+    rig.begin(&goal(GoalKind::GRASP, scene, HandSide::Right));
     if let Some(ticks) = held_after {
         rig.ticks(ticks);
         hold(&mut rig);
     }
-    rig.go_on_until("approach", 0.0);
+    rig.run_until("approach", 0.0);
     rig.travelled_rad
 }
 
 #[test]
-fn a_hand_that_was_held_on_its_way_goes_on_along_it() {
+fn held_hand_resumes_along_its_path() {
     for name in ["two-hand-arm", "arm7-gripper", "three-finger", "test-bench"] {
-        let robot = RobotModel::find(name).expect("it ships");
-        let scene = Scene::grasp(object("wood"), Side::Right).before(robot.hand(Side::Right));
+        let robot = RobotModel::find(name).expect("built-in robot");
+        let scene = Scene::grasp(object("wood"), HandSide::Right)
+            .moved_to_hand(robot.hand(HandSide::Right));
         let undisturbed_rad = reach_rad(&robot, &scene, None);
         for held_after in (10..1400).step_by(90) {
             let travelled_rad = reach_rad(&robot, &scene, Some(held_after));
             assert!(
-                travelled_rad < DETOUR * undisturbed_rad,
-                "{name} held after {held_after} ms: the joints were commanded over {travelled_rad} rad, undisturbed {undisturbed_rad}"
+                travelled_rad < PATH_RATIO_MAX * undisturbed_rad,
+                "{name} held after {held_after} ms: joint path {travelled_rad} rad, undisturbed \
+                 {undisturbed_rad}"
             );
         }
     }
@@ -59,13 +63,13 @@ fn pursue(scene: &Scene, request: &GoalRequest, held_every: Option<u64>) -> (Goa
             rig.ticks(1);
         }
     }
-    panic!("the goal has no end");
+    panic!("the goal does not end");
 }
 
 #[test]
-fn tasks_that_are_held_again_and_again_end_as_ever() {
+fn tasks_succeed_despite_repeated_holds() {
     let check = |kind: GoalKind, scene: &Scene, held_every: u64, detour: f64| {
-        let request = goal(kind, scene, Side::Right);
+        let request = goal(kind, scene, HandSide::Right);
         let (end, undisturbed) = pursue(scene, &request, None);
         assert_eq!(end.state, GoalState::SUCCEEDED, "{kind}: {}", end.reason);
         let (end, held) = pursue(scene, &request, Some(held_every));
@@ -79,23 +83,23 @@ fn tasks_that_are_held_again_and_again_end_as_ever() {
         );
         assert!(
             held.travelled_rad < detour * undisturbed.travelled_rad,
-            "{case}: the joints were commanded over {} rad, undisturbed {}",
+            "{case}: joint path {} rad, undisturbed {}",
             held.travelled_rad,
             undisturbed.travelled_rad
         );
     };
     for held_every in [97, 310] {
         for name in ["wood", "sponge"] {
-            let scene = Scene::grasp(object(name), Side::Right);
-            check(GoalKind::GRASP, &scene, held_every, DETOUR);
+            let scene = Scene::grasp(object(name), HandSide::Right);
+            check(GoalKind::GRASP, &scene, held_every, PATH_RATIO_MAX);
         }
         // A held turn may have to be repeated.
-        let scene = Scene::screw(object("cap"), object("open-bottle"), Side::Right);
+        let scene = Scene::screw(object("cap"), object("open-bottle"), HandSide::Right);
         check(GoalKind::SCREW, &scene, held_every, 2.0);
     }
     // Module 4 waits until the held object has settled, so placing needs longer intervals.
-    let scene = Scene::pick_place(object("wood"), Side::Right);
-    check(GoalKind::PICK_PLACE, &scene, 310, DETOUR);
+    let scene = Scene::pick_place(object("wood"), HandSide::Right);
+    check(GoalKind::PICK_PLACE, &scene, 310, PATH_RATIO_MAX);
 }
 
 fn below(random: &mut Random, count: u64) -> u64 {
@@ -114,10 +118,10 @@ fn disturb(rig: &mut Rig, random: &mut Random) {
         joints: true,
     };
     match below(random, 5) {
-        0 => rig.miss(frames(true, false), ms),
-        1 => rig.miss(frames(false, true), ms),
-        2 => rig.miss(frames(true, true), ms),
-        3 => rig.miss(joints, ms),
+        0 => rig.drop_inputs(frames(true, false), ms),
+        1 => rig.drop_inputs(frames(false, true), ms),
+        2 => rig.drop_inputs(frames(true, true), ms),
+        3 => rig.drop_inputs(joints, ms),
         _ => rig.stall(ms),
     }
 }
@@ -126,31 +130,37 @@ fn disturb(rig: &mut Rig, random: &mut Random) {
 fn draw(random: &mut Random) -> (RobotModel, Scene, GoalRequest) {
     let things = ["wood", "sponge", "paper-box", "bottle", "slippery-200"];
     let thing = object(things[below(random, 5) as usize]);
-    let screws = |scene: fn(Object, Object, Side) -> Scene| {
-        scene(object("cap"), object("open-bottle"), Side::Right)
+    let screws = |scene: fn(Object, Object, HandSide) -> Scene| {
+        scene(object("cap"), object("open-bottle"), HandSide::Right)
     };
     let robots = ["two-hand-arm", "arm7-gripper", "three-finger", "test-bench"];
     let name = robots[below(random, 4) as usize];
-    let robot = RobotModel::find(name).expect("it ships");
+    let robot = RobotModel::find(name).expect("built-in robot");
     let (kind, scene) = match (name, below(random, 4)) {
-        ("two-hand-arm", 0) => (GoalKind::PICK_PLACE, Scene::pick_place(thing, Side::Right)),
+        ("two-hand-arm", 0) => (
+            GoalKind::PICK_PLACE,
+            Scene::pick_place(thing, HandSide::Right),
+        ),
         ("two-hand-arm", 1) => (GoalKind::SCREW, screws(Scene::screw)),
         ("two-hand-arm", 2) => (GoalKind::ASSEMBLE, screws(Scene::assembly)),
         _ => {
-            let scene = Scene::grasp(thing, Side::Right);
-            (GoalKind::GRASP, scene.before(robot.hand(Side::Right)))
+            let scene = Scene::grasp(thing, HandSide::Right);
+            (
+                GoalKind::GRASP,
+                scene.moved_to_hand(robot.hand(HandSide::Right)),
+            )
         }
     };
-    let request = goal(kind, &scene, Side::Right);
+    let request = goal(kind, &scene, HandSide::Right);
     (robot, scene, request)
 }
 
 #[test]
-fn whatever_is_missing_for_a_moment_nothing_is_lost() {
+fn short_input_losses_drop_no_object() {
     for seed in seeds(10) {
         let mut random = Random::new(seed, 0);
         let (robot, scene, request) = draw(&mut random);
-        let mut rig = Rig::of(robot, &scene, 1);
+        let mut rig = Rig::with_robot(robot, &scene, 1);
         rig.begin(&request);
         // Rarely enough that no step times out.
         let every = 400 + below(&mut random, 600);
@@ -165,7 +175,7 @@ fn whatever_is_missing_for_a_moment_nothing_is_lost() {
             let (step, reason) = (rig.step_name(), rig.reason());
             assert!(
                 disturbances < 1000,
-                "seed {seed}, {}: no end, {step}: {reason}",
+                "seed {seed}, {}: goal does not end, {step}: {reason}",
                 request.kind
             );
         };

@@ -4,15 +4,15 @@
 //! that it rarely takes.
 
 mod any_robot;
-mod apart;
+mod arm_clearance;
 mod assembly;
+mod goal_data;
 mod hold;
 mod interrupted;
+mod model_errors;
 mod placing;
 mod regrasp;
 mod restart;
 mod rig;
 mod screwing;
 mod skin;
-mod told;
-mod unlike;

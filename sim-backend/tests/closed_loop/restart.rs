@@ -2,8 +2,8 @@
 
 use crate::rig::{Rig, goal, object, seeds};
 
-use atas_core::{Order, Settings};
-use robot_model::Side;
+use atas_core::{OperatorRequest, Settings};
+use robot_model::HandSide;
 use shm_schemas::{Cause, GoalKind, Mode, Reason};
 use sim_backend::Scene;
 
@@ -12,19 +12,19 @@ type Interruption = fn(&mut Rig);
 
 const INTERRUPTIONS: [(&str, Interruption); 5] = [
     ("killed", |rig| rig.restart(120)),
-    ("killed and started at once", |rig| rig.restart(6)),
+    ("killed and restarted at once", |rig| rig.restart(6)),
     ("ended by SIGTERM", |rig| {
-        rig.order(&Order::Stop(Reason::of(Cause::SHUTDOWN)));
+        rig.send_request(&OperatorRequest::Stop(Reason::new(Cause::SHUTDOWN)));
         rig.ticks(20);
         rig.restart(500);
     }),
     ("stopped and recovered", |rig| {
-        rig.order(&Order::Stop(Reason::of(Cause::ESTOP)));
+        rig.send_request(&OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
         rig.ticks(300);
-        rig.order(&Order::Recover);
+        rig.send_request(&OperatorRequest::Recover);
     }),
     ("reloaded", |rig| {
-        rig.order(&Order::Configure(Settings::default()))
+        rig.send_request(&OperatorRequest::Configure(Settings::default()))
     }),
 ];
 
@@ -40,16 +40,16 @@ fn assert_kept(rig: &mut Rig, what: &str) {
         sunk_mm < 2.0 && after.lifted_m > 0.01,
         "{what}: sank by {sunk_mm} mm"
     );
-    assert_eq!(rig.mode(), Mode::RUN, "{what}: watched");
+    assert_eq!(rig.mode(), Mode::RUN, "{what}: mode after the interruption");
 }
 
 #[test]
-fn a_held_object_is_kept_whatever_happens_to_the_daemon() {
+fn held_object_survives_daemon_interruptions() {
     for name in OBJECTS {
         for seed in seeds(1) {
-            let scene = Scene::grasp(object(name), Side::Right);
+            let scene = Scene::grasp(object(name), HandSide::Right);
             let mut rig = Rig::seeded(&scene, seed);
-            rig.achieve(&goal(GoalKind::GRASP, &scene, Side::Right));
+            rig.execute_successfully(&goal(GoalKind::GRASP, &scene, HandSide::Right));
             // All interruptions in sequence, on one grip.
             for (how, interrupt) in INTERRUPTIONS {
                 interrupt(&mut rig);
@@ -58,21 +58,28 @@ fn a_held_object_is_kept_whatever_happens_to_the_daemon() {
                     &format!("{name}, seed {seed}, {how} while it holds"),
                 );
             }
-            assert_eq!(rig.step_name(), "keep grip", "says what it does");
-            assert!(rig.warnings.contains(&Cause::GRIP_FOUND), "and why");
-            rig.achieve(&goal(GoalKind::RELEASE, &scene, Side::Right));
+            assert_eq!(rig.step_name(), "keep grip", "step of a held object");
+            assert!(
+                rig.warnings.contains(&Cause::GRIP_FOUND),
+                "warning about a found grip"
+            );
+            rig.execute_successfully(&goal(GoalKind::RELEASE, &scene, HandSide::Right));
         }
     }
 }
 
 #[test]
-fn a_lifted_object_is_kept_whatever_happens_to_the_daemon() {
+fn object_being_lifted_survives_daemon_interruptions() {
     for (how, interrupt) in INTERRUPTIONS {
         for (name, base) in OBJECTS.into_iter().zip(0..) {
             for seed in seeds(1).map(|seed| base + seed) {
-                let scene = Scene::grasp(object(name), Side::Right);
+                let scene = Scene::grasp(object(name), HandSide::Right);
                 let mut rig = Rig::seeded(&scene, seed);
-                rig.pursue_until(&goal(GoalKind::GRASP, &scene, Side::Right), "lift", 0.015);
+                rig.execute_until(
+                    &goal(GoalKind::GRASP, &scene, HandSide::Right),
+                    "lift",
+                    0.015,
+                );
                 interrupt(&mut rig);
                 assert_kept(
                     &mut rig,

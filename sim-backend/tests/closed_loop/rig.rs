@@ -2,8 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring, check};
-use robot_model::{HandVector, RobotModel, Side, clearance_m, farthest_move_m};
+use atas_core::{
+    Controller, Goal, Inputs, OperatorRequest, Outputs, SensorSetup, Settings, Tick, check,
+};
+use robot_model::{HandSide, HandVector, RobotModel, clearance_m, farthest_move_m};
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, GoalUpdate, Hand, HandFrame,
@@ -22,9 +24,9 @@ pub(crate) struct Rig {
     /// Total commanded path of all joints, rad.
     pub(crate) travelled_rad: f64,
     commanded_rad: Option<[f64; JOINTS]>,
-    pub(crate) came_again: usize,
+    pub(crate) regrasp_count: usize,
     pub(crate) end: Option<GoalUpdate>,
-    lie: Option<Lie>,
+    corruption: Option<Corruption>,
     missing: Missing,
 }
 
@@ -36,25 +38,25 @@ pub(crate) struct Missing {
 }
 
 /// Sensor corruption: hand, start time and function.
-struct Lie {
-    side: Side,
+struct Corruption {
+    side: HandSide,
     since_ns: u64,
-    of: Box<FrameLie>,
+    of: Box<CorruptFrame>,
 }
 
 /// Change of a frame; the number is the time since the corruption began, s.
-type FrameLie = dyn Fn(f64, &mut HandFrame);
+type CorruptFrame = dyn Fn(f64, &mut HandFrame);
 
 fn controller(robot: &RobotModel, writer_epoch: u64) -> Box<Controller> {
-    let wiring = Wiring {
+    let wiring = SensorSetup {
         writer_epoch,
-        ..Wiring::of(robot)
+        ..SensorSetup::from_robot(robot)
     };
     Box::new(Controller::new(robot, wiring, Settings::default()))
 }
 
 pub(crate) fn object(name: &str) -> Object {
-    Object::built_in(name).expect("built in")
+    Object::built_in(name).expect("built-in object")
 }
 
 /// Displaces an object from its nominal pose: mm, mm, degrees.
@@ -74,13 +76,13 @@ impl Rig {
     /// Same, with another seed for errors and noise.
     pub(crate) fn seeded(scene: &Scene, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-        Self::of(robot, scene, seed)
+        Self::with_robot(robot, scene, seed)
     }
 
     /// Returns a rig with another robot.
-    pub(crate) fn of(robot: RobotModel, scene: &Scene, seed: u64) -> Self {
+    pub(crate) fn with_robot(robot: RobotModel, scene: &Scene, seed: u64) -> Self {
         let mut rig = Self {
-            world: World::new(&robot, scene, seed).expect("a world"),
+            world: World::new(&robot, scene, seed).expect("valid scene"),
             controller: controller(&robot, 1),
             robot,
             sensed: Sensed::default(),
@@ -89,9 +91,9 @@ impl Rig {
             warnings: Vec::new(),
             travelled_rad: 0.0,
             commanded_rad: None,
-            came_again: 0,
+            regrasp_count: 0,
             end: None,
-            lie: None,
+            corruption: None,
             missing: Missing::default(),
         };
         rig.ticks(100);
@@ -100,14 +102,18 @@ impl Rig {
     }
 
     /// Corrupts the frames of a hand from now on.
-    pub(crate) fn lie_on(&mut self, side: Side, of: impl Fn(f64, &mut HandFrame) + 'static) {
+    pub(crate) fn corrupt_skin(
+        &mut self,
+        side: HandSide,
+        of: impl Fn(f64, &mut HandFrame) + 'static,
+    ) {
         let (since_ns, of) = (self.world.now_ns(), Box::new(of));
-        self.lie = Some(Lie { side, since_ns, of });
+        self.corruption = Some(Corruption { side, since_ns, of });
     }
 
-    fn step(&mut self, order: Option<&Order>) -> &Outputs {
+    fn step(&mut self, order: Option<&OperatorRequest>) -> &Outputs {
         self.world.sense(&mut self.sensed);
-        if let Some(lie) = &self.lie {
+        if let Some(lie) = &self.corruption {
             let lied_s = (self.world.now_ns() - lie.since_ns) as f64 * 1e-9;
             for frame in self.sensed.frames[lie.side.index()].iter_mut() {
                 (lie.of)(lied_s, frame);
@@ -126,7 +132,7 @@ impl Rig {
             ],
             joints: (!self.missing.joints).then_some(&self.sensed.joints),
             targets: &[],
-            order,
+            request: order,
         });
         self.world.advance(Some(&outputs.command));
         self.tick += 1;
@@ -145,7 +151,7 @@ impl Rig {
         let events = outputs.events.as_slice().iter();
         let comes_again =
             |e: &&ModuleEvent| e.kind == EventKind::STEP && e.text.as_str() == "regrasp";
-        self.came_again += events.clone().filter(comes_again).count();
+        self.regrasp_count += events.clone().filter(comes_again).count();
         self.warnings
             .extend(events.filter(|e| warns(e.kind)).map(|e| e.reason.cause));
         outputs
@@ -158,7 +164,7 @@ impl Rig {
     }
 
     /// Runs `ms` ticks without these inputs.
-    pub(crate) fn miss(&mut self, missing: Missing, ms: u64) {
+    pub(crate) fn drop_inputs(&mut self, missing: Missing, ms: u64) {
         self.missing = missing;
         self.ticks(ms);
         self.missing = Missing::default();
@@ -181,45 +187,45 @@ impl Rig {
         self.tick = 0;
     }
 
-    pub(crate) fn order(&mut self, order: &Order) {
+    pub(crate) fn send_request(&mut self, order: &OperatorRequest) {
         self.step(Some(order));
     }
 
     /// Starts a goal and runs as [`Rig::run_until`].
-    pub(crate) fn pursue_until(&mut self, request: &GoalRequest, step: &str, lifted_m: f64) {
+    pub(crate) fn execute_until(&mut self, request: &GoalRequest, step: &str, lifted_m: f64) {
         self.begin(request);
-        self.go_on_until(step, lifted_m);
+        self.run_until(step, lifted_m);
     }
 
     /// Validates a goal as the daemon does.
-    fn checked(&self, request: &GoalRequest) -> Goal {
-        self.check(request).expect("a goal that can be pursued")
+    fn validated_goal(&self, request: &GoalRequest) -> Goal {
+        self.check(request).expect("valid goal")
     }
 
     /// Returns the reason why a goal is rejected.
-    pub(crate) fn refused(&self, request: &GoalRequest) -> Reason {
-        self.check(request).expect_err("a goal that is refused")
+    pub(crate) fn rejection_reason(&self, request: &GoalRequest) -> Reason {
+        self.check(request).expect_err("rejected goal")
     }
 
     fn check(&self, request: &GoalRequest) -> Result<Goal, Reason> {
-        let circumstances = self.controller.circumstances(&self.robot, &[]);
+        let circumstances = self.controller.goal_context(&self.robot, &[]);
         check::check(request, &circumstances)
     }
 
     pub(crate) fn begin(&mut self, request: &GoalRequest) {
-        let goal = self.checked(request);
-        self.order(&Order::Start(goal));
+        let goal = self.validated_goal(request);
+        self.send_request(&OperatorRequest::Start(goal));
     }
 
     /// Runs until this step of the goal's hand, with the first object lifted this high.
-    pub(crate) fn go_on_until(&mut self, step: &str, lifted_m: f64) {
+    pub(crate) fn run_until(&mut self, step: &str, lifted_m: f64) {
         for _ in 0..100_000 {
             if self.step_name() == step && self.object().lifted_m >= lifted_m {
                 return;
             }
             self.ticks(1);
         }
-        panic!("never in {step}, but in {}", self.step_name());
+        panic!("step {step} not reached, now in {}", self.step_name());
     }
 
     pub(crate) fn step_name(&self) -> &str {
@@ -234,21 +240,21 @@ impl Rig {
         self.controller.mode().1
     }
 
-    pub(crate) fn pursue(&mut self, request: &GoalRequest) -> GoalUpdate {
-        let goal = self.checked(request);
-        let mut order = Some(Order::Start(goal));
+    pub(crate) fn execute(&mut self, request: &GoalRequest) -> GoalUpdate {
+        let goal = self.validated_goal(request);
+        let mut order = Some(OperatorRequest::Start(goal));
         for _ in 0..400_000 {
             let update = self.step(order.take().as_ref()).goal_update;
             if let Some(end) = update.filter(|update| update.state.is_final()) {
                 return end;
             }
         }
-        panic!("the goal has no end");
+        panic!("the goal does not end");
     }
 
     /// Executes a goal that must succeed.
-    pub(crate) fn achieve(&mut self, request: &GoalRequest) {
-        let end = self.pursue(request);
+    pub(crate) fn execute_successfully(&mut self, request: &GoalRequest) {
+        let end = self.execute(request);
         assert_eq!(
             end.state,
             GoalState::SUCCEEDED,
@@ -263,15 +269,17 @@ impl Rig {
         let ticks = (to_n / n_per_s * 1e3).ceil() as u64;
         for tick in 1..=ticks {
             let pull_n = to_n * tick as f64 / ticks as f64;
-            self.world.pull(0, [0.0, 0.0, -pull_n]).expect("a pull");
+            self.world
+                .pull(0, [0.0, 0.0, -pull_n])
+                .expect("valid force");
             self.ticks(1);
         }
     }
 
     /// Returns the largest deviation of each arm's bodies from their commanded position, m.
-    pub(crate) fn strays_m(&self) -> [f64; 2] {
-        let q_rad = self.commanded_rad.expect("commands have come");
-        Side::BOTH.map(|side| {
+    pub(crate) fn deviations_m(&self) -> [f64; 2] {
+        let q_rad = self.commanded_rad.expect("commands have been sent");
+        HandSide::BOTH.map(|side| {
             let (hand, joints) = (self.robot.hand(side), self.robot.joint_range(side));
             let pose = hand.forward(&HandVector::from_slice(&q_rad[joints]));
             farthest_move_m(&hand.capsules(&pose), &self.world.bodies(side.index()))
@@ -288,13 +296,13 @@ impl Rig {
 }
 
 /// Returns a client's goal for the first object.
-pub(crate) fn goal(kind: GoalKind, scene: &Scene, side: Side) -> GoalRequest {
+pub(crate) fn goal(kind: GoalKind, scene: &Scene, side: HandSide) -> GoalRequest {
     let GraspHint {
         from_m,
         yaw_rad,
         width_m,
         ..
-    } = scene.grasp_hint(0).expect("an object");
+    } = scene.grasp_hint(0).expect("scene has an object");
     GoalRequest {
         goal_id: 1,
         kind,

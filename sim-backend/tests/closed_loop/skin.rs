@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use crate::rig::{Rig, goal, object};
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::{Cause, GoalKind, HandFrame, Mode};
 use sim_backend::Scene;
 
@@ -12,13 +12,13 @@ const WATCHED: u64 = 20_000;
 
 /// Corrupts the skin of a hand while it lifts an object. `lie` receives the time since the start,
 /// s, and the frame.
-fn lied_to(name: &str, lie: impl Fn(f64, &mut HandFrame) + 'static) -> Rig {
-    let scene = Scene::grasp(object(name), Side::Right);
+fn lift_with_corrupted_skin(name: &str, lie: impl Fn(f64, &mut HandFrame) + 'static) -> Rig {
+    let scene = Scene::grasp(object(name), HandSide::Right);
     let mut rig = Rig::new(&scene);
-    let request = goal(GoalKind::GRASP, &scene, Side::Right);
-    rig.pursue_until(&request, "lift", 0.02);
+    let request = goal(GoalKind::GRASP, &scene, HandSide::Right);
+    rig.execute_until(&request, "lift", 0.02);
     assert_eq!(rig.warnings, []);
-    rig.lie_on(Side::Right, lie);
+    rig.corrupt_skin(HandSide::Right, lie);
     rig.ticks(WATCHED);
     rig
 }
@@ -34,10 +34,10 @@ fn drifting(n_per_s: f64, fingers: core::ops::Range<usize>) -> impl Fn(f64, &mut
 /// Regression: a zero drift of 0.01 N/s per element opened the hand, and the goal succeeded with
 /// the object on the table.
 #[test]
-fn a_zero_that_drifts_holds_and_drops_nothing() {
+fn zero_drift_drops_no_object() {
     let check = |name: &str, n_per_s: f64, fingers: core::ops::Range<usize>| {
-        let case = format!("{name}, {n_per_s} N/s, fingers {fingers:?}");
-        let rig = lied_to(name, drifting(n_per_s, fingers));
+        let case = format!("{name}, {n_per_s} N/s, fingertips {fingers:?}");
+        let rig = lift_with_corrupted_skin(name, drifting(n_per_s, fingers));
         let object = rig.object();
         assert_eq!(
             (object.dropped, object.crushed),
@@ -83,9 +83,9 @@ fn sticking(count: usize) -> impl Fn(f64, &mut HandFrame) {
 }
 
 #[test]
-fn a_stuck_element_is_said_once_and_not_believed() {
+fn stuck_element_is_reported_once_and_ignored() {
     for name in ["wood", "slippery-50", "bottle"] {
-        let rig = lied_to(name, sticking(1));
+        let rig = lift_with_corrupted_skin(name, sticking(1));
         assert_eq!(rig.warnings, [Cause::ELEMENT_STUCK], "{name}");
         assert_eq!(rig.mode(), Mode::RUN, "{name}");
         let object = rig.object();
@@ -98,10 +98,10 @@ fn a_stuck_element_is_said_once_and_not_believed() {
 }
 
 #[test]
-fn a_fingertip_with_too_many_stuck_elements_holds() {
-    let rig = lied_to("wood", sticking(4));
-    let told = [Cause::ELEMENTS_INVALID, Cause::FORCE_AGAINST_JOINTS];
-    assert!(told.contains(&rig.reason().cause), "{:?}", rig.reason());
+fn too_many_stuck_elements_cause_hold() {
+    let rig = lift_with_corrupted_skin("wood", sticking(4));
+    let output = [Cause::ELEMENTS_INVALID, Cause::FORCE_AGAINST_JOINTS];
+    assert!(output.contains(&rig.reason().cause), "{:?}", rig.reason());
     let object = rig.object();
     assert_eq!((object.dropped, object.crushed), (0, 0), "{object:?}");
 }

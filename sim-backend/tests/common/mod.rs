@@ -1,8 +1,8 @@
 //! Scripted robot, in place of a controller.
-#![allow(dead_code, reason = "every test binary uses its own part")]
+#![allow(dead_code, reason = "every test binary uses only a part")]
 
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, IkWeights, RobotModel, RobotVector, Side};
+use robot_model::{GraspPose, HandSide, HandVector, IkWeights, RobotModel, RobotVector};
 use shm_schemas::JointCommand;
 use sim_backend::{GraspHint, Scene, Sensed, World};
 
@@ -11,8 +11,8 @@ pub(crate) struct Script {
     pub(crate) robot: RobotModel,
     pub(crate) world: World,
     pub(crate) sensed: Sensed,
-    pub(crate) frame: GraspFrame,
-    side: Side,
+    pub(crate) frame: GraspPose,
+    side: HandSide,
     q_rad: HandVector,
     others_rad: RobotVector,
     sequence: u64,
@@ -23,7 +23,7 @@ pub(crate) const START_GAP_M: f64 = 0.002;
 
 impl Script {
     /// Places the hand around the nominal grasp, [`START_GAP_M`] away on both sides.
-    pub(crate) fn around(scene: Scene, side: Side, seed: u64) -> Self {
+    pub(crate) fn from_nominal_grasp(scene: Scene, side: HandSide, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let hand = robot.hand(side);
         let GraspHint {
@@ -31,26 +31,26 @@ impl Script {
             yaw_rad,
             width_m,
             ..
-        } = scene.grasp_hint(0).expect("an object");
+        } = scene.grasp_hint(0).expect("scene has an object");
         let centre_m = Vector3::from(from_m);
         let yaw_rad = hand.closing_yaw_rad(&centre_m, yaw_rad);
-        let frame = GraspFrame::from_above(centre_m, yaw_rad, width_m + 2.0 * START_GAP_M);
-        Self::at(scene, side, frame, seed)
+        let frame = GraspPose::from_above(centre_m, yaw_rad, width_m + 2.0 * START_GAP_M);
+        Self::from_pose(scene, side, frame, seed)
     }
 
     /// Places the hand at a grasp pose, the other hand at the scene's start posture or at home.
-    pub(crate) fn at(mut scene: Scene, side: Side, frame: GraspFrame, seed: u64) -> Self {
+    pub(crate) fn from_pose(mut scene: Scene, side: HandSide, frame: GraspPose, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let q_rad = robot
             .hand(side)
             .posture_for(&frame)
-            .expect("a reachable frame")
+            .expect("reachable grasp pose")
             .q_rad;
-        let home_rad = || sim_backend::home_rad(&robot).expect("home");
+        let home_rad = || sim_backend::home_rad(&robot).expect("home posture exists");
         let mut start_rad = scene.start_rad.unwrap_or_else(home_rad);
         start_rad[robot.joint_range(side)].copy_from_slice(&q_rad);
         scene.start_rad = Some(start_rad);
-        let world = World::new(&robot, &scene, seed).expect("a world");
+        let world = World::new(&robot, &scene, seed).expect("valid scene");
         Self {
             robot,
             world,
@@ -68,11 +68,11 @@ impl Script {
     }
 
     /// Continues with the other hand, at `frame`; this hand keeps its commanded position.
-    pub(crate) fn change_hand(&mut self, frame: GraspFrame) {
+    pub(crate) fn change_hand(&mut self, frame: GraspPose) {
         self.others_rad[self.robot.joint_range(self.side)].copy_from_slice(&self.q_rad);
         self.side = match self.side {
-            Side::Left => Side::Right,
-            Side::Right => Side::Left,
+            HandSide::Left => HandSide::Right,
+            HandSide::Right => HandSide::Left,
         };
         self.q_rad = HandVector::from_slice(&self.others_rad[self.robot.joint_range(self.side)]);
         self.frame = frame;

@@ -1,13 +1,16 @@
-//! Counts and times of the production tick, for `atas bench latency` and the benches.
+//! Counts and times of the production tick, for `atas bench latency` and the benchmarks.
 //!
 //! ```text
-//! atas-bench figures TICKS REPEATS   times and allocations, recording and not, in turn; prints JSON
-//! atas-bench run TICKS               the ticks, for whoever looks from outside; prints JSON of what is seen inside
+//! atas-bench figures TICKS REPEATS   times and allocations with and without recording; prints JSON
+//! atas-bench run TICKS               ticks for an external tracer; prints JSON of internal counts
 //! ```
 //!
-//! `run` asks for its parent's process id once when the steady part begins and once when it ends: what a tracer sees
-//! in between belongs to the ticks.
-#![expect(clippy::print_stdout, reason = "figures are its product")]
+//! `run` calls `getppid` once before and once after the steady ticks. System calls between the two
+//! marks belong to the ticks.
+#![expect(
+    clippy::print_stdout,
+    reason = "figures are the product of this program"
+)]
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -21,13 +24,13 @@ use shm_schemas::capacity::STAGES;
 use system_tests::figures::{median, microseconds};
 use system_tests::loopback::Loopback;
 
-/// Ticks before anything is counted: connections are made, the goal begins.
+/// Ticks before measurement: connections and the goal start.
 const WARM_UP: u64 = 500;
-/// Ticks after which recording and not recording take turns: long enough for the caches to be their own.
+/// Ticks per block; recording and non-recording blocks alternate. Long enough for each to fill the
+/// caches.
 const BLOCK: u64 = 250;
-const USAGE: &str =
-    "could not understand the arguments; needs `figures TICKS REPEATS` or `run TICKS`";
-/// Place of the recording, which comes after the body.
+const USAGE: &str = "could not parse the arguments: needs `figures TICKS REPEATS` or `run TICKS`";
+/// Index of the recording stage, which runs after the body.
 const RECORDING: usize = STAGES - 1;
 
 fn main() -> ExitCode {
@@ -52,7 +55,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What the ticks of one loopback cost.
+/// Measured costs of the ticks of one loopback.
 #[derive(Default)]
 struct Costs {
     body_ns: Vec<u64>,
@@ -63,7 +66,7 @@ struct Costs {
 }
 
 impl Costs {
-    /// Runs ticks and notes what they cost.
+    /// Runs ticks and adds their costs.
     fn add(&mut self, loopback: &mut Loopback, ticks: u64) {
         for _ in 0..ticks {
             loopback.sense();
@@ -83,7 +86,7 @@ impl Costs {
         microseconds(self.body_ns.clone())
     }
 
-    /// The body and the recording after it, of each tick.
+    /// Returns the duration of body and recording of each tick.
     fn tick_us(&self) -> [f64; 4] {
         let recording_ns = &self.stages_ns[RECORDING];
         let both = self.body_ns.iter().zip(recording_ns).map(|(a, b)| a + b);
@@ -144,7 +147,7 @@ fn stages(costs: &[Costs]) -> Value {
     )
 }
 
-/// Medians over the repeats.
+/// Returns the medians over the repeats.
 fn medians(repeats: impl Iterator<Item = [f64; 4]>) -> Value {
     let repeats: Vec<[f64; 4]> = repeats.collect();
     let of = |at: usize| median(repeats.iter().map(|figures| figures[at]).collect());
@@ -155,7 +158,7 @@ fn run(ticks: u64) -> Value {
     let mut loopback = Loopback::new(false);
     let mut costs = Costs::default();
     costs.add(&mut loopback, WARM_UP.min(ticks / 2));
-    // As the daemon does; where it is refused, `page_faults` tells.
+    // As in the daemon. If locking fails, `page_faults` reveals it.
     let locked = rustix::mm::mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).is_ok();
     let (mut allocations, mut most) = (0, 0);
     let faults = page_faults();
@@ -177,8 +180,8 @@ fn run(ticks: u64) -> Value {
     })
 }
 
-/// Page faults of this thread so far.
+/// Returns the page faults of this thread so far.
 fn page_faults() -> u64 {
-    let thread = Stat::read(Path::new("/proc/thread-self"));
+    let thread = Stat::read(Path::new("this thread exists"));
     thread.expect("this thread lives").page_faults
 }

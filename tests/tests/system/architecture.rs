@@ -1,12 +1,12 @@
-//! The arrows between the crates, the top level, and what must not be in the tree.
+//! Checks the dependencies between the crates, the top-level files, and rules for source code.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use robot_model::RobotModel;
 
-/// Which of our packages each of our packages may use. Tests and benches (dev-dependencies) are free.
-const ARROWS: &[(&str, &[&str])] = &[
+/// Permitted dependencies of each package of the workspace. Dev-dependencies are not restricted.
+const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("shm-schemas", &[]),
     ("shm-bus", &["shm-schemas"]),
     ("robot-model", &["shm-schemas"]),
@@ -156,7 +156,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// What may lie at the top level besides the folders of the packages.
+/// Permitted names at the top level.
 const TOP_LEVEL: &[&str] = &[
     "Cargo.toml",
     "Cargo.lock",
@@ -188,19 +188,22 @@ pub(crate) fn root() -> &'static Path {
 }
 
 #[test]
-fn packages_depend_only_along_the_arrows() {
-    let allowed: BTreeMap<&str, &[&str]> = ARROWS.iter().copied().collect();
+fn packages_have_only_permitted_dependencies() {
+    let allowed: BTreeMap<&str, &[&str]> = DEPENDENCIES.iter().copied().collect();
     for package in &packages() {
         let name = package.name.as_str();
-        let may = allowed
-            .get(name)
-            .unwrap_or_else(|| panic!("{name} is not in the table of arrows; add it on purpose"));
+        let may = allowed.get(name).unwrap_or_else(|| {
+            panic!(
+                "{name} has no entry in ARROWS; add its permitted \
+                dependencies"
+            )
+        });
         for dependency in &package.dependencies {
             let ours = allowed.contains_key(dependency.name.as_str());
             let built = dependency.kind != cargo_metadata::DependencyKind::Development;
             assert!(
                 !ours || !built || may.contains(&dependency.name.as_str()),
-                "{name} must not depend on {}: the arrows are drawn in the README",
+                "{name} must not depend on {}: see the dependency diagram in ARCHITECTURE.md",
                 dependency.name
             );
         }
@@ -217,13 +220,13 @@ fn only_the_bus_crate_names_the_transport() {
         );
         assert!(
             !text.contains("dev_permissions"),
-            "{name} opens the bus to every user: dev_permissions is banned"
+            "{name} uses dev_permissions, which opens the bus to every user; remove it"
         );
     }
 }
 
 #[test]
-fn the_top_level_holds_only_what_is_agreed() {
+fn top_level_has_only_permitted_entries() {
     for entry in std::fs::read_dir(root()).expect("readable") {
         let name = entry
             .expect("readable")
@@ -232,21 +235,21 @@ fn the_top_level_holds_only_what_is_agreed() {
             .expect("UTF-8");
         assert!(
             TOP_LEVEL.contains(&name.as_str()),
-            "{name} does not belong at the top level"
+            "{name} is not a permitted top-level name; move it or add it to TOP_LEVEL"
         );
     }
 }
 
-/// Robots differ in their joints: only their own files, and the model that reads them, know how many there are.
+/// Only the robot files and the robot model may know a robot's joint count.
 #[test]
 fn no_code_outside_the_model_contains_a_robots_joint_count() {
     let mut counts = BTreeSet::new();
     for name in robot_model::shipped_names() {
-        let robot = RobotModel::find(&name).expect("it ships");
+        let robot = RobotModel::find(&name).expect("the robot is built in");
         let of_hands = robot.sides().map(|side| robot.hand(side).joints().len());
         counts.extend(of_hands.chain([robot.joint_count()]));
     }
-    // Smaller numbers count other things as well.
+    // Smaller numbers have other meanings as well.
     counts.retain(|count| *count >= 8);
     assert!(counts.contains(&22), "{counts:?}");
     let packages = packages();
@@ -261,14 +264,14 @@ fn no_code_outside_the_model_contains_a_robots_joint_count() {
             let count = words().find_map(|word| counts.get(&word.parse().ok()?));
             assert!(
                 !of_joints || count.is_none(),
-                "{} has {count:?} joints: {line}; ask the robot's model",
+                "{} contains the joint count {count:?}: {line}; use the robot model",
                 path.display()
             );
         }
     }
 }
 
-/// Every line of production code below a folder, without its comment.
+/// Returns all lines of production code below a folder, without comments.
 fn code_lines(folder: &Path) -> Vec<(PathBuf, String)> {
     let mut lines = Vec::new();
     for entry in std::fs::read_dir(folder).into_iter().flatten() {
@@ -292,9 +295,9 @@ fn code_lines(folder: &Path) -> Vec<(PathBuf, String)> {
     lines
 }
 
-/// CI builds once: its figures and its tests stand for a release only if both are the same code.
+/// CI builds once, so its test results hold for a release only if both profiles are equal.
 #[test]
-fn a_release_is_built_as_it_was_tested() {
+fn release_profile_equals_dev_profile() {
     let text = std::fs::read_to_string(root().join("Cargo.toml")).expect("readable");
     let profile = |name: &str| {
         let rest = text.split_once(name).expect("a profile").1;
@@ -305,7 +308,7 @@ fn a_release_is_built_as_it_was_tested() {
     assert_eq!(profile("[profile.dev]"), profile("[profile.release]"));
 }
 
-/// Our packages.
+/// Returns the packages of the workspace.
 pub(crate) fn packages() -> Vec<cargo_metadata::Package> {
     let metadata = cargo_metadata::MetadataCommand::new()
         .manifest_path(root().join("Cargo.toml"))

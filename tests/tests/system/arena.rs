@@ -1,5 +1,5 @@
-//! The swarm's arena on the page, in a real browser: what it shows is what the bus says, when a field comes, waits, runs, ends
-//! and comes again.
+//! Tests of the swarm's arena on the dashboard, in a real browser: the page shows the values of the
+//! bus while a field appears, waits, runs, ends and restarts.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,17 +11,17 @@ use serde_json::Value;
 use shm_bus::{Bus, BusName, FreshBus, Realtime};
 use shm_schemas::{ArenaTruth, service};
 use system_tests::browser::Browser;
-use system_tests::{Process, alone, wait_for};
+use system_tests::{Process, lock_exclusive, wait_for};
 
-use crate::dashboard::{accessible, address, keep, serve, tools};
+use crate::dashboard::{address, assert_accessible, browser_and_axe, save_screenshot, serve};
 
-/// Frames that are held against the bus.
-const FRAMES: usize = 8;
+/// Frames compared with the bus.
+const FRAMES_COMPARED: usize = 8;
 
-/// Frames by trial and frame.
+/// Frames by trial and frame number.
 type Taken = BTreeMap<(u64, u64), Box<ArenaTruth>>;
 
-/// Every frame of the bus, by trial and frame, taken by a thread of its own.
+/// All frames of the bus, collected by a thread.
 struct Frames {
     taken: Arc<Mutex<Taken>>,
     ended: Arc<AtomicBool>,
@@ -52,8 +52,8 @@ impl Frames {
         }
     }
 
-    /// The frame that the page shows; `None` if this thread, unlike the page's server, came too late for it.
-    fn of(&self, trial: u64, frame: u64) -> Option<Box<ArenaTruth>> {
+    /// Returns the frame that the page shows; `None` if this thread missed it.
+    fn frame(&self, trial: u64, frame: u64) -> Option<Box<ArenaTruth>> {
         wait_for("the frame that the page shows, or a later one", || {
             let taken = self.taken.lock().expect("whole");
             let (newest, _) = taken.last_key_value()?;
@@ -65,7 +65,7 @@ impl Frames {
 impl Drop for Frames {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Relaxed);
-        // A thread that panicked has said so.
+        // A panic of the thread is already printed.
         let _ended = self.thread.take().map(JoinHandle::join);
     }
 }
@@ -83,32 +83,32 @@ fn agents(bus: &FreshBus) -> Process {
     Process::start("ebts", &words)
 }
 
-/// Everything that one frame of the page says, as text.
-const SHOWN: &str = "({ \
+/// Expression for all texts of one frame on the page.
+const SHOWN_TEXTS: &str = "({ \
     of: ['trial', 'frame', 'goal', 'phase', 'distance', 'e1'].map(what => document.getElementById(`arena-${what}`).textContent), \
     robots: [...document.getElementById('arena-robots').rows].map(row => [...row.cells].map(cell => cell.textContent)) })";
 
-/// Holds one frame of the page against the bus; which one it was.
+/// Compares one frame of the page with the bus; returns trial and frame.
 fn compare(browser: &mut Browser, frames: &Frames) -> Option<(u64, u64)> {
-    let shown = browser.value(SHOWN);
+    let shown = browser.value(SHOWN_TEXTS);
     let text = |what: usize| shown["of"][what].as_str().unwrap_or_default().to_owned();
     let count = |what: usize| text(what).split(' ').next()?.parse::<u64>().ok();
     let (trial, frame) = (count(0)? - 1, count(1)?);
-    let arena = frames.of(trial, frame)?;
+    let arena = frames.frame(trial, frame)?;
     let phase = match frame {
         0..180 => "execution",
         180..270 => "evaluation",
         _ => "over",
     };
     assert_eq!((count(2), &*text(3)), (Some(arena.goal.into()), phase));
-    let near = |told: &str, value: f32| {
-        let told = told
+    let near = |printed: &str, value: f32| {
+        let printed = printed
             .trim_end_matches(" px")
             .parse::<f32>()
             .expect("a number");
         assert!(
-            (told - value).abs() <= 0.0501,
-            "frame {frame}: {told} is {value} in {shown}"
+            (printed - value).abs() <= 0.0501,
+            "frame {frame}: page shows {printed}, bus has {value}, in {shown}"
         );
     };
     near(&text(4), arena.fields[0].distance_px);
@@ -138,70 +138,70 @@ fn compare(browser: &mut Browser, frames: &Frames) -> Option<(u64, u64)> {
 }
 
 #[test]
-fn the_page_shows_the_swarms_arena_as_the_bus_says_it() {
-    let Some((program, axe)) = tools() else {
+fn page_shows_arena_of_the_bus() {
+    let Some((program, axe)) = browser_and_axe() else {
         return;
     };
-    let _alone = alone();
+    let _alone = lock_exclusive();
     let bus = FreshBus::new("arena");
     let frames = Frames::new(&bus);
     let server = serve(&["--bus", bus.as_str()]);
     let mut browser = Browser::open(&program, &address(&server).0);
-    browser.wait_part("mode", "no daemon");
+    browser.wait_contains("mode", "no daemon");
     let hidden = browser.value("document.getElementById('arena').hidden");
-    assert_eq!(hidden, Value::Bool(true), "nothing where there is no swarm");
+    assert_eq!(
+        hidden,
+        Value::Bool(true),
+        "the arena is hidden without a swarm"
+    );
 
     let mut host = field(&bus, "--frame-rate-hz 60 --goal 3 --trials 2");
-    browser.wait_part("mode", "swarm");
-    browser.wait_part("goal", "waits for `ebts agents`");
+    browser.wait_contains("mode", "swarm");
+    browser.wait_contains("goal", "waits for `ebts agents`");
     assert!(
         compare(&mut browser, &frames).is_some(),
-        "who waits is shown"
+        "a waiting field is shown"
     );
 
     let driving = agents(&bus);
     let mut compared = std::collections::BTreeSet::new();
     wait_for("frames on the page", || {
         compared.insert(compare(&mut browser, &frames)?);
-        (compared.len() >= FRAMES).then_some(())
+        (compared.len() >= FRAMES_COMPARED).then_some(())
     });
-    looks(&mut browser, &axe);
+    check_themes(&mut browser, &axe);
     assert!(host.wait().success(), "{}", host.log());
-    browser.wait_part("goal", "was closed after goal 3, trial 2 of 2");
+    browser.wait_contains("goal", "was closed after goal 3, trial 2 of 2");
     let trials =
         "[...document.getElementById('arena-trials').rows].map(row => row.cells[0].textContent)";
     assert_eq!(browser.value(trials), serde_json::json!(["3", "3"]));
     assert_eq!(
         compare(&mut browser, &frames),
         Some((1, 270)),
-        "how it ended stays"
+        "the last frame remains"
     );
 
-    // Another field on the same bus, of other numbers: the page follows, without what was before.
+    // A second field on the same bus, with other parameters, replaces the first on the page.
     drop((driving, host));
     let _next = field(&bus, "--frame-rate-hz 60 --preset LB3 --agents 3 --goal 1");
-    browser.wait_part("arena-preset", "field LB3");
+    browser.wait_contains("arena-preset", "field LB3");
     assert_eq!(browser.value(trials), serde_json::json!([]));
-    assert_eq!(browser.troubles(), &[] as &[String]);
+    assert_eq!(browser.page_errors(), &[] as &[String]);
 }
 
-/// Light and dark differ, the field is drawn, its path grows, and neither has a serious finding of axe-core.
-fn looks(browser: &mut Browser, axe: &str) {
+/// Checks both themes: they differ, the field is drawn, and axe-core has no serious finding.
+fn check_themes(browser: &mut Browser, axe: &str) {
     let mut drawn = Vec::new();
     for theme in ["light", "dark"] {
         browser.theme(theme);
         browser.value("new Promise(done => setTimeout(done, 400))");
-        keep(&format!("arena-{theme}"), &browser.picture());
+        save_screenshot(&format!("arena-{theme}"), &browser.screenshot());
         drawn.push(browser.value("document.getElementById('arena-fields').toDataURL()"));
-        accessible(browser, axe, theme);
+        assert_accessible(browser, axe, theme);
     }
     assert_ne!(drawn[0], drawn[1]);
     let outside = browser.value(
         "[...document.querySelectorAll('main > section')].filter(s => s.id !== 'arena' && s.offsetParent !== null).length",
     );
-    assert_eq!(
-        outside,
-        Value::from(0),
-        "no place for a robot that is not there"
-    );
+    assert_eq!(outside, Value::from(0), "no robot panels without a robot");
 }

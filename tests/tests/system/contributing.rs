@@ -1,4 +1,4 @@
-//! What the contributor's guide says of the tree.
+//! Consistency of CONTRIBUTING.md and the module guide with the source tree.
 
 use std::path::{Path, PathBuf};
 
@@ -10,15 +10,16 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
-/// The attributes of the first type of a text.
+/// Returns the attributes of the first type in a text.
 fn attributes(text: &str) -> Vec<&str> {
     let before = text.lines().take_while(|line| !line.contains("struct "));
     before.filter(|line| line.starts_with("#[")).collect()
 }
 
-/// The list keeps every module's memory among its own, and asks the same of each: an example that lacks it does not compile there.
+/// Module states are fields of the list's type, so they need its derives: an example without them
+/// would not compile there.
 #[test]
-fn the_example_modules_have_what_the_list_asks_of_one() {
+fn example_modules_have_required_attributes() {
     let listed = read("daemon/atas/src/modules/list.rs");
     let (_, asked) = listed
         .split_once("State of all modules of one hand.\n")
@@ -32,9 +33,9 @@ fn the_example_modules_have_what_the_list_asks_of_one() {
     }
 }
 
-/// A path that a page names as part of the tree is there. `NAME` is whoever adds to it.
+/// Paths in the guide exist. `NAME` is a placeholder.
 #[test]
-fn every_file_that_contributors_are_sent_to_is_there() {
+fn files_named_in_guide_exist() {
     let text = read("CONTRIBUTING.md");
     let folders = [
         "daemon/",
@@ -53,9 +54,10 @@ fn every_file_that_contributors_are_sent_to_is_there() {
     assert!(seen > 20, "{seen}");
 }
 
-/// What a new code must be told to, by what the schemas' own tests demand.
+/// The guide names the generated files that the schemas' tests compare, and the places of a new
+/// goal.
 #[test]
-fn contributors_are_told_which_files_are_made_from_the_schemas() {
+fn guide_names_generated_files_and_goal_places() {
     let text = read("CONTRIBUTING.md");
     let (_, of_module) = text.split_once("\n## A module\n").expect("a section");
     let (of_module, rest) = of_module.split_once("\n## A task\n").expect("a section");

@@ -1,7 +1,8 @@
-//! The page, in a real browser, with a running robot: what it shows is what the bus says, also after the daemon's restart.
+//! Tests of the dashboard in a real browser with a running robot: the page shows the values of the
+//! bus, also after a restart of the daemon.
 //!
-//! In lock-step time goes on for the first ticks and then only while there is a goal: what is waited for while there is
-//! none has stopped changing, so that it can be compared at leisure.
+//! In lock-step, time advances for the first ticks and then only while a goal is active. Without a
+//! goal the values are constant and can be compared.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,14 +16,14 @@ use serde_json::Value;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{TickReport, service};
 use system_tests::browser::{Browser, installed, request};
-use system_tests::{Process, alone, binary, lacking, wait_for};
+use system_tests::{Process, binary, lock_exclusive, skip_or_fail, wait_for};
 
 use crate::recorded;
 
-/// Pictures that are held against the bus on the way to a grip.
+/// Minimum number of pictures compared with the bus.
 const PICTURES: usize = 10;
 
-/// A robot, its daemon, a server of the page.
+/// A robot, its daemon and a dashboard server.
 struct Rig {
     server: Process,
     daemon: Option<Process>,
@@ -57,7 +58,7 @@ impl Rig {
         assert_eq!(daemon.wait().code(), Some(0));
     }
 
-    /// A goal that lasts: the robot's time goes on.
+    /// Starts a long grasp, so that time advances.
     fn grasp(&self) -> Process {
         let goal = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 3600 --bus";
         let goal: Vec<&str> = goal.split(' ').chain([self.bus.as_str()]).collect();
@@ -70,43 +71,49 @@ pub(crate) fn serve(arguments: &[&str]) -> Process {
     Process::start("atas-live", &words)
 }
 
-/// The browser and axe-core, the judge of pages; `None`, with a word about it, where one is missing.
-pub(crate) fn tools() -> Option<(PathBuf, String)> {
+/// Returns the browser and the axe-core script; `None`, with a message, if one is missing.
+pub(crate) fn browser_and_axe() -> Option<(PathBuf, String)> {
     let Some(program) = installed() else {
-        lacking("no Chromium is installed: apt-get install chromium");
+        skip_or_fail("Chromium is not installed; run `apt-get install chromium`");
         return None;
     };
     let axe = target().join("axe/package/axe.min.js");
     let Ok(script) = std::fs::read_to_string(&axe) else {
         let folder = target().join("axe");
         let (axe, folder) = (axe.display(), folder.display());
-        lacking(&format!(
-            "{axe} is not there: in {folder}, npm pack axe-core@4.10.3 && tar -xzf axe-core-4.10.3.tgz"
+        skip_or_fail(&format!(
+            "{axe} is missing; run `npm pack axe-core@4.10.3 && tar -xzf axe-core-4.10.3.tgz` in \
+             {folder}"
         ));
         return None;
     };
     Some((program, script))
 }
 
-/// The folder of the build.
+/// Returns the target folder.
 fn target() -> PathBuf {
     let program = binary("atas-live");
     let folder = program.ancestors().nth(2).unwrap_or(Path::new("."));
     folder.to_owned()
 }
 
-/// What the server says at first: its address with the token, its port, the token.
+/// Returns the server's address with token, its port, and the token.
 pub(crate) fn address(server: &Process) -> (String, u16, String) {
-    wait_for("the server to say its address", || {
+    wait_for("the server to report its address", || {
         let log = server.log();
-        let said: Value =
+        let message: Value =
             serde_json::from_str(log.lines().find(|line| line.contains("url"))?).ok()?;
-        let text = |key: &str| said[key].as_str().map(str::to_owned);
-        Some((text("url")?, said["port"].as_u64()? as u16, text("token")?))
+        let text = |key: &str| message[key].as_str().map(str::to_owned);
+        Some((
+            text("url")?,
+            message["port"].as_u64()? as u16,
+            text("token")?,
+        ))
     })
 }
 
-/// Reports of the bus, by tick, taken by a thread of its own: in lock-step they come faster than a page is asked.
+/// Tick reports by tick, collected by a thread: in lock-step they arrive faster than the page can
+/// be read.
 struct Reports {
     by_tick: Arc<Mutex<BTreeMap<u64, TickReport>>>,
     ended: Arc<AtomicBool>,
@@ -140,8 +147,8 @@ impl Reports {
         }
     }
 
-    /// The report of a tick that the page shows; `None` if this thread, unlike the page's server, came too late for it.
-    fn of(&self, tick: u64) -> Option<TickReport> {
+    /// Returns the report of a tick that the page shows; `None` if this thread missed it.
+    fn report(&self, tick: u64) -> Option<TickReport> {
         let what = format!("the report of tick {tick}, which the page shows, or a later one");
         wait_for(&what, || {
             let by_tick = self.by_tick.lock().expect("whole");
@@ -150,8 +157,8 @@ impl Reports {
         })
     }
 
-    /// Forgets a daemon that has ended: its successor counts from the beginning.
-    fn forget(&self) {
+    /// Clears the reports: the next daemon starts at tick 0.
+    fn clear(&self) {
         self.by_tick.lock().expect("whole").clear();
     }
 }
@@ -159,12 +166,13 @@ impl Reports {
 impl Drop for Reports {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Relaxed);
-        // A thread that panicked has said so.
+        // A panic of the thread is already printed.
         let _ended = self.thread.take().map(JoinHandle::join);
     }
 }
 
-/// Holds one moment of the page against the report of its tick; what it shows of the right hand's first finger.
+/// Compares the page with the report of its tick; returns the normal force of the right hand's
+/// first fingertip.
 fn compare(browser: &mut Browser, reports: &Reports) -> Option<f64> {
     let shown = browser.value(
         "Object.fromEntries(['tick', ...['left', 'right'].flatMap(h => [1, 2].flatMap(f => ['normal', 'tangential']\
@@ -172,22 +180,28 @@ fn compare(browser: &mut Browser, reports: &Reports) -> Option<f64> {
     );
     let number = |id: &str| shown[id].as_str().and_then(|text| text.parse::<f64>().ok());
     let tick = number("tick").expect("a tick") as u64;
-    let report = reports.of(tick)?;
+    let report = reports.report(tick)?;
     for (hand, side) in ["left", "right"].iter().enumerate() {
-        for (finger, felt) in report.hands[hand].fingers.iter().take(2).enumerate() {
-            for (what, value) in [("normal", felt.normal_n), ("tangential", felt.tangential_n)] {
+        for (finger, measured) in report.hands[hand].fingers.iter().take(2).enumerate() {
+            for (what, value) in [
+                ("normal", measured.normal_n),
+                ("tangential", measured.tangential_n),
+            ] {
                 let id = format!("{side}-{}-{what}", finger + 1);
-                let told = number(&id).unwrap_or_else(|| panic!("{id}: {shown}"));
-                // Two digits, made of four.
-                let error = (told - f64::from(value)).abs();
-                assert!(error <= 0.00506, "tick {tick}, {id}: {told} is {value}");
+                let output = number(&id).unwrap_or_else(|| panic!("{id}: {shown}"));
+                // Page: two decimals, rounded from a value with four.
+                let error = (output - f64::from(value)).abs();
+                assert!(
+                    error <= 0.00506,
+                    "tick {tick}, {id}: page shows {output}, report has {value}"
+                );
             }
         }
     }
     number("right-1-normal")
 }
 
-/// Compares pictures, at least so many, until the first right finger shows a grip.
+/// Compares at least `PICTURES` pictures, until the right hand's first fingertip shows a grip.
 fn compare_until_gripped(browser: &mut Browser, reports: &Reports) {
     let mut compared = 0;
     wait_for("pictures of a grip on the page", || {
@@ -197,7 +211,7 @@ fn compare_until_gripped(browser: &mut Browser, reports: &Reports) {
     });
 }
 
-/// The tick that the page shows, as soon as it is accepted.
+/// Waits until the displayed tick is accepted; returns it.
 fn wait_tick(browser: &mut Browser, what: &str, accept: impl Fn(u64) -> bool) -> u64 {
     browser.wait_text(what, "tick", |text| {
         text.parse().ok().filter(|tick| accept(*tick))
@@ -205,54 +219,55 @@ fn wait_tick(browser: &mut Browser, what: &str, accept: impl Fn(u64) -> bool) ->
 }
 
 #[test]
-fn the_page_shows_what_the_bus_says_and_survives_the_daemons_restart() {
-    let Some((program, axe)) = tools() else {
+fn page_shows_bus_values_after_daemon_restart() {
+    let Some((program, axe)) = browser_and_axe() else {
         return;
     };
-    let _alone = alone();
+    let _alone = lock_exclusive();
     let mut rig = Rig::new();
     let reports = Reports::new(&rig.bus);
     let (url, _, _) = address(&rig.server);
-    let mut browser = begin_without_token(&program, &url);
+    let mut browser = open_without_token(&program, &url);
     let goal = rig.grasp();
     wait_tick(&mut browser, "a picture", |_| true);
     compare_until_gripped(&mut browser, &reports);
     for part in ["step lift", "module 1, first touch on", "F_1"] {
-        browser.wait_part("events", part);
+        browser.wait_contains("events", part);
     }
     stop_and_recover(&mut browser);
     drop(goal);
-    load_anew(&mut browser);
+    reload(&mut browser);
     restart(&mut rig, &mut browser, &reports);
-    looks(&mut browser, &axe);
+    check_themes(&mut browser, &axe);
     let foreign = browser.value(
         "performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith(location.origin))",
     );
     let nobody = Value::Array(vec![]);
-    assert_eq!(foreign, nobody, "the page asked somebody else");
-    assert_eq!(browser.troubles(), &[] as &[String]);
+    assert_eq!(foreign, nobody, "the page requested a foreign origin");
+    assert_eq!(browser.page_errors(), &[] as &[String]);
 }
 
-/// Whoever has no token sees everything and can stop nothing; the whole address, typed later, gives it.
-fn begin_without_token(program: &Path, url: &str) -> Browser {
+/// Without a token, the page shows everything and its buttons are disabled. The full address
+/// enables them.
+fn open_without_token(program: &Path, url: &str) -> Browser {
     let (bare, _) = url.split_once('#').expect("a token behind #");
     let mut browser = Browser::open(program, bare);
-    browser.wait_part("mode", "ready");
+    browser.wait_contains("mode", "ready");
     let is_off = "['stop', 'recover'].every(id => document.getElementById(id).disabled)";
     assert_eq!(browser.value(is_off), Value::Bool(true), "without a token");
-    browser.go(url);
-    browser.wait_true("a stop for who has the token", "!stop.disabled");
+    browser.navigate(url);
+    browser.wait_true("an enabled stop button", "!stop.disabled");
     let left = browser.value("location.href");
-    assert_eq!(left, bare, "the token stays in no address");
+    assert_eq!(left, bare, "the token is removed from the address");
     browser
 }
 
-/// By keyboard: the stop reaches the robot, the fault can be opened, and recovering ends it.
+/// Tests the keyboard: the stop button, opening a fault, and the recover button.
 fn stop_and_recover(browser: &mut Browser) {
     browser.tab_to("#stop");
     browser.press("Enter");
-    browser.wait_part("mode", "safe-stop");
-    browser.wait_part("faults", "atas estop");
+    browser.wait_contains("mode", "safe-stop");
+    browser.wait_contains("faults", "atas estop");
     browser.tab_to("#faults button");
     browser.press("Enter");
     browser.wait_true("the ticks before the fault", "!flight.hidden");
@@ -262,21 +277,22 @@ fn stop_and_recover(browser: &mut Browser) {
     assert_eq!(browser.text("answer"), "");
 }
 
-/// A page that is loaded anew shows where time stands, and the tab still has the token.
-fn load_anew(browser: &mut Browser) {
+/// Checks that a reloaded page shows the current values and keeps its token.
+fn reload(browser: &mut Browser) {
     browser.value("window.isOld = true");
-    browser.ask("Page.reload", serde_json::json!({}));
-    browser.wait_true("the page anew", "window.isOld === undefined");
-    wait_tick(browser, "a picture after loading anew", |_| true);
-    browser.wait_true("a stop after loading anew", "!stop.disabled");
+    browser.request("Page.reload", serde_json::json!({}));
+    browser.wait_true("the reloaded page", "window.isOld === undefined");
+    wait_tick(browser, "a picture after the reload", |_| true);
+    browser.wait_true("an enabled stop button after the reload", "!stop.disabled");
 }
 
-/// What a dead daemon showed last stays until its successor's pictures come; that one finds the hand gripping and goes on.
+/// Restarts the daemon. The page keeps the last values until the new daemon, which takes over the
+/// grip, reports.
 fn restart(rig: &mut Rig, browser: &mut Browser, reports: &Reports) {
     rig.end_daemon();
-    browser.wait_part("mode", "no daemon");
+    browser.wait_contains("mode", "no daemon");
     let last = wait_tick(browser, "the last tick", |_| true);
-    reports.forget();
+    reports.clear();
     rig.start_daemon();
     wait_mode(browser, "the new daemon");
     wait_tick(browser, "the new daemon's ticks", |tick| tick != last);
@@ -288,33 +304,33 @@ fn restart(rig: &mut Rig, browser: &mut Browser, reports: &Reports) {
     });
 }
 
-/// Waits until the page shows a robot that can work.
+/// Waits until the page shows the mode ready or run.
 fn wait_mode(browser: &mut Browser, what: &str) {
     browser.wait_text(what, "mode", |text| {
         ["ready", "run"].contains(&text).then_some(())
     });
 }
 
-/// Light and dark differ, everything is drawn, and neither has a serious finding of axe-core.
-fn looks(browser: &mut Browser, axe: &str) {
+/// Checks both themes: they differ, everything is drawn, and axe-core has no serious finding.
+fn check_themes(browser: &mut Browser, axe: &str) {
     let mut grounds = Vec::new();
     for theme in ["light", "dark"] {
         browser.theme(theme);
         browser.value("new Promise(done => setTimeout(done, 300))");
         grounds.push(browser.value("getComputedStyle(document.body).backgroundColor"));
-        keep(theme, &browser.picture());
+        save_screenshot(theme, &browser.screenshot());
         let blank = browser.value(
             "['#robot', '#histogram', '#skin canvas', '#traces canvas'].filter(name => { const c = document.querySelector(name); \
              return !c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some(v => v > 0); })",
         );
-        assert_eq!(blank, Value::Array(vec![]), "{theme}: nothing is drawn");
-        accessible(browser, axe, theme);
+        assert_eq!(blank, Value::Array(vec![]), "{theme}: empty canvas");
+        assert_accessible(browser, axe, theme);
     }
     assert_ne!(grounds[0], grounds[1]);
 }
 
-/// axe-core without a serious finding.
-pub(crate) fn accessible(browser: &mut Browser, axe: &str, theme: &str) {
+/// Asserts that axe-core has no serious finding.
+pub(crate) fn assert_accessible(browser: &mut Browser, axe: &str, theme: &str) {
     browser.value(&format!("{axe}; 0"));
     let found = browser.value(
         "axe.run().then(r => r.violations.filter(v => ['serious', 'critical'].includes(v.impact))\
@@ -323,8 +339,8 @@ pub(crate) fn accessible(browser: &mut Browser, axe: &str, theme: &str) {
     assert_eq!(found, Value::Array(vec![]), "{theme}");
 }
 
-/// Keeps a picture of the page for people, where somebody asked for one.
-pub(crate) fn keep(name: &str, base64: &str) {
+/// Saves a screenshot if `ATAS_PICTURES` names a folder.
+pub(crate) fn save_screenshot(name: &str, base64: &str) {
     if let Some(folder) = std::env::var_os("ATAS_PICTURES") {
         let file = PathBuf::from(folder).join(format!("{name}.png.base64"));
         std::fs::write(file, base64).expect("written");
@@ -332,15 +348,16 @@ pub(crate) fn keep(name: &str, base64: &str) {
 }
 
 #[test]
-fn a_recording_is_scrubbed_by_keyboard() {
-    let Some((program, axe)) = tools() else {
+fn recording_is_scrubbed_by_keyboard() {
+    let Some((program, axe)) = browser_and_axe() else {
         return;
     };
-    let _alone = alone();
+    let _alone = lock_exclusive();
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     let name = file.to_str().expect("UTF-8");
-    // A picture needs no complete recording: what a starved recorder has lost is told, and left out.
+    // Playback works with an incomplete recording: frames lost by a slow recorder are reported and
+    // skipped.
     assert_eq!(recorded::record("wood", name).goal, Some(0));
     let server = serve(&["--recording", name]);
     let mut browser = Browser::open(&program, &address(&server).0);
@@ -355,15 +372,15 @@ fn a_recording_is_scrubbed_by_keyboard() {
     browser.wait_text("a grip at the end", "right-1-normal", |text| {
         text.parse().ok().filter(|normal_n: &f64| *normal_n > 0.5)
     });
-    browser.wait_part("events", "goal");
+    browser.wait_contains("events", "goal");
     let hidden = browser.value("document.getElementById('controls').hidden");
     assert_eq!(hidden, Value::Bool(true), "a recording cannot be stopped");
-    accessible(&mut browser, &axe, "a recording");
-    assert_eq!(browser.troubles(), &[] as &[String]);
+    assert_accessible(&mut browser, &axe, "a recording");
+    assert_eq!(browser.page_errors(), &[] as &[String]);
 }
 
 #[test]
-fn other_sites_and_whoever_has_no_token_change_nothing() {
+fn foreign_origin_or_missing_token_is_rejected() {
     let bus = FreshBus::new("guard");
     let server = serve(&["--bus", bus.as_str(), "--robot", "two-hand-arm"]);
     let (_, port, token) = address(&server);
@@ -404,7 +421,7 @@ fn other_sites_and_whoever_has_no_token_change_nothing() {
             ],
             403,
         );
-        // Trusted, and told that there is no daemon to stop.
+        // Authorised; fails because no daemon runs.
         check(
             "POST",
             path,
@@ -415,8 +432,5 @@ fn other_sites_and_whoever_has_no_token_change_nothing() {
     let policy = request(port, "GET", "/scene.json", &[])
         .expect("an answer")
         .1;
-    assert!(
-        policy.contains("left_finger1_tip"),
-        "the robot that is drawn"
-    );
+    assert!(policy.contains("left_finger1_tip"), "the robot of --robot");
 }

@@ -1,33 +1,34 @@
-//! The same seed gives the same commands, bit for bit: twice over the bus, and in process.
+//! Tests determinism: one seed gives bit-identical commands in two runs over the bus and in
+//! process.
 
 use atas_core::Settings;
 use atas_evaluation::offline::{OfflineRun, grasp_goal};
-use robot_model::{RobotModel, Side};
+use robot_model::{HandSide, RobotModel};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{GoalRequest, GoalState, TickReport, service};
 use sim_backend::{Errors, Object, Scene};
 use std::collections::BTreeMap;
-use system_tests::{Process, in_virtual_time, wait_for};
+use system_tests::{Process, lock_shared, wait_for};
 
 const SEED: u64 = 7;
-/// In lock-step the daemon ticks this often before it takes the first goal.
+/// Ticks of the lock-step daemon before it accepts the first goal.
 const WARM_UP_TICKS: u64 = 100;
 
-/// The object stands askew: the hand comes again, as far as the check of its goal has found room for.
-const ASKEW: &str = "yaw=15";
+/// Yaw error of the object. The hand regrasps, within the clearance that the goal check found.
+const YAW_ERROR: &str = "yaw=15";
 
 fn scene() -> Scene {
     let object = Object::built_in("slippery-50").expect("built in");
-    let askew: Errors = ASKEW.parse().expect("errors");
-    Scene::grasp(object, Side::Right).with_errors(&askew, SEED)
+    let misaligned: Errors = YAW_ERROR.parse().expect("errors");
+    Scene::grasp(object, HandSide::Right).with_errors(&misaligned, SEED)
 }
 
 fn goal() -> GoalRequest {
     let hint = scene().grasp_hint(0).expect("an object");
-    grasp_goal(&hint, Side::Right, 0.01, 0.2)
+    grasp_goal(&hint, HandSide::Right, 0.01, 0.2)
 }
 
-/// Checksums of all commands over the bus, by tick, until the goal has ended.
+/// Runs the goal over the bus; returns the command checksums by tick.
 fn over_the_bus() -> BTreeMap<u64, u32> {
     let bus = FreshBus::new("same");
     let name = bus.as_str();
@@ -39,7 +40,7 @@ fn over_the_bus() -> BTreeMap<u64, u32> {
         "--object",
         "slippery-50",
         "--errors",
-        ASKEW,
+        YAW_ERROR,
         "--seed",
         &seed,
         "--lockstep",
@@ -70,15 +71,15 @@ fn over_the_bus() -> BTreeMap<u64, u32> {
     sums
 }
 
-/// The same in process.
+/// Runs the goal in process.
 fn in_process() -> BTreeMap<u64, u32> {
     let robot = RobotModel::two_hand_arm().expect("built in");
     let mut run =
-        OfflineRun::at_rest(&robot, &scene(), SEED, Settings::default()).expect("a world");
+        OfflineRun::without_tick(&robot, &scene(), SEED, Settings::default()).expect("a world");
     let mut sums = BTreeMap::new();
     loop {
         let tick = sums.len() as u64;
-        let order = (tick == WARM_UP_TICKS).then(|| run.order(&goal()).expect("within reach"));
+        let order = (tick == WARM_UP_TICKS).then(|| run.request(&goal()).expect("within reach"));
         let outputs = run.step(order.as_ref());
         sums.insert(outputs.report.tick, outputs.report.command_crc32);
         if outputs.goal_update.is_some_and(|u| u.state.is_final()) {
@@ -87,7 +88,7 @@ fn in_process() -> BTreeMap<u64, u32> {
     }
 }
 
-/// Reports that an observer missed are no difference; a command that differs is.
+/// Compares the checksums of common ticks. Reports that the observer missed are tolerated.
 fn compare(what: &str, a: &BTreeMap<u64, u32>, b: &BTreeMap<u64, u32>) {
     let common = a.keys().filter(|tick| b.contains_key(tick)).count();
     assert!(
@@ -103,8 +104,8 @@ fn compare(what: &str, a: &BTreeMap<u64, u32>, b: &BTreeMap<u64, u32>) {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_commands_over_the_bus_and_in_process() {
-    let _shared = in_virtual_time();
+fn same_seed_gives_same_commands() {
+    let _shared = lock_shared();
     let (first, second, offline) = (over_the_bus(), over_the_bus(), in_process());
     compare("two runs over the bus", &first, &second);
     compare("the bus and in process", &first, &offline);

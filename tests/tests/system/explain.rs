@@ -1,4 +1,4 @@
-//! Why a grasp did not succeed, told and drawn, and its recording as other programs read it.
+//! Tests of `atas explain`, `atas plot` and `atas export` on the recording of a refused grasp.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,7 +8,7 @@ use system_tests::binary;
 
 use crate::recorded;
 
-/// Exit code, and standard output as JSON.
+/// Runs `atas`; returns the exit code and standard output as JSON.
 fn atas(arguments: &[&str]) -> (Option<i32>, Value) {
     let output = Command::new(binary("atas"))
         .args(arguments)
@@ -23,14 +23,14 @@ fn atas(arguments: &[&str]) -> (Option<i32>, Value) {
 }
 
 #[test]
-fn a_refused_grasp_is_explained_with_its_forces_and_limits_and_exported_whole() {
+fn refused_grasp_is_explained_and_exported() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     let name = file.to_str().expect("UTF-8");
     assert_eq!(
         recorded::grasp("heavy-block", name),
         Some(4),
-        "too heavy for the hand"
+        "the object is too heavy for the hand"
     );
     let (code, account) = atas(&["explain", name]);
     assert_eq!(
@@ -58,7 +58,11 @@ fn a_refused_grasp_is_explained_with_its_forces_and_limits_and_exported_whole() 
         assert!(kinds.contains(&kind.into()), "no {kind} in {kinds:?}");
     }
     let evidence = of("moments", "evidence");
-    let tells_slip = |felt: &Value| felt.as_str().is_some_and(|felt| felt.starts_with("S "));
+    let tells_slip = |measured: &Value| {
+        measured
+            .as_str()
+            .is_some_and(|measured| measured.starts_with("S "))
+    };
     assert!(evidence.iter().any(tells_slip), "{evidence:?}");
     for (kind, made) in [
         ("mcap", "run-ros2.mcap"),
@@ -70,17 +74,18 @@ fn a_refused_grasp_is_explained_with_its_forces_and_limits_and_exported_whole() 
         assert!(exported["ticks"].as_u64() > Some(1000), "{exported}");
         assert!(folder.path().join(made).exists(), "{made}");
     }
-    drawn(folder.path(), name, &steps);
+    check_figures(folder.path(), name, &steps);
     assert_eq!(atas(&["explain", "no/such.mcap"]).0, Some(1));
     assert_eq!(
         atas(&["export", name, "--to", "csv"]).0,
         Some(1),
-        "nothing is overwritten"
+        "export must not overwrite a file"
     );
 }
 
-/// The recording's figures: every phase has its name, in every kind of file, alone and over itself.
-fn drawn(folder: &Path, recording: &str, steps: &[Value]) {
+/// Checks the figures: every step has its label, in SVG, PNG and PDF, for one and for two
+/// recordings.
+fn check_figures(folder: &Path, recording: &str, steps: &[Value]) {
     let file = |name: &str| folder.join(name).to_str().expect("UTF-8").to_owned();
     let svg = |name: &str| std::fs::read_to_string(file(name)).expect("a figure");
     let draw = |words: &[&str], out: &str| {
@@ -92,7 +97,11 @@ fn drawn(folder: &Path, recording: &str, steps: &[Value]) {
     draw(&["explain", recording], "why.svg");
     draw(&["plot", recording], "run.svg");
     let other = file("wood.mcap");
-    assert_eq!(recorded::grasp("wood", &other), Some(0), "a usual block");
+    assert_eq!(
+        recorded::grasp("wood", &other),
+        Some(0),
+        "the wood block is grasped"
+    );
     draw(&["plot", recording, &other, "--from", "lift"], "both.svg");
     let both = svg("both.svg");
     for word in ["run", "wood", "lift", "leave", "Grip (N)"] {
@@ -116,7 +125,7 @@ fn drawn(folder: &Path, recording: &str, steps: &[Value]) {
     }
     assert!(
         why.contains("too heavy") && !run.contains("too heavy"),
-        "the account"
+        "only `explain` prints the summary"
     );
     assert!(!run.contains("NaN") && !run.contains("inf"));
     let png = std::fs::read(file("run.png")).expect("a picture");
@@ -126,7 +135,7 @@ fn drawn(folder: &Path, recording: &str, steps: &[Value]) {
     let text = String::from_utf8_lossy(&pdf);
     assert!(
         text.starts_with("%PDF") && text.contains("/FontFile"),
-        "words are text"
+        "the PDF contains text"
     );
     let far = ["plot", recording, "--from", "fly", "--out", &file("no.svg")];
     assert_eq!(atas(&far).0, Some(1), "no such step");

@@ -1,26 +1,28 @@
-//! Faults of the catalogue, injected by the simulator or by ending processes, while the hand holds an object.
+//! Tests of the fault catalogue: faults injected by the simulator, or ended processes, while the
+//! hand holds an object.
 //!
-//! In lock-step every bound is exact: ticks from the first tick at which the fault was visible.
+//! In lock-step every bound is exact: number of ticks from the first tick at which the fault is
+//! visible.
 
-use robot_model::Side;
+use robot_model::HandSide;
 use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
 use shm_schemas::{Cause, GoalState, JointCommand, Mode, Status, TickReport, WorldTruth, service};
 use sim_backend::{Object, Scene};
-use system_tests::{Process, alone, in_virtual_time, wait_for};
+use system_tests::{Process, lock_exclusive, lock_shared, wait_for};
 
-/// Simulated time at which faults begin, s: the object is in the hand then and being lifted.
+/// Simulated time of the fault, s: the object is being lifted.
 const FAULT_AT_S: f64 = 8.0;
 
-struct Stage {
+struct Rig {
     simulator: Process,
     daemon: Process,
     observer: Bus,
     _bus: FreshBus,
 }
 
-impl Stage {
-    fn set(faults: &[&str], lockstep: bool) -> Self {
+impl Rig {
+    fn new(faults: &[&str], lockstep: bool) -> Self {
         let bus = FreshBus::new("fault");
         let mut simulate = vec!["run", "--bus", bus.as_str(), "--object", "wood"];
         let mut control = vec!["--bus", bus.as_str(), "--config", "/dev/null"];
@@ -43,9 +45,9 @@ impl Stage {
     }
 
     fn grasp(&self) -> shm_bus::PendingGoal {
-        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
+        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), HandSide::Right);
         let hint = scene.grasp_hint(0).expect("an object");
-        let goal = atas_evaluation::offline::grasp_goal(&hint, Side::Right, 0.03, 20.0);
+        let goal = atas_evaluation::offline::grasp_goal(&hint, HandSide::Right, 0.03, 20.0);
         let client = self.observer.goal_client().expect("a client");
         wait_for("a daemon that accepts", || {
             let mut pending = client.send(&goal).ok()?;
@@ -61,10 +63,10 @@ impl Stage {
     }
 }
 
-/// Runs a grasp in lock-step with a fault from [`FAULT_AT_S`] on, and returns the ticks from then until the first
-/// HOLD, if there was one within 100 ticks.
+/// Runs a grasp in lock-step with a fault at [`FAULT_AT_S`]. Returns the ticks until the first
+/// HOLD; `None` without a HOLD within 100 ticks.
 fn ticks_to_hold(fault: &str) -> Option<u64> {
-    let stage = Stage::set(&[fault], true);
+    let stage = Rig::new(&[fault], true);
     let mut reports = stage.subscribe::<TickReport>(service::TICK_REPORT);
     let mut pending = stage.grasp();
     let mut onset = None;
@@ -89,7 +91,7 @@ fn ticks_to_hold(fault: &str) -> Option<u64> {
     })
 }
 
-/// Waits until the object is in the air, by the judge's view.
+/// Waits until the object is lifted, by ground truth.
 fn wait_until_lifted(truth: &mut Subscriber<WorldTruth>, pending: &mut shm_bus::PendingGoal) {
     let mut world = WorldTruth::default();
     wait_for("the object to be lifted", || {
@@ -104,8 +106,8 @@ fn sim_start_s() -> f64 {
 }
 
 #[test]
-fn sensor_faults_lead_to_hold_within_their_bounds_or_to_nothing() {
-    let _shared = in_virtual_time();
+fn sensor_faults_cause_hold_within_bounds() {
+    let _shared = lock_shared();
     let check = |name: &str, fault: &str, bound: Option<u64>| {
         let ticks = ticks_to_hold(fault);
         match bound {
@@ -117,8 +119,13 @@ fn sensor_faults_lead_to_hold_within_their_bounds_or_to_nothing() {
         }
     };
     let at = |fault: &str| format!("{fault}@{FAULT_AT_S}");
-    // A frame is 1 ms old when the next one is due, so silence of 5 ms is seen 5 to 6 ticks after the last frame.
-    check("F01 silence", &format!("{}:right", at("drop=1")), Some(6));
+    // A frame is 1 ms old when the next is due. Frame loss of 5 ms is detected 5 to 6 ticks after
+    // the last frame.
+    check(
+        "F01 frame loss",
+        &format!("{}:right", at("drop=1")),
+        Some(6),
+    );
     check(
         "F03 stale stamps",
         &format!("{}:right", at("stale=0.05")),
@@ -161,9 +168,9 @@ fn sensor_faults_lead_to_hold_within_their_bounds_or_to_nothing() {
 }
 
 #[test]
-fn a_sensor_that_dies_in_mid_grasp_leaves_the_grip_as_it_was() {
-    let _alone = alone();
-    let mut stage = Stage::set(&[], false);
+fn grip_persists_after_sensor_loss() {
+    let _alone = lock_exclusive();
+    let mut stage = Rig::new(&[], false);
     let mut truth = stage.subscribe::<WorldTruth>(service::WORLD_TRUTH);
     let mut statuses = stage.subscribe::<Status>(service::STATUS);
     let mut commands = stage.subscribe::<JointCommand>(service::JOINT_COMMAND);
@@ -208,9 +215,9 @@ fn a_sensor_that_dies_in_mid_grasp_leaves_the_grip_as_it_was() {
 }
 
 #[test]
-fn sigterm_in_a_grasp_stops_in_order() {
-    let _alone = alone();
-    let mut stage = Stage::set(&[], false);
+fn sigterm_during_grasp_keeps_the_grip() {
+    let _alone = lock_exclusive();
+    let mut stage = Rig::new(&[], false);
     let mut truth = stage.subscribe::<WorldTruth>(service::WORLD_TRUTH);
     let mut pending = stage.grasp();
     wait_until_lifted(&mut truth, &mut pending);
@@ -219,7 +226,7 @@ fn sigterm_in_a_grasp_stops_in_order() {
     assert_eq!(stage.daemon.wait().code(), Some(0));
     // Without a daemon the simulated robot lets its last command expire and keeps the grip.
     std::thread::sleep(std::time::Duration::from_millis(500));
-    wait_for("a truth after the end", || {
+    wait_for("ground truth after the end", || {
         truth.newest(&mut world).expect("readable").then_some(())
     });
     assert_eq!(world.objects[0].dropped, 0, "the object stays in the hand");

@@ -1,10 +1,12 @@
-//! Nothing is built a second time because tests, or the Python package that is built alone, ask for other features of a
-//! dependency: that would be half the workspace.
+//! Checks that tests and the Python package, which is built alone, use the same dependency features
+//! as the workspace.
+//!
+//! Different features would build half of the workspace a second time.
 
 use std::collections::BTreeSet;
 use std::process::Command;
 
-/// Packages with their features, as a command builds them.
+/// Returns the packages and features that a selection builds.
 fn built(selection: &[&str]) -> BTreeSet<String> {
     let tree = Command::new(env!("CARGO"))
         .args(["tree", "--offline", "--locked", "--prefix", "none"])
@@ -19,19 +21,19 @@ fn built(selection: &[&str]) -> BTreeSet<String> {
     lines.map(str::to_owned).collect()
 }
 
-/// What `of` builds with other features than `with` does.
+/// Rejects packages that `of` builds with features other than `with`.
 fn check(of: &[&str], with: &[&str]) {
     let (of, with) = (built(of), built(with));
     let again: Vec<&String> = of.difference(&with).collect();
     assert!(
         again.is_empty(),
-        "built a second time, with other features: {again:#?}; ask for the same ones in the Cargo.toml of the workspace, or of \
-         clients/python"
+        "built twice with different features: {again:#?}; request the same features in the \
+         Cargo.toml of the workspace or of clients/python"
     );
 }
 
 #[test]
-fn tests_ask_for_no_other_features_of_what_the_programs_are_built_of() {
+fn tests_use_the_features_of_programs() {
     check(
         &["--workspace", "--edges", "normal,build"],
         &["--workspace", "--edges", "normal,build,dev"],
@@ -39,7 +41,7 @@ fn tests_ask_for_no_other_features_of_what_the_programs_are_built_of() {
 }
 
 #[test]
-fn the_python_package_is_built_of_what_the_workspace_is_built_of() {
+fn python_package_uses_workspace_features() {
     check(
         &["--package", "atas-python", "--edges", "normal,build"],
         &["--workspace", "--edges", "normal,build"],

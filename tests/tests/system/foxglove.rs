@@ -1,7 +1,8 @@
-//! `atas foxglove`: what a viewer gets over the WebSocket is what the bus says, also after the daemon's restart.
+//! Tests of `atas foxglove`: the WebSocket messages contain the values of the bus, also after a
+//! restart of the daemon.
 //!
-//! The viewer is played by hand after Foxglove's specification (`foxglove.sdk.v1`), so that the library that serves does not
-//! judge itself.
+//! The viewer implements Foxglove's specification (`foxglove.sdk.v1`) directly, so the server's
+//! library does not verify itself.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::TcpStream;
@@ -11,29 +12,30 @@ use rustix::process::Signal;
 use serde_json::{Value, json};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{Hand, TickReport, service};
-use system_tests::{Process, alone, wait_for};
+use system_tests::{Process, lock_exclusive, wait_for};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
-/// Topics that are compared: a number of the tick, and one of the robot.
+/// Compared topics: a scalar of the tick and the joint states.
 const NORMAL: &str = "/right/finger1/normal";
 const JOINTS: &str = "/joint_states";
-/// Messages of a topic that are compared.
+/// Compared messages per topic.
 const COMPARED: usize = 50;
 
-/// A viewer that is connected.
+/// A connected viewer.
 struct Viewer {
     socket: WebSocket<TcpStream>,
-    /// Channels by topic: number and name of the schema.
+    /// Channels by topic: id and schema name.
     channels: BTreeMap<String, (u64, String)>,
 }
 
 impl Viewer {
     fn connect(port: u64) -> Self {
-        let stream = TcpStream::connect(("127.0.0.1", port as u16)).expect("somebody listens");
+        let stream =
+            TcpStream::connect(("127.0.0.1", port as u16)).expect("the server accepts connections");
         stream
             .set_read_timeout(Some(Duration::from_secs(30)))
-            .expect("a limit");
+            .expect("a timeout");
         let mut request = format!("ws://127.0.0.1:{port}")
             .into_client_request()
             .expect("a request");
@@ -48,13 +50,14 @@ impl Viewer {
         }
     }
 
-    /// The next message: a text's operation is taken in, data of a subscription returned.
+    /// Reads the next message: updates the channels from text operations, returns the data of a
+    /// subscription.
     fn next(&mut self) -> Option<(u32, Vec<u8>)> {
-        match self.socket.read().expect("the server lives") {
+        match self.socket.read().expect("the server runs") {
             Message::Text(text) => {
-                let said: Value = serde_json::from_str(&text).expect("JSON");
-                if said["op"] == "advertise" {
-                    for channel in said["channels"].as_array().into_iter().flatten() {
+                let message: Value = serde_json::from_str(&text).expect("JSON");
+                if message["op"] == "advertise" {
+                    for channel in message["channels"].as_array().into_iter().flatten() {
                         let text = |key: &str| channel[key].as_str().unwrap_or_default().to_owned();
                         let id = channel["id"].as_u64().expect("a number");
                         assert_eq!(
@@ -67,7 +70,7 @@ impl Viewer {
                 }
                 None
             }
-            // Operation, subscription, log time, data.
+            // Operation code, subscription id, log time, data.
             Message::Binary(bytes) if bytes.first() == Some(&1) => {
                 let subscription = u32::from_le_bytes(bytes[1..5].try_into().expect("four bytes"));
                 Some((subscription, bytes[13..].to_vec()))
@@ -76,7 +79,7 @@ impl Viewer {
         }
     }
 
-    /// Subscribes to a topic as soon as it is there.
+    /// Subscribes to a topic once it is advertised.
     fn subscribe(&mut self, topic: &str, subscription: u32, schema: &str) {
         while !self.channels.contains_key(topic) {
             self.next();
@@ -86,11 +89,11 @@ impl Viewer {
         let asked = json!({ "op": "subscribe", "subscriptions": [{ "id": subscription, "channelId": channel }] });
         self.socket
             .send(Message::text(asked.to_string()))
-            .expect("the server lives");
+            .expect("the server runs");
     }
 
-    /// So many messages of each subscription; `meanwhile` is called between them.
-    fn gather(
+    /// Collects `COMPARED` messages of each subscription; calls `meanwhile` between messages.
+    fn collect_messages(
         &mut self,
         subscriptions: [u32; 2],
         mut meanwhile: impl FnMut(),
@@ -99,7 +102,7 @@ impl Viewer {
         while gathered.iter().any(|of| of.len() < COMPARED) {
             if let Some((subscription, data)) = self.next() {
                 let index = subscriptions.iter().position(|&id| id == subscription);
-                gathered[index.expect("a topic of ours")].push(data);
+                gathered[index.expect("a subscribed topic")].push(data);
             }
             meanwhile();
         }
@@ -107,12 +110,13 @@ impl Viewer {
     }
 }
 
-/// `std_msgs/Float64` as CDR: four bytes of header, then the number.
+/// Decodes a `std_msgs/Float64` in CDR: four header bytes, then the number.
 fn float64(cdr: &[u8]) -> f64 {
     f64::from_le_bytes(cdr[4..12].try_into().expect("eight bytes"))
 }
 
-/// Names of the joints of a `sensor_msgs/JointState` as CDR: stamp, frame, then a sequence of strings, each with its length.
+/// Decodes the joint names of a `sensor_msgs/JointState` in CDR: stamp, frame, then a sequence of
+/// length-prefixed strings.
 fn joint_names(cdr: &[u8]) -> Vec<String> {
     let mut at = 4 + 8;
     let number = |at: &mut usize| {
@@ -137,19 +141,19 @@ fn daemon(bus: &FreshBus) -> Process {
 }
 
 #[test]
-fn a_viewer_gets_what_the_bus_says_also_after_the_daemons_restart() {
-    let _alone = alone();
+fn viewer_receives_bus_values_after_restart() {
+    let _alone = lock_exclusive();
     let bus = FreshBus::new("foxglove");
     let name = bus.as_str();
     let _robot = Process::start("atas-sim", &["run", "--object", "wood", "--bus", name]);
     let server = ["foxglove", "--port", "0", "--format", "json", "--bus", name];
     let server = Process::start("atas-live", &server);
-    let port = wait_for("the server to say its address", || {
+    let port = wait_for("the server to report its address", || {
         let log = server.log();
-        let said: Value = serde_json::from_str(log.lines().find(|l| l.contains("url"))?).ok()?;
-        said["port"].as_u64()
+        let message: Value = serde_json::from_str(log.lines().find(|l| l.contains("url"))?).ok()?;
+        message["port"].as_u64()
     });
-    // It serves before there is a daemon, and whoever connected stays connected.
+    // The server runs without a daemon, and connections survive the daemon's restart.
     let mut viewer = Viewer::connect(port);
     let mut first = daemon(&bus);
     compare(&mut viewer, &bus, 1);
@@ -159,32 +163,32 @@ fn a_viewer_gets_what_the_bus_says_also_after_the_daemons_restart() {
     compare(&mut Viewer::connect(port), &bus, 10);
 }
 
-/// Numbers that the viewer gets are among those of the bus, and the joints are the robot's.
+/// Checks that the viewer's numbers occur on the bus and that the joints are the robot's.
 fn compare(viewer: &mut Viewer, bus: &FreshBus, first: u32) {
     let observer = Bus::open(bus, "watch", Realtime::No).expect("a bus");
     let mut reports = observer.subscriber(service::TICK_REPORT).expect("a place");
     viewer.subscribe(NORMAL, first, "std_msgs/msg/Float64");
     viewer.subscribe(JOINTS, first + 1, "sensor_msgs/msg/JointState");
-    let mut told = BTreeSet::new();
+    let mut output = BTreeSet::new();
     let right = Hand::BOTH
         .iter()
         .position(|hand| hand.to_string() == "right");
     let right = right.expect("two hands");
-    let [numbers, joints] = viewer.gather([first, first + 1], || {
+    let [numbers, joints] = viewer.collect_messages([first, first + 1], || {
         let take = |report: &TickReport| {
             let normal_n = report.hands[right].fingers[0].normal_n;
-            told.insert(f64::from(normal_n).to_bits());
+            output.insert(f64::from(normal_n).to_bits());
         };
         reports.drain(usize::MAX, take).expect("readable");
     });
     let common = numbers
         .iter()
-        .filter(|cdr| told.contains(&float64(cdr).to_bits()));
-    // A busy machine may make either of us miss some.
+        .filter(|cdr| output.contains(&float64(cdr).to_bits()));
+    // On a busy machine, viewer and test may each miss messages.
     assert!(
         common.count() > numbers.len() / 2,
-        "{} of the bus",
-        told.len()
+        "{} values on the bus",
+        output.len()
     );
     let robot = robot_model::RobotModel::two_hand_arm().expect("built in");
     let names = joint_names(&joints[0]);

@@ -1,8 +1,10 @@
-//! The gate with real processes of real users: a service, members of its group, a stranger, and visitors who mean harm.
+//! Tests of the gate with real processes of several users: the service user, members of its group,
+//! a stranger, and hostile clients.
 //!
-//! Users need no accounts: `setpriv` (util-linux) starts a process as any number, which only root may.
+//! The users need no accounts: `setpriv` (util-linux) starts a process with any user id, which
+//! requires root.
 
-mod house;
+mod fixture;
 
 use std::fs::{self, File};
 use std::io::{IoSlice, Read};
@@ -18,11 +20,11 @@ use rustix::termios::LocalModes;
 use serde_json::Value;
 use shm_bus::BusName;
 use system_tests::terminal::Terminal;
-use system_tests::{alone, wait_for};
+use system_tests::{lock_exclusive, wait_for};
 
-use house::*;
+use fixture::*;
 
-/// Asked until it has an answer.
+/// A short grasp that waits for its result.
 const GRASP: [&str; 7] = [
     "grasp",
     "--at",
@@ -34,17 +36,19 @@ const GRASP: [&str; 7] = [
 ];
 
 #[test]
-fn a_member_does_what_the_configuration_lets_it() {
-    let _alone = alone();
-    let Some(house) = House::new() else { return };
-    let mode = |house: &House| house.json(MEMBER, &["status"])["mode"].clone();
-    // Looking on is everybody's in the group, and nobody's outside.
+fn member_has_the_configured_rights() {
+    let _alone = lock_exclusive();
+    let Some(house) = GateFixture::new() else {
+        return;
+    };
+    let mode = |house: &GateFixture| house.json(MEMBER, &["status"])["mode"].clone();
+    // Every group member may observe; other users may not.
     wait_for("the start", || (mode(&house) == "ready").then_some(()));
     house.check(
         STRANGER,
         &["status"],
         3,
-        &format!("not in group {SERVICE}: `sudo usermod -aG"),
+        &format!("not in group {SERVICE}; run `sudo usermod -aG"),
     );
     house.check(STRANGER, &["estop"], 3, "not in group");
     assert!(house.json(MEMBER, &["topic", "list"]).is_object());
@@ -59,12 +63,12 @@ fn a_member_does_what_the_configuration_lets_it() {
     house.check(MEMBER, &["param", "set", "grasp.dr_n", "0.1"], 4, needs);
     house.check(MEMBER, &["recover"], 4, needs);
     let refused = house.run(MEMBER, &["recover", "--format", "json"]);
-    let told: Value = serde_json::from_slice(&refused.stderr).expect("JSON");
-    assert_eq!(told["exit"], 4);
+    let printed: Value = serde_json::from_slice(&refused.stderr).expect("JSON");
+    assert_eq!(printed["exit"], 4);
 
-    // Whatever may be stopped may be stopped by anyone of the group.
+    // Every group member may stop.
     house.check(MEMBER, &["estop"], 0, "");
-    house.allow("command");
+    house.set_group_access("command");
     wait_for("the stop", || (mode(&house) == "safe-stop").then_some(()));
     house.check(MEMBER, &["recover"], 0, "");
     wait_for("the recovery", || (mode(&house) == "ready").then_some(()));
@@ -80,10 +84,11 @@ fn a_member_does_what_the_configuration_lets_it() {
         "atas:",
     );
 
-    // What touches files or the network stays the bus's user's; what needs no bus is the caller's.
-    let files = "reads or writes files of its own";
+    // Commands that use files or the network are reserved for the bus's user. Commands without a
+    // bus run as the caller.
+    let files = "reads or writes files";
     house.check(MEMBER, &["record"], 3, files);
-    house.check(MEMBER, &["follow", "targets.csv"], 3, files);
+    house.check(MEMBER, &["teleop", "targets.csv"], 3, files);
     house.check(
         MEMBER,
         &["explain", "last", "--out", "/tmp/why.svg"],
@@ -92,7 +97,7 @@ fn a_member_does_what_the_configuration_lets_it() {
     );
     house.check(MEMBER, &["dashboard"], 3, "opens a port");
     house.check(MEMBER, &["robot", "list"], 0, "");
-    // A bus that nobody has may be made, whatever others there are.
+    // A user may create a private bus while other buses exist.
     let mine = house.folder.path().join("mine");
     fs::create_dir(&mine).expect("made");
     chown(&mine, Some(MEMBER), None).expect("the member's");
@@ -122,17 +127,21 @@ fn a_member_does_what_the_configuration_lets_it() {
         let mut findings = findings.as_array().expect("a list").clone().into_iter();
         let found = findings
             .find(|finding| finding["probe"] == "bus")
-            .expect("asked");
+            .expect("a finding about the bus");
         found["what_to_do"].as_str().expect("text").to_owned()
     };
-    assert!(doctor(MEMBER).contains("may knock"), "{}", doctor(MEMBER));
+    assert!(
+        doctor(MEMBER).contains("may use its gate"),
+        "{}",
+        doctor(MEMBER)
+    );
     assert!(
         doctor(STRANGER).contains("not in group"),
         "{}",
         doctor(STRANGER)
     );
 
-    house.allow("none");
+    house.set_group_access("none");
     house.check(
         MEMBER,
         &["status"],
@@ -156,24 +165,26 @@ fn a_member_does_what_the_configuration_lets_it() {
 }
 
 #[test]
-fn a_terminal_is_drawn_on_through_the_gate_and_given_back() {
-    let _alone = alone();
-    let Some(house) = House::new() else { return };
-    let terminal = Terminal::with(house.atas(MEMBER, &["top"]));
+fn terminal_works_through_gate_and_is_restored() {
+    let _alone = lock_exclusive();
+    let Some(house) = GateFixture::new() else {
+        return;
+    };
+    let terminal = Terminal::from_command(house.atas(MEMBER, &["top"]));
     terminal.wait_for("READY");
     assert!(terminal.has_written("\x1b[38;5;"), "colours on a terminal");
-    // The terminal tells the caller, the caller the gate, the gate the command.
+    // Path of the signal: terminal, client, gate, command.
     terminal.resize(12, 60);
-    kill_process(terminal.pid(), Signal::WINCH).expect("it lives");
+    kill_process(terminal.pid(), Signal::WINCH).expect("the client runs");
     terminal.wait_for("needs 80 × 24 characters, has 60 × 12");
     terminal.resize(40, 120);
-    kill_process(terminal.pid(), Signal::WINCH).expect("it lives");
+    kill_process(terminal.pid(), Signal::WINCH).expect("the client runs");
     terminal.wait_for("READY");
     terminal.quit();
 
     let mut plain = house.atas(MEMBER, &["top"]);
     plain.env("NO_COLOR", "yes");
-    let plain = Terminal::with(plain);
+    let plain = Terminal::from_command(plain);
     plain.wait_for("READY");
     assert!(
         !plain.has_written("\x1b[38;5;"),
@@ -181,31 +192,34 @@ fn a_terminal_is_drawn_on_through_the_gate_and_given_back() {
     );
     plain.quit();
 
-    let mut cut = Terminal::with(house.atas(MEMBER, &["top"]));
+    let mut cut = Terminal::from_command(house.atas(MEMBER, &["top"]));
     cut.wait_for("READY");
     assert!(
         !cut.modes().contains(LocalModes::ICANON),
-        "keys are read one by one"
+        "raw mode while the program runs"
     );
     for visit in house.running("--visit") {
-        // Another visit may just have ended.
+        // Another visit process may just have ended.
         let _ = kill_process(visit, Signal::KILL);
     }
-    assert_eq!(cut.code(), Some(3));
-    cut.wait_for("the gate is gone");
-    assert!(cut.modes().contains(LocalModes::ICANON), "as it was");
+    assert_eq!(cut.exit_code(), Some(3));
+    cut.wait_for("lost the connection to the gate");
+    assert!(
+        cut.modes().contains(LocalModes::ICANON),
+        "terminal modes are restored"
+    );
     wait_for("the command's end", || {
         house.running("top").is_empty().then_some(())
     });
 }
 
 #[test]
-fn signals_reach_the_command_and_death_takes_it_along() {
-    let _alone = alone();
-    let Some(mut house) = House::new() else {
+fn signals_and_client_death_reach_the_command() {
+    let _alone = lock_exclusive();
+    let Some(mut house) = GateFixture::new() else {
         return;
     };
-    let watch = |house: &House| {
+    let watch = |house: &GateFixture| {
         let mut child = house
             .atas(MEMBER, &["status", "--watch"])
             .stdout(Stdio::piped())
@@ -214,19 +228,19 @@ fn signals_reach_the_command_and_death_takes_it_along() {
             .expect("it starts");
         let mut first = [0; 1];
         let out = child.stdout.as_mut().expect("a pipe");
-        out.read_exact(&mut first).expect("it speaks");
+        out.read_exact(&mut first).expect("the command writes");
         child
     };
-    let nobody_left = |house: &House| {
+    let nobody_left = |house: &GateFixture| {
         wait_for("the command's end", || {
             house.running("--watch").is_empty().then_some(())
         });
     };
-    // Ctrl-C at a watch is its way to end.
+    // Ctrl-C ends a watching command regularly.
     let ends = |signal: Signal| {
         let mut child = watch(&house);
-        kill_process(Pid::from_child(&child), signal).expect("it lives");
-        // What it still says is heard, and then its end.
+        kill_process(Pid::from_child(&child), signal).expect("the client runs");
+        // The client forwards the remaining output, then ends.
         let mut rest = Vec::new();
         child
             .stdout
@@ -237,7 +251,7 @@ fn signals_reach_the_command_and_death_takes_it_along() {
         child.wait().expect("ended").code()
     };
     let alone_ends = house.running("--watch").is_empty();
-    assert!(alone_ends, "nothing watches yet");
+    assert!(alone_ends, "no other watching command runs");
     let code = ends(Signal::INT);
     assert!(matches!(code, Some(0 | 5)), "{code:?}");
     nobody_left(&house);
@@ -246,15 +260,15 @@ fn signals_reach_the_command_and_death_takes_it_along() {
     assert_eq!(ends(Signal::KILL), None);
     nobody_left(&house);
 
-    // A gate that is killed leaves those inside alone; whoever knocks meanwhile is served by the next.
+    // Commands survive the death of the gate; the next gate serves waiting connections.
     let mut inside = watch(&house);
-    house.close();
+    house.kill_gate();
     let mut waiting = house
         .atas(MEMBER, &["status"])
         .stdout(Stdio::null())
         .spawn()
         .expect("it starts");
-    house.open();
+    house.start_gate();
     assert_eq!(waiting.wait().expect("ended").code(), Some(0));
     let mut more = [0; 64];
     inside
@@ -262,19 +276,19 @@ fn signals_reach_the_command_and_death_takes_it_along() {
         .as_mut()
         .expect("a pipe")
         .read_exact(&mut more)
-        .expect("it goes on");
-    kill_process(Pid::from_child(&inside), Signal::INT).expect("it lives");
+        .expect("the command continues");
+    kill_process(Pid::from_child(&inside), Signal::INT).expect("the client runs");
     drop(inside.stdout.take());
     inside.wait().expect("ended");
 
-    // A daemon that is killed is told as ever.
+    // The error names the daemon after it was killed.
     drop(house.daemon.take());
     house.check(MEMBER, &["status"], 3, "atasd");
     house.daemon = Some(daemon(&house.programs, &house.bus));
     wait_for("the daemon again", || {
         (house.code(MEMBER, &["status"]) == 0).then_some(())
     });
-    // And without a gate it is said what is missing.
+    // Without the gate's socket, the error names the unit to enable.
     fs::remove_file(house.socket()).expect("removed");
     house.check(
         MEMBER,
@@ -291,9 +305,11 @@ fn signals_reach_the_command_and_death_takes_it_along() {
 }
 
 #[test]
-fn a_crowd_and_one_that_hangs_do_no_harm() {
-    let _alone = alone();
-    let Some(house) = House::new() else { return };
+fn many_clients_and_hung_client_are_tolerated() {
+    let _alone = lock_exclusive();
+    let Some(house) = GateFixture::new() else {
+        return;
+    };
     let start = |user: u32, arguments: &[&str]| {
         house
             .atas(user, arguments)
@@ -302,13 +318,13 @@ fn a_crowd_and_one_that_hangs_do_no_harm() {
             .spawn()
             .expect("it starts")
     };
-    // Nobody reads what it says.
+    // A client whose output is not read.
     let mut hanging = start(OTHER_MEMBER, &["topic", "echo", "view"]);
     let crowd: Vec<Child> = (0..20).map(|_| start(MEMBER, &["status"])).collect();
     for mut child in crowd {
         assert_eq!(child.wait().expect("ended").code(), Some(0));
     }
-    // One user who takes all places has none left, but for a stop; another one has.
+    // A user with the maximum number of commands may only stop; other users are not affected.
     let mut greedy: Vec<Child> = (0..6)
         .map(|_| start(MEMBER, &["status", "--watch"]))
         .collect();
@@ -316,10 +332,10 @@ fn a_crowd_and_one_that_hangs_do_no_harm() {
         let mut first = [0; 1];
         let out = child.stdout.as_mut().expect("a pipe");
         if let Err(error) = out.read_exact(&mut first) {
-            let mut told = String::new();
+            let mut printed = String::new();
             let errors = child.stderr.as_mut().expect("a pipe");
-            errors.read_to_string(&mut told).expect("UTF-8");
-            panic!("it does not speak: {error}: {told}");
+            errors.read_to_string(&mut printed).expect("UTF-8");
+            panic!("the command writes nothing: {error}: {printed}");
         }
     }
     house.check(
@@ -329,30 +345,33 @@ fn a_crowd_and_one_that_hangs_do_no_harm() {
         "runs 6 commands through the gate already",
     );
     house.check(OTHER_MEMBER, &["status"], 0, "");
-    // Who waits gets the place that becomes free, although its own earlier knocks were counted.
+    // A waiting command gets the slot that becomes free, although its earlier attempts were
+    // counted.
     let mut waiting = start(MEMBER, &["status"]);
-    wait_for("a knock in vain", || {
+    wait_for("a rejected attempt", || {
         (!house.running("--full").is_empty()).then_some(())
     });
     let mut gone = greedy.pop().expect("six");
     gone.kill().expect("killed");
     gone.wait().expect("ended");
     assert_eq!(waiting.wait().expect("ended").code(), Some(0));
-    // Visitors who say nothing take the places beyond for a while, and the stop gets through all the same.
+    // Silent connections occupy the reserved slots for a while; the stop is still accepted.
     house.check(MEMBER, &["estop"], 0, "");
     for child in greedy.iter_mut().chain([&mut hanging]) {
         child.kill().expect("killed");
         child.wait().expect("ended");
     }
-    wait_for("room again", || {
+    wait_for("a free slot", || {
         (house.code(MEMBER, &["status"]) == 0).then_some(())
     });
 }
 
 #[test]
-fn what_is_hostile_is_answered_once_and_closed() {
-    let _alone = alone();
-    let Some(house) = House::new() else { return };
+fn hostile_requests_are_rejected_and_closed() {
+    let _alone = lock_exclusive();
+    let Some(house) = GateFixture::new() else {
+        return;
+    };
     let null = File::options()
         .read(true)
         .write(true)
@@ -366,15 +385,15 @@ fn what_is_hostile_is_answered_once_and_closed() {
             .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()))
             .collect(),
     };
-    let told = |socket: &OwnedFd, part: &str| {
-        match hear(socket) {
+    let printed = |socket: &OwnedFd, part: &str| {
+        match receive_reply(socket) {
             Some(Reply::Refused(why)) => assert!(why.contains(part), "{part}: {why}"),
             other => panic!("{part}: {other:?}"),
         }
-        assert_eq!(hear(socket), None, "{part}: closed");
+        assert_eq!(receive_reply(socket), None, "{part}: closed");
     };
     let check_packet = |packet: &[u8], descriptors: &[BorrowedFd<'_>], part: &str| {
-        let socket = house.knock();
+        let socket = house.connect_as_root();
         let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmRights(8))];
         let mut control = SendAncillaryBuffer::new(&mut space);
         if !descriptors.is_empty() {
@@ -387,50 +406,58 @@ fn what_is_hostile_is_answered_once_and_closed() {
             SendFlags::NOSIGNAL,
         )
         .expect("sent");
-        told(&socket, part);
+        printed(&socket, part);
     };
     let status = serde_json::to_vec(&request(&["status"], &[])).expect("JSON");
     let three = [null.as_fd(), null.as_fd(), null.as_fd()];
-    check_packet(b"\xff\0junk", &three, "cannot be read");
-    check_packet(&status[..status.len() / 2], &three, "cannot be read");
-    check_packet(&vec![b'['; PACKET_MAX], &three, "cannot be read");
+    check_packet(b"\xff\0junk", &three, "the request is invalid");
+    check_packet(
+        &status[..status.len() / 2],
+        &three,
+        "the request is invalid",
+    );
+    check_packet(&vec![b'['; PACKET_MAX], &three, "the request is invalid");
     check_packet(&vec![b'a'; PACKET_MAX + 1], &three, "longer than");
     check_packet(
         b"{\"arguments\":[\"status\"],\"environment\":[],\"cwd\":\"/tmp\"}",
         &three,
-        "cannot be read",
+        "the request is invalid",
     );
     check_packet(&status, &[], "0 descriptors, needs 3");
     check_packet(&status, &three[..2], "2 descriptors, needs 3");
     check_packet(&status, &[three[0]; 8], "more than 3 descriptors");
 
     let check = |arguments: &[&str], environment: &[(&str, &str)], part: &str| {
-        let socket = house.knock();
-        message::ask(&socket, &request(arguments, environment), three).expect("sent");
-        told(&socket, part);
+        let socket = house.connect_as_root();
+        message::send_request(&socket, &request(arguments, environment), three).expect("sent");
+        printed(&socket, part);
     };
     check(
         &["status"],
         &[("LD_PRELOAD", "/tmp/x.so")],
-        "\"LD_PRELOAD\" of the environment",
+        "environment variable \"LD_PRELOAD\"",
     );
     check(
         &["status"],
         &[("TERM", "../../tmp/x")],
-        "\"TERM\" of the environment",
+        "environment variable \"TERM\"",
     );
     check(
         &["status"],
         &[("ATAS_BUS", "a/b")],
-        "\"ATAS_BUS\" of the environment",
+        "environment variable \"ATAS_BUS\"",
     );
     check(&["status", "a\0b"], &[], "zero byte");
-    check(&["status", "--bus", "../x"], &[], "none that it knows");
-    check(&["fly"], &[], "none that it knows");
-    check(&[], &[], "none that it knows");
-    check(&["--help"], &[], "none that it knows");
-    check(&["man", "/tmp/x"], &[], "needs nobody else's bus");
-    check(&["demo", "grasp"], &[], "needs nobody else's bus");
+    check(
+        &["status", "--bus", "../x"],
+        &[],
+        "the command line is invalid",
+    );
+    check(&["fly"], &[], "the command line is invalid");
+    check(&[], &[], "the command line is invalid");
+    check(&["--help"], &[], "the command line is invalid");
+    check(&["man", "/tmp/x"], &[], "does not need another user's bus");
+    check(&["demo", "grasp"], &[], "does not need another user's bus");
     check(
         &["record", "--out", "/tmp/x.mcap"],
         &[],
@@ -441,37 +468,41 @@ fn what_is_hostile_is_answered_once_and_closed() {
         &[],
         "reads or writes files",
     );
-    check(&["explain", "/etc/shadow"], &[], "needs nobody else's bus");
+    check(
+        &["explain", "/etc/shadow"],
+        &[],
+        "does not need another user's bus",
+    );
     check(
         &["dashboard", "--robot", "/etc/shadow"],
         &[],
         "opens a port",
     );
-    let socket = house.knock();
-    message::ask(
+    let socket = house.connect_as_root();
+    message::send_request(
         &socket,
         &request(&["status"], &[]),
         [null.as_fd(), disk.as_fd(), null.as_fd()],
     )
     .expect("sent");
-    told(&socket, "a standard stream is Directory");
-    // A megabyte does not even fit the socket.
+    printed(&socket, "a standard stream is Directory");
+    // A request of one megabyte exceeds the socket's packet size.
     let megabyte = "a".repeat(1 << 20);
-    let error =
-        message::ask(house.knock(), &request(&[&megabyte], &[]), three).expect_err("too long");
+    let error = message::send_request(house.connect_as_root(), &request(&[&megabyte], &[]), three)
+        .expect_err("too long");
     assert_eq!(error.kind(), std::io::ErrorKind::ArgumentListTooLong);
 
-    // Silence is ended by the gate, and what is no signal ends the command.
-    let silent = house.knock();
-    let mute = house.knock();
-    let socket = house.knock();
+    // The gate closes silent connections. An invalid signal number ends the command.
+    let silent = house.connect_as_root();
+    let mute = house.connect_as_root();
+    let socket = house.connect_as_root();
     let watch = request(&["status", "--watch"], &[("ATAS_BUS", house.bus.as_str())]);
-    message::ask(&socket, &watch, three).expect("sent");
-    assert_eq!(hear(&socket), Some(Reply::Started));
+    message::send_request(&socket, &watch, three).expect("sent");
+    assert_eq!(receive_reply(&socket), Some(Reply::Started));
     send(&socket, b"\x09", SendFlags::NOSIGNAL).expect("sent");
-    assert_eq!(hear(&socket), Some(Reply::Killed(9)));
-    assert_eq!((hear(&silent), hear(&mute)), (None, None));
-    // A caller whose environment could do harm is served without it.
+    assert_eq!(receive_reply(&socket), Some(Reply::Killed(9)));
+    assert_eq!((receive_reply(&silent), receive_reply(&mute)), (None, None));
+    // Unsafe environment variables of the caller are dropped.
     let mut loaded = house.atas(MEMBER, &["status"]);
     loaded
         .env("LANG", "/tmp/x")

@@ -1,15 +1,16 @@
-//! The guide's own commands: what its pages say is run, page by page, as a person would type it.
+//! Runs the commands of the guide, page by page.
 //!
-//! A block marked `sh` is run, the blocks of a page one after the other in one folder; a TOML block is the file that its first line
-//! names. What needs hardware or changes the machine (`sh,hardware`, `sh,once`) is held to the programs' help.
+//! The `sh` blocks of a page run in order in one folder. A TOML block is the file named in its
+//! first line. Blocks that need hardware or change the machine (`sh,hardware`, `sh,once`) are only
+//! compared with the programs' help.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use shm_bus::FreshBus;
-use system_tests::{alone, binary};
+use system_tests::{binary, lock_exclusive};
 
-/// A fenced block: what stands behind the fence, and the text.
+/// A fenced block: its info string and its text.
 struct Block {
     kind: String,
     text: String,
@@ -19,7 +20,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Every page with its blocks.
+/// Returns all pages with their blocks.
 fn pages() -> Vec<(String, Vec<Block>)> {
     let folder = root().join("clients/guide/src");
     let entries = std::fs::read_dir(folder).expect("the guide");
@@ -54,7 +55,7 @@ fn blocks(text: &str) -> Vec<Block> {
 }
 
 #[test]
-fn every_command_of_the_guide_does_what_it_is_there_for() {
+fn guide_commands_succeed() {
     let mut run = 0;
     for (name, blocks) in pages() {
         let script: String = blocks
@@ -65,7 +66,7 @@ fn every_command_of_the_guide_does_what_it_is_there_for() {
         if script.is_empty() {
             continue;
         }
-        let _machine = alone();
+        let _machine = lock_exclusive();
         let folder = tempfile::tempdir().expect("a folder");
         for block in blocks.iter().filter(|block| block.kind == "toml") {
             let first = block.text.lines().next().expect("a line");
@@ -96,11 +97,11 @@ fn every_command_of_the_guide_does_what_it_is_there_for() {
         );
         run += 1;
     }
-    assert!(run >= 6, "the guide shows its commands");
+    assert!(run >= 6, "the guide contains runnable pages");
 }
 
 #[test]
-fn what_cannot_be_run_here_is_known_to_its_program() {
+fn hardware_commands_of_guide_have_known_options() {
     const PROGRAMS: [&str; 6] = [
         "atas",
         "atasd",
@@ -114,7 +115,7 @@ fn what_cannot_be_run_here_is_known_to_its_program() {
         let held = blocks.iter().filter(|block| block.kind.starts_with("sh,"));
         for line in held.flat_map(|block| block.text.lines()) {
             let words: Vec<&str> = line.split_whitespace().take_while(|w| *w != ">").collect();
-            // Whoever runs it as another user says so before.
+            // A user switch precedes the program name.
             let Some(at) = words.iter().position(|w| PROGRAMS.contains(w)) else {
                 continue;
             };
@@ -134,11 +135,11 @@ fn what_cannot_be_run_here_is_known_to_its_program() {
                 .args(verbs)
                 .arg("--help")
                 .output()
-                .expect("it starts");
+                .expect("the program starts");
             let text = String::from_utf8_lossy(&help.stdout).into_owned();
             assert!(help.status.success(), "{name}: {line}");
             for flag in words.iter().filter(|w| w.starts_with("--")) {
-                assert!(text.contains(flag), "{name}: {line}: {flag} is not known");
+                assert!(text.contains(flag), "{name}: {line}: unknown option {flag}");
             }
             seen += 1;
         }
@@ -147,7 +148,7 @@ fn what_cannot_be_run_here_is_known_to_its_program() {
 }
 
 #[test]
-fn every_page_is_in_the_summary_and_every_file_that_is_named_is_there() {
+fn guide_pages_are_listed_and_links_resolve() {
     let summary = root().join("clients/guide/src/SUMMARY.md");
     let summary = std::fs::read_to_string(summary).expect("readable");
     for (name, _) in pages().iter().filter(|(name, _)| name != "SUMMARY") {

@@ -1,4 +1,4 @@
-//! Both methodologies in one robot, every part a process: the same bits as in process.
+//! Tests of both methodologies in one robot: separate processes give the same bits as one process.
 
 use std::process::Command;
 
@@ -7,11 +7,11 @@ use atas_evaluation::hybrid::{HybridPlan, Reflexes};
 use ebts::course::table_file::{BUILT_IN, CourseFile};
 use robot_model::RobotModel;
 use sim_backend::Object;
-use system_tests::{binary, in_virtual_time};
+use system_tests::{binary, lock_shared};
 
 const OBJECT: &str = "wood";
 
-/// What a course comes to over the bus, to the last digit, and whether it was done.
+/// Runs a course over the bus; returns its JSON result and the exit code.
 fn over_the_bus(robots: usize, seed: u64, reflexes: Reflexes) -> (String, Option<i32>) {
     let (robots, seed) = (robots.to_string(), seed.to_string());
     let mut demo = Command::new(binary("atas"));
@@ -21,13 +21,13 @@ fn over_the_bus(robots: usize, seed: u64, reflexes: Reflexes) -> (String, Option
         demo.arg("--frozen");
     }
     let output = demo.output().expect("it runs");
-    let said = String::from_utf8(output.stdout).expect("UTF-8");
-    (said.trim().to_owned(), output.status.code())
+    let message = String::from_utf8(output.stdout).expect("UTF-8");
+    (message.trim().to_owned(), output.status.code())
 }
 
-/// The same in process.
+/// Runs the course in process.
 fn in_process(robots: usize, seed: u64, reflexes: Reflexes) -> (String, Option<i32>) {
-    let (_, table) = CourseFile::named(BUILT_IN).expect("it ships");
+    let (_, table) = CourseFile::from_name(BUILT_IN).expect("it ships");
     let plan = HybridPlan {
         robots,
         trials: 1,
@@ -47,10 +47,10 @@ fn in_process(robots: usize, seed: u64, reflexes: Reflexes) -> (String, Option<i
     (serde_json::to_string(&trial).expect("JSON"), Some(code))
 }
 
-/// Forces, slip and places are of the last digit: a command that differed anywhere would show in them.
+/// Forces, slip and positions are compared to the last digit, so any differing command is visible.
 #[test]
-fn a_course_over_the_bus_has_the_bits_of_the_one_in_process() {
-    let _shared = in_virtual_time();
+fn bus_course_equals_in_process_course() {
+    let _shared = lock_shared();
     for (robots, seed, reflexes) in [(1, 4, Reflexes::Frozen), (2, 5, Reflexes::On)] {
         assert_eq!(
             over_the_bus(robots, seed, reflexes),

@@ -1,21 +1,22 @@
-//! No circles: inside a crate, imports run one way, so that every file can be read after those that it names.
+//! Checks that the modules of each crate have no import cycles, so every file can be read after the
+//! files it imports.
 //!
-//! Read off the text, without a compiler: `crate::…` and `super::…` paths of every file under `src/`, tests left out. What a
-//! folder's own `mod.rs` declares and re-exports belongs to the folder and is no import.
+//! Searches the text for `crate::…` and `super::…` paths in all files under `src/`, except tests.
+//! Declarations and re-exports of a `mod.rs` do not count as imports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Module path of a file, and the modules that it names.
+/// Imported modules by module path.
 type Imports = BTreeMap<Vec<String>, BTreeSet<Vec<String>>>;
 
 #[test]
-fn no_crate_imports_in_a_circle() {
+fn crates_have_no_import_cycles() {
     let mut found = Vec::new();
     for package in &crate::architecture::packages() {
         let folder = package.manifest_path.parent().expect("a folder");
         for source in roots(folder.join("src").as_std_path()) {
-            let circles = circles(&imports(&source));
+            let circles = cycles(&imports(&source));
             if !circles.is_empty() {
                 found.push((source, circles));
             }
@@ -23,19 +24,19 @@ fn no_crate_imports_in_a_circle() {
     }
     assert!(
         found.is_empty(),
-        "these files import each other: {found:?}; move what both need into a file of its own below them"
+        "import cycles found: {found:?}; move the common part into a separate lower-level file"
     );
 }
 
 #[test]
-fn a_circle_is_found_and_a_ladder_is_none() {
+fn import_cycle_is_found() {
     let check = |files: &[(&str, &str)], circle: &[&str]| {
         let known: Vec<_> = files.iter().map(|(path, _)| module(path)).collect();
         let named = files.iter().map(|(path, text)| {
             let own = module(path);
             (own.clone(), named(text, &own, &known))
         });
-        let found = circles(&named.collect());
+        let found = cycles(&named.collect());
         let expected: Vec<Vec<String>> = if circle.is_empty() {
             vec![]
         } else {
@@ -59,7 +60,7 @@ fn a_circle_is_found_and_a_ladder_is_none() {
     check(&[("a.rs", tested), ("b.rs", "use crate::a::A;")], &[]);
 }
 
-/// The folders of a package's library and of its programs that have one.
+/// Returns the source folders of a package's library and of its multi-file programs.
 fn roots(source: &Path) -> Vec<PathBuf> {
     let programs = std::fs::read_dir(source.join("bin")).into_iter().flatten();
     let programs = programs.map(|entry| entry.expect("readable").path());
@@ -93,7 +94,7 @@ fn collect(source: &Path, folder: &Path, files: &mut Vec<String>) {
     }
 }
 
-/// `a/b.rs` and `a/b/mod.rs` are both `a::b`; the root is empty.
+/// Returns the module path: `a::b` for `a/b.rs` and `a/b/mod.rs`, empty for the root.
 fn module(file: &str) -> Vec<String> {
     let path = file.trim_end_matches(".rs").split('/');
     path.filter(|part| !["mod", "lib", "main"].contains(part))
@@ -101,7 +102,7 @@ fn module(file: &str) -> Vec<String> {
         .collect()
 }
 
-/// The files that a text names, own folders and own children left out.
+/// Returns the modules that a text imports, except its own parents and children.
 fn named(text: &str, own: &[String], known: &[Vec<String>]) -> BTreeSet<Vec<String>> {
     let code: String = text
         .split("#[cfg(test)]\nmod tests")
@@ -137,7 +138,7 @@ fn named(text: &str, own: &[String], known: &[Vec<String>]) -> BTreeSet<Vec<Stri
     found
 }
 
-/// Follows a path of a use tree to all of its ends.
+/// Visits all leaves of a use tree.
 fn expand(rest: &mut &str, base: &[String], visit: &mut dyn FnMut(&[String])) {
     let mut path = base.to_vec();
     loop {
@@ -155,7 +156,7 @@ fn expand(rest: &mut &str, base: &[String], visit: &mut dyn FnMut(&[String])) {
             .find(|c: char| !c.is_alphanumeric() && c != '_')
             .unwrap_or(rest.len());
         if end == 0 {
-            // Not a path after all: a macro's repetition, a glob.
+            // Not a path: a macro repetition or a glob.
             *rest = rest.get(1..).unwrap_or_default();
             return visit(&path);
         }
@@ -176,8 +177,8 @@ fn expand(rest: &mut &str, base: &[String], visit: &mut dyn FnMut(&[String])) {
     }
 }
 
-/// Sets of files of which each leads back to itself.
-fn circles(imports: &Imports) -> Vec<Vec<String>> {
+/// Returns the strongly connected sets of modules.
+fn cycles(imports: &Imports) -> Vec<Vec<String>> {
     let reach = |from: &Vec<String>| {
         let mut seen = BTreeSet::new();
         let mut open = vec![from];

@@ -1,4 +1,4 @@
-//! The whole system: real processes, real shared memory, each test on a bus of its own.
+//! System tests: real processes and real shared memory, one private bus per test.
 
 mod architecture;
 mod arena;
@@ -8,8 +8,7 @@ mod determinism;
 mod explain;
 mod faults;
 mod features;
-mod fingers;
-mod follow;
+mod fingertips;
 mod foxglove;
 mod gate;
 mod guide;
@@ -26,4 +25,5 @@ mod servos;
 mod stopped;
 mod swarm;
 mod tasks;
+mod teleop;
 mod top;

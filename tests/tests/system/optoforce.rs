@@ -1,14 +1,14 @@
-//! A real sensor's bytes through the same daemon: an OptoForce stream, generated and, where it is at hand, recorded, fed
-//! through a pseudo-terminal in partial reads at the device's pace.
+//! Tests of an OptoForce byte stream with the daemon: generated and, if available, recorded data,
+//! in partial reads at the device's rate through a pseudo-terminal.
 
 use rustix::fd::OwnedFd;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{SensorStatus, Status, service};
 use std::time::{Duration, Instant};
-use system_tests::{Process, alone, shared, wait_for};
+use system_tests::{Process, lock_exclusive, shared_path, wait_for};
 
-/// The daemon's configuration for this unit (thresholds of the recording's description).
+/// Daemon configuration for this sensor; thresholds from the recording's description.
 const CONFIG: &str = "
 [robot]
 joints_required = false
@@ -23,9 +23,9 @@ element_force_n = 2000.0
 touch_on_n = 19.8
 touch_off_n = 9.9
 ";
-/// Touches of either stream.
+/// Touches in either stream.
 const TOUCHES: u64 = 5;
-/// The device sends 1000 frames of 16 bytes a second.
+/// The device sends 1000 frames of 16 bytes per second.
 const BYTES_PER_S: f64 = 16_000.0;
 
 fn pseudo_terminal() -> (OwnedFd, String) {
@@ -42,7 +42,7 @@ fn pseudo_terminal() -> (OwnedFd, String) {
     (master, name)
 }
 
-/// Writes all bytes at the device's pace, in pieces of 1 to 37 bytes that respect no frame's edge.
+/// Writes all bytes at the device's rate, in pieces of 1 to 37 bytes that ignore frame boundaries.
 fn feed(master: &OwnedFd, bytes: &[u8]) {
     let begin = Instant::now();
     let mut sent = 0;
@@ -57,7 +57,8 @@ fn feed(master: &OwnedFd, bytes: &[u8]) {
     }
 }
 
-/// Frames of a dome that is pressed five times for half a second, with noise; junk after every hundredth.
+/// Generates frames of a fingertip that is pressed five times for half a second, with noise and
+/// with junk after every hundredth frame.
 fn generated() -> (Vec<u8>, u64) {
     const FRAMES: u16 = 5_500;
     let mut stream = Vec::new();
@@ -67,7 +68,7 @@ fn generated() -> (Vec<u8>, u64) {
         (noise >> 30) as i16 - 1
     };
     for n in 0..FRAMES {
-        // The first half of every second is a press, after half a second of rest.
+        // A press in the first half of every second, after half a second of rest.
         let phase = f64::from((n + 500) % 1000) / 500.0;
         let press = if n >= 500 && phase < 1.0 {
             (200.0 * (phase * std::f64::consts::PI).sin()) as i16
@@ -82,7 +83,7 @@ fn generated() -> (Vec<u8>, u64) {
     (stream, FRAMES.into())
 }
 
-/// A data frame of one dome.
+/// Returns a data frame of one fingertip.
 fn frame(count: u16, forces: [i16; 3]) -> Vec<u8> {
     let mut bytes = vec![0xAA, 0x07, 0x08, 0x0A];
     let words = [count, 0].into_iter().chain(forces.map(i16::cast_unsigned));
@@ -93,21 +94,21 @@ fn frame(count: u16, forces: [i16; 3]) -> Vec<u8> {
 }
 
 #[test]
-fn a_stream_with_junk_reaches_the_daemon_without_loss_and_touches_five_times() {
+fn stream_with_junk_is_received_without_loss() {
     let (stream, frames) = generated();
     check(&stream, frames);
 }
 
 #[test]
-fn a_recorded_stream_reaches_the_daemon_without_loss_and_touches_five_times() {
-    if let Some(path) = shared("data/optoforce_wire/capture.bin") {
+fn recorded_stream_is_received_without_loss() {
+    if let Some(path) = shared_path("data/optoforce_wire/capture.bin") {
         check(&std::fs::read(path).expect("readable"), 34_374);
     }
 }
 
-/// Feeds the stream and counts what the daemon received and felt.
+/// Feeds the stream; checks the frames and touches that the daemon counted.
 fn check(stream: &[u8], frames: u64) {
-    let _alone = alone();
+    let _alone = lock_exclusive();
     let bus = FreshBus::new("opto");
     let folder = tempfile::TempDir::new().expect("a folder");
     let config = folder.path().join("atas.toml");

@@ -1,14 +1,16 @@
-//! The READMEs' own commands and claims.
+//! Tests of the commands and claims in the READMEs, the architecture page and the results page.
 
 use std::path::Path;
 use std::process::Command;
-use system_tests::{binary, in_virtual_time};
+use system_tests::{binary, lock_shared};
 
-fn readmes() -> String {
+fn texts() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let read = |path| std::fs::read_to_string(root.join(path)).expect("readable");
     let files = [
         "README.md",
+        "ARCHITECTURE.md",
+        "clients/guide/src/results.md",
         "clients/robots/README.md",
         "clients/swarm/README.md",
     ];
@@ -16,9 +18,9 @@ fn readmes() -> String {
 }
 
 #[test]
-fn every_command_of_the_readme_is_known_to_its_program() {
+fn readme_commands_have_known_options() {
     let mut seen = 0;
-    for line in readmes().lines() {
+    for line in texts().lines() {
         let Some(command) = line.strip_prefix("target/debug/") else {
             continue;
         };
@@ -47,10 +49,7 @@ fn every_command_of_the_readme_is_known_to_its_program() {
         let text = String::from_utf8_lossy(&help.stdout).into_owned();
         for flag in words.iter().filter(|w| w.starts_with("--")) {
             let flag = flag.split('=').next().unwrap_or(flag);
-            assert!(
-                text.contains(flag),
-                "{line}: the program does not know {flag}"
-            );
+            assert!(text.contains(flag), "{line}: unknown option {flag}");
         }
         seen += 1;
     }
@@ -58,11 +57,11 @@ fn every_command_of_the_readme_is_known_to_its_program() {
 }
 
 #[test]
-fn every_test_that_the_readme_names_exists() {
+fn named_tests_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .expect("the workspace");
-    let text = readmes();
+    let text = texts();
     let mut named = 0;
     for part in text.split('`').filter(|p| p.contains(".rs::")) {
         let (file, name) = part.split_once("::").expect("a file and a test");
@@ -74,14 +73,18 @@ fn every_test_that_the_readme_names_exists() {
         );
         named += 1;
     }
-    assert!(named > 5, "the README names the tests of its invariants");
+    assert!(
+        named > 5,
+        "ARCHITECTURE.md names the tests of the invariants"
+    );
 }
 
-/// Every row that a demo prints is one of the README's, to the last digit: lock-step is the same everywhere.
+/// Every row that a demo prints is on the results page, to the last digit: lock-step results do not
+/// depend on the machine.
 #[test]
-fn the_demos_come_out_as_the_readme_shows_them() {
-    let _shared = in_virtual_time();
-    let readme = readmes();
+fn demo_results_match_results_page() {
+    let _shared = lock_shared();
+    let readme = texts();
     let shown: Vec<Vec<&str>> = readme.lines().map(words).collect();
     let check = |demo: &str, rows: usize| {
         let output = Command::new(binary("atas"))
@@ -91,7 +94,7 @@ fn the_demos_come_out_as_the_readme_shows_them() {
             .output()
             .expect("it starts");
         let printed = String::from_utf8(output.stdout).expect("UTF-8");
-        // Below the rule; what is too long for a line goes on below an empty first column.
+        // Rows below the rule. Continuation lines have an empty first column.
         let below = printed.lines().skip_while(|line| !line.starts_with('─'));
         let table: Vec<Vec<&str>> = below
             .skip(1)
@@ -101,7 +104,7 @@ fn the_demos_come_out_as_the_readme_shows_them() {
         assert_eq!(table.len(), rows, "{printed}");
         for row in table {
             let is_shown = shown.iter().any(|line| line.starts_with(&row));
-            assert!(is_shown, "demo {demo}: the README has no {row:?}");
+            assert!(is_shown, "demo {demo}: the results page has no {row:?}");
         }
     };
     check("grasp --all", 8);

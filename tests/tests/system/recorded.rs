@@ -7,21 +7,21 @@ use rustix::process::Signal;
 use shm_bus::FreshBus;
 use system_tests::{Process, binary, wait_for};
 
-/// Exit codes, and what the recorder said.
+/// Exit codes and the recorder's log.
 pub(crate) struct Recorded {
     pub(crate) goal: Option<i32>,
     recorder: Option<i32>,
     log: String,
 }
 
-/// Lets the right hand grasp this object and records it without a loss; the exit code of the goal.
+/// Records a grasp with the right hand without data loss; returns the goal's exit code.
 pub(crate) fn grasp(object: &str, file: &str) -> Option<i32> {
     let recorded = record(object, file);
     assert_eq!(recorded.recorder, Some(0), "{}", recorded.log);
     recorded.goal
 }
 
-/// Lets the right hand grasp this object and records what can be recorded.
+/// Records a grasp with the right hand; data loss is permitted.
 pub(crate) fn record(object: &str, file: &str) -> Recorded {
     let bus = FreshBus::new("recorded");
     let name = bus.as_str();

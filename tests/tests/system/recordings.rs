@@ -1,7 +1,8 @@
-//! Recordings of every task, of faults and of what users do in between: each replays bit for bit, whatever became of the
-//! run. And recorders that are ended by a full disk or by `kill -9`: what was flushed is recovered, the daemon goes on.
+//! Tests that recordings replay bit for bit: every task, faults, and user interventions, whether
+//! the goal succeeds or fails.
 //!
-//! In lock-step, over the real bus, with the real recorder.
+//! Also tests recorders that a full disk or `kill -9` ends: flushed data are recovered and the
+//! daemon continues. Runs in lock-step over the real bus with the real recorder.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -10,21 +11,22 @@ use rustix::process::Signal;
 use serde_json::Value;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{Status, service};
-use system_tests::{Process, alone, binary, wait_for};
+use system_tests::{Process, binary, lock_exclusive, wait_for};
 
-/// A grasp of what stands before the right hand, held only for a moment.
+/// A short grasp of the object in front of the right hand.
 const GRASP: &str = "grasp --at 0.32,-0.15,0.0345 --width 50 --lift 10 --hold 0.05";
-/// The same for as long as anybody watches.
+/// A grasp of the same object, held for an hour.
 const HOLD: &str = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 3600";
 
-/// Exit code, last line of standard output as JSON, and standard error.
+/// Runs `atas`; returns the exit code, the last line of standard output as JSON, and standard
+/// error.
 fn atas(arguments: &str) -> (i32, Value, String) {
     let output = Command::new(binary("atas"))
         .args(arguments.split_whitespace())
         .env_remove("ATAS_BUS")
         .env_remove("RUST_LOG")
         .output()
-        .expect("it starts");
+        .expect("atas starts");
     let text = String::from_utf8_lossy(&output.stdout);
     let value = text.lines().last().unwrap_or_default();
     (
@@ -34,7 +36,7 @@ fn atas(arguments: &str) -> (i32, Value, String) {
     )
 }
 
-/// A recorder that was there first, a simulator, a daemon. The bus goes last.
+/// A recorder, which starts first, a simulator and a daemon. The bus is dropped last.
 struct Rig {
     recorder: Process,
     daemon: Process,
@@ -45,15 +47,19 @@ struct Rig {
 }
 
 impl Rig {
-    /// `recorder` is given the words of a recorder into this file, and starts it.
-    fn with(scene: &str, control: &str, recorder: impl FnOnce(&[&str]) -> Process) -> Self {
+    /// Starts the processes. `recorder` starts the recorder with the given arguments.
+    fn with_recorder(
+        scene: &str,
+        control: &str,
+        recorder: impl FnOnce(&[&str]) -> Process,
+    ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("run.mcap");
         let bus = FreshBus::new("tape");
         let name = bus.as_str();
         let out = file.to_str().expect("UTF-8");
         let recorder = recorder(&["record", "--format", "json", "--bus", name, "--out", out]);
-        // The file is made after the ports are open.
+        // The recorder creates the file after it has opened its ports.
         wait_for("the recorder", || file.exists().then_some(()));
         let simulate = words("run --lockstep --bus", &[name], scene);
         let simulator = Process::start("atas-sim", &simulate);
@@ -76,7 +82,7 @@ impl Rig {
     }
 
     fn new(scene: &str, control: &str) -> Self {
-        Self::with(scene, control, |words| Process::start("atas", words))
+        Self::with_recorder(scene, control, |words| Process::start("atas", words))
     }
 
     fn ask(&self, command: &str) -> (i32, Value, String) {
@@ -86,13 +92,13 @@ impl Rig {
         ))
     }
 
-    /// A command that goes on beside the test.
-    fn begin(&self, command: &str) -> Process {
+    /// Starts a command that runs in parallel with the test.
+    fn start_client(&self, command: &str) -> Process {
         Process::start("atas", &words(command, &["--bus", self.bus.as_str()], ""))
     }
 
-    /// Lets the daemon tick so often from now on.
-    fn let_pass(&self, ticks: u64) {
+    /// Waits for this number of daemon ticks.
+    fn wait_ticks(&self, ticks: u64) {
         let bus = Bus::open(&self.bus, "watch", Realtime::No).expect("a bus");
         let mut statuses = bus.subscriber(service::STATUS).expect("a subscriber");
         let mut status = Status::default();
@@ -107,7 +113,7 @@ impl Rig {
         });
     }
 
-    /// Ends daemon and recorder in order; the file.
+    /// Ends daemon and recorder in order; returns the file.
     fn end(&mut self) -> &Path {
         self.daemon.signal(Signal::TERM);
         assert_eq!(self.daemon.wait().code(), Some(0), "the daemon");
@@ -125,21 +131,21 @@ fn words<'a>(before: &'a str, middle: &[&'a str], after: &'a str) -> Vec<&'a str
     words
 }
 
-/// Ticks that replayed, every one to the bit.
-fn replayed(what: &str, file: &Path) -> u64 {
-    let (code, told, stderr) = atas(&format!("replay {} --format json", file.display()));
+/// Replays a file, asserts that no tick differs, and returns the number of ticks.
+fn replayed_ticks(what: &str, file: &Path) -> u64 {
+    let (code, printed, stderr) = atas(&format!("replay {} --format json", file.display()));
     assert_eq!(
-        (code, &told["different"]),
+        (code, &printed["different"]),
         (0, &0.into()),
-        "{what}: {told} {stderr}"
+        "{what}: {printed} {stderr}"
     );
-    told["ticks"].as_u64().expect("a count")
+    printed["ticks"].as_u64().expect("a count")
 }
 
-/// One recording: the simulator's words, the daemon's, and what users do.
+/// One recording: name, simulator arguments, daemon arguments, user actions.
 type Case = (&'static str, &'static str, &'static str, fn(&Rig));
 
-/// Runs a command to its end, whatever that is: refused and failed goals are recorded as well.
+/// Runs a command to its end. Rejected and failed goals are recorded as well.
 fn run(rig: &Rig, command: &str) {
     let (code, _, stderr) = rig.ask(command);
     assert!(matches!(code, 0 | 4), "{command}: {code} {stderr}");
@@ -149,8 +155,8 @@ fn grasp(rig: &Rig) {
     run(rig, GRASP);
 }
 
-fn grasp_in_doubt(rig: &Rig) {
-    // Doubt pauses the goal, and fails it when it stays.
+fn grasp_with_timeout(rig: &Rig) {
+    // HOLD pauses the goal; if HOLD persists, the goal fails.
     run(rig, &format!("{GRASP} --timeout 5"));
 }
 
@@ -184,63 +190,63 @@ const CASES: &[Case] = &[
     ("assembly", "--scene assembly", "", |rig| {
         run(rig, "assemble")
     }),
-    ("a goal that is refused", "--object wood", "", |rig| {
+    ("a rejected goal", "--object wood", "", |rig| {
         run(rig, "pick-place --to 0.9,0");
         run(rig, GRASP);
     }),
-    ("a goal that is cancelled", "--object wood", "", |rig| {
-        let mut goal = rig.begin(HOLD);
-        rig.let_pass(3000);
+    ("a cancelled goal", "--object wood", "", |rig| {
+        let mut goal = rig.start_client(HOLD);
+        rig.wait_ticks(3000);
         goal.signal(Signal::INT);
         goal.wait();
         run(rig, "release");
     }),
-    ("a client that is killed", "--object wood", "", |rig| {
-        let mut goal = rig.begin(&format!("{HOLD} --attached"));
-        rig.let_pass(2000);
+    ("a killed client", "--object wood", "", |rig| {
+        let mut goal = rig.start_client(&format!("{HOLD} --attached"));
+        rig.wait_ticks(2000);
         goal.signal(Signal::KILL);
         goal.wait();
         run(rig, "release");
     }),
-    ("parameters that change", "--object wood", "", |rig| {
-        let mut goal = rig.begin(HOLD);
-        rig.let_pass(500);
+    ("changed parameters", "--object wood", "", |rig| {
+        let mut goal = rig.start_client(HOLD);
+        rig.wait_ticks(500);
         for (name, value) in [
             ("grasp.approach_m_s", "0.003"),
             ("grasp.dr_n", "0.07"),
             ("perception.touch_on_n", "0.06"),
         ] {
             run(rig, &format!("param set {name} {value}"));
-            rig.let_pass(300);
+            rig.wait_ticks(300);
         }
         goal.signal(Signal::INT);
         goal.wait();
     }),
     (
-        "settings of its own",
+        "non-default settings",
         "--object wood",
         "--set grasp.approach_m_s=0.004 --set grasp.dr_n=0.06",
         grasp,
     ),
     ("a stop and a recovery", "--object wood", "", |rig| {
-        let mut goal = rig.begin(HOLD);
-        rig.let_pass(1500);
+        let mut goal = rig.start_client(HOLD);
+        rig.wait_ticks(1500);
         run(rig, "estop");
         goal.wait();
         run(rig, "recover");
         run(rig, "release");
     }),
     (
-        "a short silence",
+        "a short frame loss",
         "--object wood --fault drop=1@3+0.004:right",
         "",
         grasp,
     ),
     (
-        "a gap",
+        "a long frame loss",
         "--object wood --fault drop=1@3+0.02:right",
         "",
-        grasp_in_doubt,
+        grasp_with_timeout,
     ),
     (
         "duplicates",
@@ -265,7 +271,7 @@ const CASES: &[Case] = &[
         "many NaN",
         "--object wood --fault nan=20@3:right",
         "",
-        grasp_in_doubt,
+        grasp_with_timeout,
     ),
     (
         "a huge reading",
@@ -277,18 +283,18 @@ const CASES: &[Case] = &[
         "frozen frames",
         "--object wood --fault freeze@3:right",
         "",
-        grasp_in_doubt,
+        grasp_with_timeout,
     ),
 ];
 
 #[test]
-fn every_recording_replays_to_the_bit() {
-    let _alone = alone();
+fn recordings_replay_bit_exactly() {
+    let _alone = lock_exclusive();
     let mut ticks = 0;
     for (name, scene, control, script) in CASES {
         let mut rig = Rig::new(scene, control);
         script(&rig);
-        let count = replayed(name, rig.end());
+        let count = replayed_ticks(name, rig.end());
         assert!(count > 100, "{name}: {count} ticks");
         ticks += count;
     }
@@ -299,7 +305,8 @@ fn every_recording_replays_to_the_bit() {
     );
 }
 
-/// Checks what a recorder that ended suddenly left behind, repairs it, and replays what was saved.
+/// Checks the file of a recorder that was killed, repairs it, replays it, and returns the number of
+/// ticks.
 fn recover(file: &Path) -> u64 {
     let path = file.display();
     let (code, _, stderr) = atas(&format!("record check {path}"));
@@ -310,15 +317,19 @@ fn recover(file: &Path) -> u64 {
     let whole = file.with_file_name("whole.mcap");
     let (code, _, stderr) = atas(&format!("record repair {path} --out {}", whole.display()));
     assert_eq!(code, 0, "{stderr}");
-    let (code, told, stderr) = atas(&format!("record check {} --format json", whole.display()));
-    assert_eq!((code, &told["lost"]), (0, &0.into()), "{told} {stderr}");
-    replayed("repaired", &whole)
+    let (code, printed, stderr) = atas(&format!("record check {} --format json", whole.display()));
+    assert_eq!(
+        (code, &printed["lost"]),
+        (0, &0.into()),
+        "{printed} {stderr}"
+    );
+    replayed_ticks("repaired", &whole)
 }
 
 #[test]
-fn every_file_of_a_run_replays_by_itself() {
-    let _alone = alone();
-    let mut rig = Rig::with("--object wood", "", |record| {
+fn each_file_of_split_recording_replays() {
+    let _alone = lock_exclusive();
+    let mut rig = Rig::with_recorder("--object wood", "", |record| {
         let bounds = ["--max-size", "1M", "--max-files", "3"];
         Process::start("atas", &[record, &bounds[..]].concat())
     });
@@ -329,20 +340,23 @@ fn every_file_of_a_run_replays_by_itself() {
         .map(|entry| entry.expect("readable").path())
         .collect();
     assert_eq!(files.len(), 3, "{files:?}");
-    assert!(!files.contains(&rig.file), "the run's beginning is gone");
+    assert!(
+        !files.contains(&rig.file),
+        "the oldest file of the run is deleted"
+    );
     for file in files {
-        let ticks = replayed("a file of a run", &file);
+        let ticks = replayed_ticks("a file of a run", &file);
         assert!(ticks > 0, "{}", file.display());
     }
 }
 
 #[test]
-fn what_a_killed_recorder_flushed_is_recovered() {
-    let _alone = alone();
+fn data_of_killed_recorder_is_recovered() {
+    let _alone = lock_exclusive();
     let mut rig = Rig::new("--object wood", "");
-    let _goal = rig.begin(HOLD);
-    // More than is ever held back.
-    rig.let_pass(3000);
+    let _goal = rig.start_client(HOLD);
+    // More than the recorder buffers.
+    rig.wait_ticks(3000);
     wait_for("a flush", || {
         (std::fs::metadata(&rig.file).ok()?.len() > 64 << 10).then_some(())
     });
@@ -350,14 +364,14 @@ fn what_a_killed_recorder_flushed_is_recovered() {
     rig.recorder.wait();
     let saved = recover(&rig.file);
     assert!(saved > 500, "{saved} ticks");
-    // The daemon does not notice.
-    rig.let_pass(500);
+    // The daemon is unaffected.
+    rig.wait_ticks(500);
 }
 
 #[test]
-fn a_full_disk_ends_the_recorder_with_a_word_and_nothing_else() {
-    let _alone = alone();
-    // A bound on the size of files, whose signal is ignored, is told to a program like a disk that is full.
+fn full_disk_ends_only_the_recorder() {
+    let _alone = lock_exclusive();
+    // A file size limit with its signal ignored looks like a full disk to the program.
     let bounded = |words: &[&str]| {
         let program = binary("atas");
         let script = "trap '' XFSZ; ulimit -f 1024; exec \"$@\"";
@@ -365,14 +379,14 @@ fn a_full_disk_ends_the_recorder_with_a_word_and_nothing_else() {
         let arguments = [&["-c", script, "sh", program], words].concat();
         Process::start_program(Path::new("sh"), &arguments)
     };
-    let mut rig = Rig::with("--object wood", "", bounded);
-    let _goal = rig.begin(HOLD);
+    let mut rig = Rig::with_recorder("--object wood", "", bounded);
+    let _goal = rig.start_client(HOLD);
     let code = rig.recorder.wait().code();
-    let said = rig.recorder.log();
+    let message = rig.recorder.log();
     assert!(
-        code == Some(1) && said.contains("could not write"),
-        "{code:?} {said}"
+        code == Some(1) && message.contains("could not write"),
+        "{code:?} {message}"
     );
-    assert!(recover(&rig.file) > 10, "{said}");
-    rig.let_pass(500);
+    assert!(recover(&rig.file) > 10, "{message}");
+    rig.wait_ticks(500);
 }

@@ -1,26 +1,26 @@
-//! What a simulated hand felt, recorded: played by `atas-sensor replay` to another daemon, and judged by labels.
+//! Tests of recorded frames: `atas-sensor replay` to another daemon, and evaluation against labels.
 
 use serde_json::Value;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{Status, service};
-use system_tests::{Process, alone, binary, wait_for};
+use system_tests::{Process, binary, lock_exclusive, wait_for};
 
 use crate::recorded;
 
-/// A daemon that only feels; the layout is the one that hands have by default.
+/// Configuration of a daemon without joints; the default sensor layout.
 const CONFIG: &str = "
 [robot]
 joints_required = false
 [hands.left]
 required = false
-# A machine that is taken away between the tick's clock and its intake sees frames of later: of what is tested, none is lost.
+# A busy machine may suspend the daemon between clock and intake; new frames then look like future ones.
 [intake]
 future_s = 0.1
 ";
 
 #[test]
-fn a_daemon_feels_a_recorded_grasp_without_loss() {
-    let _alone = alone();
+fn daemon_receives_replayed_grasp_without_loss() {
+    let _alone = lock_exclusive();
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let file = path("run.mcap");
@@ -62,12 +62,12 @@ fn a_daemon_feels_a_recorded_grasp_without_loss() {
 }
 
 #[test]
-fn a_recorded_grasp_is_judged_by_a_table_of_spans() {
+fn recorded_grasp_is_evaluated_by_labels() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let file = path("run.mcap");
     assert_eq!(recorded::grasp("wood", &file), Some(0));
-    // Before it is touched nothing moves; while it is lifted its weight comes on the fingertips.
+    // The object is untouched before the second span's end; the lift loads the fingertips.
     let spans = "from_s,to_s,label,hand\n0,2,stable,right\n2,4,stable,right\n4.7,8,moving,right\n";
     std::fs::write(path("run.csv"), spans).expect("writable");
     let output = std::process::Command::new(binary("atas"))
@@ -85,7 +85,7 @@ fn a_recorded_grasp_is_judged_by_a_table_of_spans() {
         .expect("it starts");
     let text = String::from_utf8_lossy(&output.stdout);
     let verdict: Value = serde_json::from_str(&text).unwrap_or_default();
-    // Three spans of two fingertips.
+    // Three spans, two fingertips.
     assert_eq!(
         (&verdict["judged"], &verdict["n"]),
         (&"slip".into(), &6.into()),

@@ -1,15 +1,15 @@
-//! The grip outlives processes: a daemon that is killed, ended, stopped or reloaded while an object hangs in the hand finds it
-//! there again, with real processes, real signals and real time.
+//! Tests that the grip survives the daemon: after a kill, an orderly end, a stop or a reload during
+//! a grasp, the object stays in the hand. Real processes, signals and time.
 
 use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
 use shm_schemas::{JointCommand, WorldTruth, service};
-use system_tests::{Process, alone, wait_for};
+use system_tests::{Process, lock_exclusive, wait_for};
 
-/// How long an object must stay in the hand after what happened, of simulated time, ns.
+/// Time for which the object must stay in the hand after the interruption, simulated ns.
 const AFTER_NS: u64 = 1_000_000_000;
-/// Height above which it counts as hanging, m.
-const HANGING_M: f64 = 0.01;
+/// Height above which the object counts as lifted, m.
+const LIFTED_M: f64 = 0.01;
 
 /// A hand that lifts an object.
 struct Rig {
@@ -23,7 +23,7 @@ struct Rig {
 }
 
 fn daemon(bus: &FreshBus) -> Process {
-    // A machine may be busy, and that is not what is tested.
+    // Long timeouts: a busy machine must not cause a HOLD.
     let set = |key: &'static str| ["--set", key];
     let patient = [
         set("intake.hold_age_s=0.3"),
@@ -65,8 +65,8 @@ impl Rig {
         }
     }
 
-    /// Lets the world go on until its truth is as wanted.
-    fn until(&mut self, what: &str, wanted: impl Fn(&WorldTruth) -> bool) {
+    /// Waits until the ground truth fulfils a condition.
+    fn wait_until(&mut self, what: &str, wanted: impl Fn(&WorldTruth) -> bool) {
         let Self { truths, truth, .. } = self;
         wait_for(what, || {
             truths.newest(truth).expect("readable");
@@ -75,18 +75,18 @@ impl Rig {
     }
 
     fn until_lifted(&mut self, metres: f64) {
-        self.until("the object to be lifted", |t| {
+        self.wait_until("the object to be lifted", |t| {
             t.objects[0].lifted_m > metres
         });
     }
 
-    /// How much the object may be pressed with, as the daemon commands it now, N.
+    /// Returns the grip force limit that the daemon commands now, N.
     fn limit_n(&mut self) -> f64 {
         let commands = &mut self.commands;
         let mut command = JointCommand::default();
-        // What waits may be of a daemon that is gone.
+        // A queued command may come from a previous daemon.
         commands.newest(&mut command).expect("readable");
-        wait_for("a command about a grip", || {
+        wait_for("a command with a grip limit", || {
             let came = commands.newest(&mut command).expect("readable");
             let limit_n = command.grip_limit_n[1];
             (came && limit_n > 0.0).then_some(limit_n)
@@ -98,7 +98,7 @@ impl Rig {
         assert_eq!(asked.wait().code(), Some(0), "atas {word}: {}", asked.log());
     }
 
-    /// Ends the daemon by a signal, and starts its successor.
+    /// Ends the daemon with a signal and starts the next one.
     fn replace(&mut self, signal: Signal) {
         self.daemon.signal(signal);
         self.daemon.wait();
@@ -107,17 +107,17 @@ impl Rig {
 
     fn assert_kept(&mut self, what: &str) {
         let until_ns = self.truth.stamp.captured_ns + AFTER_NS;
-        self.until(what, |truth| truth.stamp.captured_ns >= until_ns);
+        self.wait_until(what, |truth| truth.stamp.captured_ns >= until_ns);
         let object = &self.truth.objects[0];
         assert_eq!((object.dropped, object.crushed), (0, 0), "{what}");
-        assert!(object.lifted_m > HANGING_M, "{what}: {} m", object.lifted_m);
+        assert!(object.lifted_m > LIFTED_M, "{what}: {} m", object.lifted_m);
     }
 }
 
-/// What happens to a daemon, in words and by hand.
+/// Name and action of an interruption of the daemon.
 type Interruption = (&'static str, fn(&mut Rig));
 
-/// What happens to a daemon.
+/// Interruptions of the daemon.
 const INTERRUPTIONS: [Interruption; 4] = [
     ("killed", |rig| rig.replace(Signal::KILL)),
     ("ended", |rig| rig.replace(Signal::TERM)),
@@ -129,8 +129,8 @@ const INTERRUPTIONS: [Interruption; 4] = [
 ];
 
 #[test]
-fn an_object_in_the_hand_stays_there_whatever_happens_to_the_daemon() {
-    let _alone = alone();
+fn object_stays_in_hand_through_daemon_interruptions() {
+    let _alone = lock_exclusive();
     let mut held = Rig::new(("wood", "0.32,-0.15,0.0345", "50"));
     held.until_lifted(0.035);
     let borne_n = held.limit_n();

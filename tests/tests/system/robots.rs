@@ -1,5 +1,6 @@
-//! Other robots than the two-hand arm, through the command line and on the bus: what each can do it does, what it cannot is
-//! refused by name, a robot file of a user's own is one like those that ship, and a recording of one replays.
+//! Tests of other robots than the two-hand arm, on the command line and on the bus: each robot
+//! performs the tasks that it can, and other tasks are rejected. User robot files work like the
+//! built-in ones, and their recordings replay.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -7,9 +8,10 @@ use std::process::{Command, Stdio};
 use robot_model::SHIPPED;
 use serde_json::Value;
 use shm_bus::FreshBus;
-use system_tests::{Process, binary, in_virtual_time, wait_for};
+use system_tests::{Process, binary, lock_shared, wait_for};
 
-/// Exit code, last line of standard output as JSON, and standard error.
+/// Runs `atas`; returns the exit code, the last line of standard output as JSON, and standard
+/// error.
 fn atas(arguments: &str) -> (i32, Value, String) {
     let output = Command::new(binary("atas"))
         .args(arguments.split_whitespace())
@@ -34,7 +36,7 @@ fn listed() -> Vec<Value> {
 }
 
 #[test]
-fn those_that_ship_are_listed_with_what_they_can_do() {
+fn built_in_robots_are_listed_with_tasks() {
     let robots = listed();
     let names: Vec<&str> = robots
         .iter()
@@ -46,28 +48,28 @@ fn those_that_ship_are_listed_with_what_they_can_do() {
 }
 
 #[test]
-fn each_does_in_a_demo_what_it_can() {
-    let _shared = in_virtual_time();
+fn demos_succeed_for_supported_tasks() {
+    let _shared = lock_shared();
     for robot in listed().iter().skip(1) {
         for task in robot["tasks"].as_array().expect("tasks") {
             let (task, name) = (
                 task.as_str().expect("a name"),
                 robot["name"].as_str().expect("a name"),
             );
-            let (code, told, error) = atas(&format!(
+            let (code, printed, error) = atas(&format!(
                 "demo {task} --robot {name} --lockstep --format json"
             ));
             assert_eq!(
-                (code, &told["as_expected"]),
+                (code, &printed["as_expected"]),
                 (0, &Value::Bool(true)),
-                "{task} {name}: {told} {error}"
+                "{task} {name}: {printed} {error}"
             );
         }
     }
 }
 
 #[test]
-fn what_a_robot_cannot_do_is_refused_by_name() {
+fn unsupported_task_is_rejected_by_name() {
     let check = |arguments: &str, part: &str| {
         let (code, _, error) = atas(arguments);
         assert_eq!(code, 2, "{arguments}: {error}");
@@ -75,25 +77,26 @@ fn what_a_robot_cannot_do_is_refused_by_name() {
     };
     check(
         "demo pick-place --robot test-bench",
-        "could not try pick-place because the robot's hand cannot do it",
+        "could not run pick-place: the robot's hand cannot do this task",
     );
-    check("demo screw --robot three-finger", "could not try screw");
+    check("demo screw --robot three-finger", "could not run screw");
     check(
         "demo grasp --robot no-such",
         "needs one of two-hand-arm, arm7-gripper, three-finger, test-bench",
     );
     check(
         "robot check arm.urdf",
-        "needs the robot file (.toml) that names it",
+        "needs a robot file (.toml) that names this URDF",
     );
 }
 
-/// The test bench as a user's own: its files copied, the URDF under another name.
+/// Copies the test bench to a folder as a user robot, with another URDF name; returns the robot
+/// file.
 fn own_robot(folder: &Path) -> String {
     let bench = SHIPPED
         .into_iter()
         .find(|files| files.name == "test-bench")
-        .expect("it ships");
+        .expect("the robot is built in");
     std::fs::write(folder.join("drawing.urdf"), bench.urdf.as_bytes()).expect("written");
     let file = folder.join("mine.toml");
     let text = format!("urdf = \"drawing.urdf\"\n{}", bench.robot_file);
@@ -102,24 +105,24 @@ fn own_robot(folder: &Path) -> String {
 }
 
 #[test]
-fn a_robot_file_of_ones_own_is_checked_and_drawn() {
+fn user_robot_file_is_checked_and_drawn() {
     let folder = tempfile::tempdir().expect("a folder");
     let (file, picture) = (own_robot(folder.path()), folder.path().join("mine.svg"));
-    let (code, told, error) = atas(&format!(
+    let (code, printed, error) = atas(&format!(
         "robot check {file} --out {} --format json",
         picture.display()
     ));
     assert_eq!(code, 0, "{error}");
-    assert_eq!(told["tasks"], serde_json::json!(["grasp"]), "{told}");
+    assert_eq!(printed["tasks"], serde_json::json!(["grasp"]), "{printed}");
     assert!(
-        told["hands"][0]["workspace"]["z_m"][1].as_f64() > Some(0.1),
-        "{told}"
+        printed["hands"][0]["workspace"]["z_m"][1].as_f64() > Some(0.1),
+        "{printed}"
     );
     let svg = std::fs::read_to_string(picture).expect("a picture");
     for view in ["front", "side", "above"] {
-        assert!(svg.contains(view), "no view from the {view}");
+        assert!(svg.contains(view), "the picture has no {view} view");
     }
-    // Everything at once, each with its place.
+    // All errors are reported at once, each with its location.
     let text = std::fs::read_to_string(&file).expect("readable");
     let spoilt = text
         .replace("\"left_tip\"", "\"no_tip\"")
@@ -136,9 +139,9 @@ fn a_robot_file_of_ones_own_is_checked_and_drawn() {
     );
 }
 
-/// The picture in the folder of each robot that ships is what the command draws now.
+/// The picture in each built-in robot's folder equals the current output of the command.
 #[test]
-fn the_pictures_of_those_that_ship_are_up_to_date() {
+fn built_in_robot_pictures_are_current() {
     let folder = tempfile::tempdir().expect("a folder");
     for files in SHIPPED {
         let (name, drawn) = (&files.name, folder.path().join("robot.svg"));
@@ -152,29 +155,30 @@ fn the_pictures_of_those_that_ship_are_up_to_date() {
         let [drawn, kept] = [&drawn, &kept].map(|path| std::fs::read(path).expect("readable"));
         assert!(
             drawn == kept,
-            "robot.svg of {name} is not what `atas robot check {name} --out` draws; draw it again"
+            "robot.svg of {name} is outdated; run `atas robot check {name} --out` to draw it again"
         );
     }
 }
 
-/// A robot that has only a left hand acts with that.
+/// A robot with only a left hand acts with the left hand.
 #[test]
-fn a_left_hand_alone_grasps() {
-    let _shared = in_virtual_time();
+fn robot_with_only_left_hand_grasps() {
+    let _shared = lock_shared();
     let folder = tempfile::tempdir().expect("a folder");
     let file = own_robot(folder.path());
     let text = std::fs::read_to_string(&file).expect("readable");
     std::fs::write(&file, text.replace("[hands.right]", "[hands.left]")).expect("written");
-    let (code, told, error) = atas(&format!(
+    let (code, printed, error) = atas(&format!(
         "demo grasp --robot {file} --lockstep --format json"
     ));
     let wanted = (0, &Value::Bool(true));
-    assert_eq!((code, &told["as_expected"]), wanted, "{told} {error}");
+    assert_eq!((code, &printed["as_expected"]), wanted, "{printed} {error}");
 }
 
-/// Daemon and simulator with a robot file of a user's own, recorded; the daemon's refusals name what the hand lacks.
+/// Runs daemon and simulator with a user robot and records a grasp; goals for a missing hand are
+/// rejected.
 #[test]
-fn a_recording_of_ones_own_robot_replays() {
+fn recording_of_user_robot_replays() {
     let folder = tempfile::tempdir().expect("a folder");
     let (robot, out) = (own_robot(folder.path()), folder.path().join("run.mcap"));
     let out_text = out.to_str().expect("UTF-8");
@@ -212,22 +216,22 @@ fn a_recording_of_ones_own_robot_replays() {
         (atas(&format!("status --bus {name} --format json")).0 == 0).then_some(())
     });
     let goal = "--at 0.3,0,0.0345 --width 50 --lift 10 --hold 0.05 --format json";
-    let (code, told, error) = atas(&format!("grasp --bus {name} {goal}"));
+    let (code, printed, error) = atas(&format!("grasp --bus {name} {goal}"));
     assert_eq!(
-        (code, &told["state"]),
+        (code, &printed["state"]),
         (0, &Value::from("succeeded")),
-        "{told} {error}"
+        "{printed} {error}"
     );
-    let (code, told, _) = atas(&format!("grasp --bus {name} --hand left {goal}"));
+    let (code, printed, _) = atas(&format!("grasp --bus {name} --hand left {goal}"));
     assert!(
-        code != 0 && told["reason"].to_string().contains("no left hand"),
-        "{told}"
+        code != 0 && printed["reason"].to_string().contains("no left hand"),
+        "{printed}"
     );
     daemon.signal(rustix::process::Signal::TERM);
     daemon.wait();
     recorder.signal(rustix::process::Signal::INT);
     assert!(recorder.wait().success(), "{}", recorder.log());
-    // The recording carries the robot: it replays where the robot's own files are gone.
+    // The recording contains the robot, so it replays without the robot's files.
     std::fs::remove_file(&robot).expect("removed");
     let (code, _, error) = atas(&format!("replay {out_text}"));
     assert_eq!(code, 0, "{error}");

@@ -1,5 +1,5 @@
-//! Real servos, as far as there are none: `atas-robot` in front of servos that are played, and the daemon; and the vendors' own
-//! clients in front of the same servos.
+//! Tests of `atas-robot` and the daemon with emulated servos, and of the emulator with the vendors'
+//! clients.
 
 mod vendor;
 
@@ -9,17 +9,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use atas_robots::emulator::{Chain, Planned};
-use robot_model::{RobotModel, Side};
+use atas_robots::emulator::{Chain, PlannedServo};
+use robot_model::{HandSide, RobotModel};
 use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Publisher, Realtime, Subscriber, now_ns};
 use shm_schemas::{
     Hand, HandFrame, JointCommand, JointState, Layout, Mode, Stamp, Status, service,
 };
 use sim_backend::home_rad;
-use system_tests::{Process, alone, wait_for};
+use system_tests::{Process, lock_exclusive, wait_for};
 
-/// The servos' bus is slow and the machine may be busy: neither is what is tested.
+/// Long timeouts: the servo bus is slow and the machine may be busy.
 const CONFIG: &str = "
 [intake]
 hold_age_s = 0.4
@@ -30,19 +30,19 @@ valid_s = 0.1
 pause_s = 10.0
 following_floor_rad = 0.5
 ";
-/// Servos per hand, a step of their encoders, and the angle of each shaft where its joint is at 0.
-const HAND: usize = 11;
+/// Servos per hand, encoder step, and shaft angle at joint position 0.
+const SERVOS_PER_HAND: usize = 11;
 const STEP_RAD: f64 = core::f64::consts::TAU / 4096.0;
 const ZERO_RAD: f64 = core::f64::consts::PI;
 
-/// Servos of both hands in the robot's home posture, and their map.
+/// Starts the servos of both hands in the home posture; returns them and the path of their map.
 fn servos(folder: &Path) -> (Vec<Chain>, String) {
     let robot = RobotModel::two_hand_arm().expect("a robot");
-    let home_rad = home_rad(&robot).expect("it gets there");
+    let home_rad = home_rad(&robot).expect("the home posture is reachable");
     let mut map = String::new();
-    let chains = Side::BOTH.map(|side| {
+    let chains = HandSide::BOTH.map(|side| {
         let joints = robot.hand(side).joints().iter().zip(1..);
-        let planned = joints.clone().map(|(_, id)| Planned {
+        let planned = joints.clone().map(|(_, id)| PlannedServo {
             id,
             model: "xm430-w350".to_owned(),
             position_rad: ZERO_RAD + home_rad[robot.joint_range(side).start + usize::from(id) - 1],
@@ -65,13 +65,13 @@ fn servos(folder: &Path) -> (Vec<Chain>, String) {
     (chains.into(), path.to_str().expect("UTF-8").to_owned())
 }
 
-/// Fingertips that feel nothing but noise, at about 1 kHz, on a thread of their own.
-struct Fingertips {
+/// Thread that publishes unloaded, noisy frames of both hands at about 1 kHz.
+struct FrameSource {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Fingertips {
+impl FrameSource {
     fn start(bus: &FreshBus) -> Self {
         let stop = Arc::new(AtomicBool::new(false));
         let (until, name) = (Arc::clone(&stop), (**bus).clone());
@@ -96,11 +96,11 @@ impl Fingertips {
     }
 }
 
-impl Drop for Fingertips {
+impl Drop for FrameSource {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            // If it panicked, the test has failed already for want of frames.
+            // If the thread panicked, the test has already failed without frames.
             let _ = thread.join();
         }
     }
@@ -127,7 +127,7 @@ fn frame(sequence: u64, hand: Hand) -> HandFrame {
     frame
 }
 
-/// What is seen from outside.
+/// Latest status, joint state and command of the bus.
 struct Observer {
     statuses: Subscriber<Status>,
     states: Subscriber<JointState>,
@@ -138,7 +138,7 @@ struct Observer {
 }
 
 impl Observer {
-    fn on(bus: &FreshBus) -> Self {
+    fn new(bus: &FreshBus) -> Self {
         let node = Bus::open(bus, "observer", Realtime::No).expect("a bus");
         Self {
             statuses: node.subscriber(service::STATUS).expect("room"),
@@ -150,28 +150,28 @@ impl Observer {
         }
     }
 
-    fn look(&mut self) {
+    fn poll(&mut self) {
         self.statuses.newest(&mut self.status).expect("readable");
         self.states.newest(&mut self.state).expect("readable");
         self.commands.newest(&mut self.command).expect("readable");
     }
 
-    fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
+    fn wait_until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
         wait_for(what, || {
-            self.look();
+            self.poll();
             holds(self).then_some(())
         });
     }
 }
 
-/// Positions of all shafts, rad.
+/// Returns the positions of all shafts, rad.
 fn positions_rad(chains: &[Chain]) -> Vec<f64> {
-    let ids = (0..2).flat_map(|chain| (1..=HAND as u8).map(move |id| (chain, id)));
+    let ids = (0..2).flat_map(|chain| (1..=SERVOS_PER_HAND as u8).map(move |id| (chain, id)));
     ids.map(|(chain, id)| chains[chain].servo(id, |servo| servo.position_rad()))
         .collect()
 }
 
-/// Farthest that any shaft is from where it was, rad.
+/// Returns the largest distance of a shaft from an earlier position, rad.
 fn moved_rad(chains: &[Chain], from_rad: &[f64]) -> f64 {
     let pairs = positions_rad(chains).into_iter().zip(from_rad);
     pairs
@@ -179,7 +179,7 @@ fn moved_rad(chains: &[Chain], from_rad: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Where the servos stand when none of them has moved for a while.
+/// Waits until no servo moves; returns the positions.
 fn at_rest_rad(chains: &[Chain]) -> Vec<f64> {
     wait_for("the servos to rest", || {
         let before_rad = positions_rad(chains);
@@ -189,8 +189,8 @@ fn at_rest_rad(chains: &[Chain]) -> Vec<f64> {
 }
 
 #[test]
-fn the_daemon_moves_servos_is_killed_and_nothing_jumps_when_the_next_begins() {
-    let _alone = alone();
+fn servos_do_not_jump_after_daemon_restart() {
+    let _alone = lock_exclusive();
     let (bus, folder) = (
         FreshBus::new("servos"),
         tempfile::TempDir::new().expect("a folder"),
@@ -204,11 +204,11 @@ fn the_daemon_moves_servos_is_killed_and_nothing_jumps_when_the_next_begins() {
         "--config",
         config.to_str().expect("UTF-8"),
     ];
-    let _fingertips = Fingertips::start(&bus);
-    let mut seen = Observer::on(&bus);
+    let _fingertips = FrameSource::start(&bus);
+    let mut seen = Observer::new(&bus);
     let mut robot = Process::start("atas-robot", &["run", &map, "--bus", bus.as_str()]);
     let mut atasd = Process::start("atasd", &daemon);
-    seen.until("READY", |seen| seen.status.mode == Mode::READY);
+    seen.wait_until("READY", |seen| seen.status.mode == Mode::READY);
 
     let home_rad = positions_rad(&chains);
     let goal = [
@@ -230,18 +230,18 @@ fn the_daemon_moves_servos_is_killed_and_nothing_jumps_when_the_next_begins() {
     atasd.signal(Signal::KILL);
     atasd.wait();
     let held_rad = at_rest_rad(&chains);
-    let ids = (0..2).flat_map(|chain| (1..=HAND as u8).map(move |id| (chain, id)));
+    let ids = (0..2).flat_map(|chain| (1..=SERVOS_PER_HAND as u8).map(move |id| (chain, id)));
     for (chain, id) in ids {
         assert!(
             chains[chain].servo(id, |servo| servo.holds()),
-            "servo {id} let go"
+            "servo {id} does not hold"
         );
     }
-    seen.look();
+    seen.poll();
     let killed_epoch = seen.command.stamp.writer_epoch;
 
     let atasd = Process::start("atasd", &daemon);
-    seen.until("the next daemon", |seen| {
+    seen.wait_until("the next daemon", |seen| {
         let next = seen.command.stamp.writer_epoch;
         next != killed_epoch && seen.status.mode == Mode::READY && seen.state.command_epoch == next
     });
@@ -251,13 +251,13 @@ fn the_daemon_moves_servos_is_killed_and_nothing_jumps_when_the_next_begins() {
         moved_rad(&chains, &held_rad)
     );
 
-    // A servo that loses its power stops the robot, and nothing jumps when it is back.
+    // Loss of a servo's power causes HOLD; no joint jumps after its return.
     chains[1].servo(4, |servo| servo.set_power(false));
     let silent = "servo 4 does not answer (right_wrist_pitch)";
-    wait_for("a word about it", || {
+    wait_for("the report of servo 4", || {
         robot.log().contains(silent).then_some(())
     });
-    seen.until("HOLD", |seen| seen.status.mode == Mode::HOLD);
+    seen.wait_until("HOLD", |seen| seen.status.mode == Mode::HOLD);
     chains[1].servo(4, |servo| {
         let sagged_rad = servo.position_rad() + 0.1;
         servo.turn_to(sagged_rad);
@@ -267,7 +267,7 @@ fn the_daemon_moves_servos_is_killed_and_nothing_jumps_when_the_next_begins() {
     wait_for("the robot", || {
         robot.log().contains("hold again").then_some(())
     });
-    seen.until("READY again", |seen| seen.status.mode == Mode::READY);
+    seen.wait_until("READY again", |seen| seen.status.mode == Mode::READY);
     assert!(moved_rad(&chains, &sagged_rad) < 0.02, "{}", atasd.log());
     assert!(
         robot

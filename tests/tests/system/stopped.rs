@@ -1,9 +1,10 @@
-//! A daemon that stands still is told by its name, and a stop that no tick took is not called one.
+//! Tests of a daemon that does not run: clients name its process, and a stop counts as confirmed
+//! only after a tick.
 
 use rustix::process::Signal;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{Mode, Status, service};
-use system_tests::{Process, alone, in_virtual_time, wait_for};
+use system_tests::{Process, lock_exclusive, lock_shared, wait_for};
 
 struct Rig {
     bus: FreshBus,
@@ -26,7 +27,7 @@ impl Rig {
         rig
     }
 
-    /// How a command ends, and what it says.
+    /// Runs a command; returns its exit code and output.
     fn atas(&self, word: &str) -> (i32, String) {
         let mut asked = Process::start("atas", &[word, "--bus", self.bus.as_str()]);
         let code = asked.wait().code().expect("no signal");
@@ -34,19 +35,19 @@ impl Rig {
     }
 
     fn check(&self, word: &str, code: i32, parts: &[&str]) {
-        let (ended, said) = self.atas(word);
-        assert_eq!(ended, code, "atas {word}: {said}");
+        let (ended, message) = self.atas(word);
+        assert_eq!(ended, code, "atas {word}: {message}");
         for part in parts {
-            assert!(said.contains(part), "atas {word}: {said}");
+            assert!(message.contains(part), "atas {word}: {message}");
         }
     }
 
-    /// The stop that was asked for meanwhile counts.
-    fn until_stopped(&self) {
+    /// Waits until the pending stop takes effect.
+    fn wait_until_stopped(&self) {
         let observer = Bus::open(&self.bus, "observer", Realtime::No).expect("a bus");
         let statuses = observer.subscriber::<Status>(service::STATUS);
         let (mut statuses, mut status) = (statuses.expect("a subscriber"), Status::default());
-        wait_for("the stop", || {
+        wait_for("the safe stop", || {
             statuses.newest(&mut status).expect("readable");
             (status.mode == Mode::SAFE_STOP).then_some(())
         });
@@ -54,8 +55,8 @@ impl Rig {
 }
 
 #[test]
-fn a_stopped_process_is_told_by_name_and_takes_the_stop_when_it_goes_on() {
-    let _alone = alone();
+fn suspended_daemon_is_named_and_stops_on_resume() {
+    let _alone = lock_exclusive();
     let rig = Rig::new(&[]);
     rig.daemon.signal(Signal::STOP);
     let owner = format!("atasd (process {}), which owns the bus", rig.daemon.pid());
@@ -63,23 +64,24 @@ fn a_stopped_process_is_told_by_name_and_takes_the_stop_when_it_goes_on() {
     rig.check(
         "estop",
         3,
-        &[&owner, "is stopped", "counts when it goes on"],
+        &[&owner, "is stopped", "takes effect when it continues"],
     );
     rig.daemon.signal(Signal::CONT);
-    rig.until_stopped();
+    rig.wait_until_stopped();
     rig.check("estop", 0, &["stopped; `atas recover` re-arms"]);
 }
 
 #[test]
-fn a_stop_that_no_tick_took_is_a_failure() {
-    let _shared = in_virtual_time();
+fn unconfirmed_stop_fails() {
+    let _shared = lock_shared();
     let rig = Rig::new(&["--lockstep"]);
     rig.robot.signal(Signal::STOP);
-    // The frame that was on its way has its tick yet. No frame, no tick.
+    // A frame in transit may still cause one tick. Without frames, the lock-step daemon does not
+    // tick.
     rig.atas("estop");
     let process = format!("process {}", rig.daemon.pid());
     rig.check("estop", 1, &["no tick took it within 1s", &process]);
     rig.robot.signal(Signal::CONT);
-    rig.until_stopped();
+    rig.wait_until_stopped();
     rig.check("estop", 0, &["stopped; `atas recover` re-arms"]);
 }

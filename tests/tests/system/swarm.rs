@@ -1,4 +1,4 @@
-//! Methodology 2 on the bus: the field in one process, its robots in another.
+//! Tests of Methodology 2 (swarm) on the bus: the field in one process, its agents in another.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -19,13 +19,13 @@ use sim_backend::swarm::TrialReport;
 use system_tests::{Process, wait_for};
 use tempfile::TempDir;
 
-/// A table that has learned a little, so that something happens on the field.
+/// Evolves a table for 60 generations, so that the agents move.
 fn evolved(preset: Preset, agents: usize, sharing: Sharing, seed: u64) -> TableFile {
     let setup = Setup {
         agents,
         sharing,
         sensors: SensorOrder::default(),
-        fitness_rule: FitnessRule::usual(&preset).into(),
+        fitness_rule: FitnessRule::default_for(&preset).into(),
         preset,
     };
     let condition = setup.build().expect("a valid setup");
@@ -39,7 +39,7 @@ fn evolved(preset: Preset, agents: usize, sharing: Sharing, seed: u64) -> TableF
     TableFile::from_record(&condition, &record, generations).expect("a record of this condition")
 }
 
-fn written(folder: &TempDir, name: &str, file: &TableFile) -> PathBuf {
+fn write_table(folder: &TempDir, name: &str, file: &TableFile) -> PathBuf {
     let path = folder.path().join(name);
     file.write(&path).expect("writable");
     path
@@ -49,7 +49,7 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("UTF-8")
 }
 
-fn agents(bus: &FreshBus, tables: &[&Path]) -> Process {
+fn start_agents(bus: &FreshBus, tables: &[&Path]) -> Process {
     let mut arguments = vec!["agents", "--bus", bus.as_str()];
     for table in tables {
         arguments.extend(["--table", text(table)]);
@@ -57,13 +57,13 @@ fn agents(bus: &FreshBus, tables: &[&Path]) -> Process {
     Process::start("ebts", &arguments)
 }
 
-fn host(bus: &FreshBus, arguments: &str) -> Process {
+fn start_field(bus: &FreshBus, arguments: &str) -> Process {
     let mut words = vec!["field", "--bus", bus.as_str(), "--format", "json"];
     words.extend(arguments.split_whitespace());
     Process::start("atas-sim", &words)
 }
 
-/// What the host has said of its trials so far.
+/// Returns the field process's trial reports so far.
 fn reports(host: &Process) -> Vec<TrialReport> {
     let log = host.log();
     let lines = log.lines().filter(|line| line.starts_with('{'));
@@ -77,7 +77,7 @@ fn finished(mut host: Process) -> Vec<TrialReport> {
     reports(&host)
 }
 
-/// The eight trials of a team in process.
+/// Runs the training trials of a team in process.
 fn in_process(file: &TableFile, tables: [Responses; MAX_AGENTS]) -> Vec<Outcome> {
     let condition = &file.condition;
     let trial = |layout| run_trial(&condition.model, condition.team, &Trial { layout, tables });
@@ -85,7 +85,7 @@ fn in_process(file: &TableFile, tables: [Responses; MAX_AGENTS]) -> Vec<Outcome>
 }
 
 #[test]
-fn in_lock_step_the_bus_gives_the_bits_of_the_field_in_process() {
+fn lockstep_bus_equals_in_process_field() {
     let rows = [
         (Preset::R3, 1, Sharing::Shared),
         (Preset::R3, 2, Sharing::PerAgent),
@@ -101,14 +101,17 @@ fn in_lock_step_the_bus_gives_the_bits_of_the_field_in_process() {
         let what = format!("{} {team} {sharing:?}", preset.name);
         let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
         let file = evolved(preset.clone(), team, sharing, seed);
-        let _agents = agents(&bus, &[&written(&folder, "table.toml", &file)]);
+        let _agents = start_agents(&bus, &[&write_table(&folder, "table.toml", &file)]);
         let field = format!("--lockstep --preset {} --agents {team}", preset.name);
-        let trials = finished(host(&bus, &field));
+        let trials = finished(start_field(&bus, &field));
         let responses = file.condition.responses(&file.individual.genome);
         let outcomes: Vec<Outcome> = trials.iter().map(|trial| trial.outcomes[0]).collect();
         assert_eq!(outcomes, in_process(&file, responses), "{what}");
         let points: Vec<f32> = trials.iter().map(|trial| trial.points[0]).collect();
-        assert_eq!(points, file.individual.points, "{what}: what evolution saw");
+        assert_eq!(
+            points, file.individual.points,
+            "{what}: the points of the evolution"
+        );
         for trial in &trials {
             assert_eq!(
                 (trial.missed_frames, trial.refused_frames),
@@ -121,15 +124,18 @@ fn in_lock_step_the_bus_gives_the_bits_of_the_field_in_process() {
 }
 
 #[test]
-fn every_robot_of_every_field_has_its_own_table() {
+fn each_agent_of_each_field_has_own_table() {
     let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
     let files = [5, 6].map(|seed| evolved(Preset::R3, 2, Sharing::Shared, seed));
     let paths = [
-        written(&folder, "a.toml", &files[0]),
-        written(&folder, "b.toml", &files[1]),
+        write_table(&folder, "a.toml", &files[0]),
+        write_table(&folder, "b.toml", &files[1]),
     ];
-    let _agents = agents(&bus, &[&paths[0], &paths[1]]);
-    let trials = finished(host(&bus, "--lockstep --agents 2 --fields 3 --goal 8"));
+    let _agents = start_agents(&bus, &[&paths[0], &paths[1]]);
+    let trials = finished(start_field(
+        &bus,
+        "--lockstep --agents 2 --fields 3 --goal 8",
+    ));
     let condition = &files[0].condition;
     let [a, b] = files
         .each_ref()
@@ -144,22 +150,22 @@ fn every_robot_of_every_field_has_its_own_table() {
     assert_eq!(trials[0].outcomes, expected);
 }
 
-/// Onlookers of every kind of pace: two that read every frame, one that reads nothing at all.
+/// Observers at different rates: two poll continuously, one never reads.
 #[test]
-fn onlookers_see_the_field_to_its_last_bit_and_do_not_change_it() {
+fn observers_do_not_affect_the_field() {
     let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
     let file = evolved(Preset::LB2, 3, Sharing::Shared, 9);
     let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
     let open = || observer.subscriber::<ArenaTruth>(service::ARENA_TRUTH);
     let (mut first, mut second, _idle) = (open(), open(), open().expect("a place"));
     let mut arena = Box::<ArenaTruth>::default();
-    let field = host(&bus, "--lockstep --preset LB2 --agents 3");
+    let field = start_field(&bus, "--lockstep --preset LB2 --agents 3");
     let waiting = first.as_mut().expect("a place");
     wait_for("the field that waits", || {
         waiting.newest(&mut arena).expect("readable").then_some(())
     });
     assert_eq!((arena.frame, arena.trial_count, arena.is_driven), (0, 8, 0));
-    let _agents = agents(&bus, &[&written(&folder, "table.toml", &file)]);
+    let _agents = start_agents(&bus, &[&write_table(&folder, "table.toml", &file)]);
     let mut seen = 0;
     wait_for("the end of the last trial", || {
         for onlooker in [&mut first, &mut second] {
@@ -171,15 +177,18 @@ fn onlookers_see_the_field_to_its_last_bit_and_do_not_change_it() {
     assert!(seen > 0);
     let trials = finished(field);
     let points: Vec<f32> = trials.iter().map(|trial| trial.points[0]).collect();
-    assert_eq!(points, file.individual.points, "what evolution saw");
+    assert_eq!(
+        points, file.individual.points,
+        "the points of the evolution"
+    );
     let shown: Vec<f32> = arena.trials.iter().map(|trial| trial.points).collect();
-    assert_eq!(shown, points, "what onlookers were told");
+    assert_eq!(shown, points, "the points on the bus");
     let distances = |of: &TrialReport| of.outcomes[0].evaluated.goal_px;
-    let told: Vec<f32> = arena.trials.iter().map(|trial| trial.distance_px).collect();
-    assert_eq!(told, trials.iter().map(distances).collect::<Vec<f32>>());
+    let output: Vec<f32> = arena.trials.iter().map(|trial| trial.distance_px).collect();
+    assert_eq!(output, trials.iter().map(distances).collect::<Vec<f32>>());
 }
 
-/// The newest payload after those that have been seen.
+/// Waits for a payload newer than the last one.
 fn newest<T: shm_schemas::Payload + Default>(stream: &mut Subscriber<T>) -> T {
     let mut payload = T::default();
     wait_for("a payload", || {
@@ -189,13 +198,13 @@ fn newest<T: shm_schemas::Payload + Default>(stream: &mut Subscriber<T>) -> T {
 }
 
 #[test]
-fn tables_are_exchanged_while_robots_drive_and_malformed_ones_never() {
+fn valid_tables_replace_running_ones_malformed_never() {
     let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
     let [first, second] = [1, 2].map(|seed| evolved(Preset::R3, 2, Sharing::Shared, seed));
     let hash = |file: &TableFile| u64::from_str_radix(&file.hash()[..16], 16).expect("a hash");
-    let path = written(&folder, "table.toml", &first);
-    let agents = agents(&bus, &[&path]);
-    let _field = host(&bus, "--frame-rate-hz 500 --trials 1000");
+    let path = write_table(&folder, "table.toml", &first);
+    let agents = start_agents(&bus, &[&path]);
+    let _field = start_field(&bus, "--frame-rate-hz 500 --trials 1000");
     let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
     let mut commands = observer
         .subscriber::<WheelCommands>(service::WHEEL_COMMANDS)
@@ -214,12 +223,7 @@ fn tables_are_exchanged_while_robots_drive_and_malformed_ones_never() {
     for (count, text) in (1..).zip(spoilt) {
         std::fs::write(&path, text).expect("writable");
         agents.signal(Signal::HUP);
-        let refusals = || {
-            agents
-                .log()
-                .matches("the tables in use stay in use")
-                .count()
-        };
+        let refusals = || agents.log().matches("the current ones stay in use").count();
         wait_for("a refusal", || (refusals() == count).then_some(()));
         let before = newest(&mut commands).stamp.sequence;
         wait_for("frames after it", || {
@@ -236,21 +240,21 @@ fn tables_are_exchanged_while_robots_drive_and_malformed_ones_never() {
     });
 }
 
-/// Robots stand still rather than to do on one field what was learned on another, unless somebody wants to see it.
+/// Agents do not run tables of another field unless the user permits it.
 #[test]
-fn tables_of_another_field_are_refused() {
+fn tables_of_another_field_are_rejected() {
     let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
     let file = evolved(Preset::R3, 2, Sharing::Shared, 4);
-    let path = written(&folder, "table.toml", &file);
-    let field = host(&bus, "--lockstep --preset LB --goal 1");
-    let mut refused = agents(&bus, &[&path]);
-    assert_eq!(refused.wait().code(), Some(3), "{}", refused.log());
-    let said = refused.log();
+    let path = write_table(&folder, "table.toml", &file);
+    let field = start_field(&bus, "--lockstep --preset LB --goal 1");
+    let mut refused = start_agents(&bus, &[&path]);
+    assert_eq!(refused.wait().code(), Some(7), "{}", refused.log());
+    let message = refused.log();
     assert!(
-        said.contains("their field was LB, needs the field of the tables, R3"),
-        "{said}"
+        message.contains("their field is LB, needs the field of the tables, R3"),
+        "{message}"
     );
-    assert!(reports(&field).is_empty(), "no robot moved");
+    assert!(reports(&field).is_empty(), "no agent moved");
     let arguments = [
         "agents",
         "--any-field",
@@ -264,12 +268,12 @@ fn tables_of_another_field_are_refused() {
 }
 
 #[test]
-fn robots_stop_when_their_process_is_killed_and_go_on_with_the_next() {
+fn agents_stop_after_kill_and_resume_with_next() {
     let (bus, folder) = (FreshBus::new("swarm"), TempDir::new().expect("a folder"));
     let file = evolved(Preset::R3, 2, Sharing::Shared, 3);
-    let path = written(&folder, "table.toml", &file);
-    let mut killed = agents(&bus, &[&path]);
-    let field = host(&bus, "--frame-rate-hz 300 --goal 1 --trials 5");
+    let path = write_table(&folder, "table.toml", &file);
+    let mut killed = start_agents(&bus, &[&path]);
+    let field = start_field(&bus, "--frame-rate-hz 300 --goal 1 --trials 5");
     let observer = Bus::open(&bus, "observer", Realtime::No).expect("a bus");
     let mut sensors = observer
         .subscriber::<AgentSensors>(service::AGENT_SENSORS)
@@ -284,8 +288,8 @@ fn robots_stop_when_their_process_is_killed_and_go_on_with_the_next() {
     killed.wait();
     let last = newest(&mut commands);
 
-    // From the second frame after the last answered one on, everybody stands where the frame before left them.
-    let (told, mut standing) = (last.trial as usize, None);
+    // Without answers, agents stop: from the second frame on, the sensor rows do not change.
+    let (output, mut standing) = (last.trial as usize, None);
     wait_for("the end of a trial without an answer", || {
         let now = newest(&mut sensors);
         if (now.trial, now.frame) > (last.trial, last.frame) && now.trial == last.trial {
@@ -296,18 +300,18 @@ fn robots_stop_when_their_process_is_killed_and_go_on_with_the_next() {
                 now.frame
             );
         }
-        (reports(&field).len() >= told + 2).then_some(())
+        (reports(&field).len() >= output + 2).then_some(())
     });
-    assert!(standing.is_some(), "robots were seen standing");
-    let _next = agents(&bus, &[&path]);
+    assert!(standing.is_some(), "stopped agents were observed");
+    let _next = start_agents(&bus, &[&path]);
     let trials = finished(field);
-    let untold = &trials[told + 1];
+    let untold = &trials[output + 1];
     assert_eq!(untold.missed_frames, TRIAL_FRAMES);
     assert_eq!(untold.outcomes[0].executed, untold.outcomes[0].evaluated);
-    assert!(untold.tables.is_empty(), "no table was looked up");
+    assert!(untold.tables.is_empty(), "no table was reported");
     let again = trials.last().expect("five trials");
     assert!(
         again.missed_frames < TRIAL_FRAMES,
-        "the next process answers"
+        "the next process answers frames"
     );
 }

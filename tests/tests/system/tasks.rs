@@ -1,5 +1,5 @@
-//! The paper's tasks through the command line: each as a command in front of the simulator's scene, each as a demo, and
-//! what users do to them.
+//! Tests of the paper's tasks on the command line, as commands in the simulator's scenes and as
+//! demos, and of user interventions.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -8,7 +8,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{ObjectTruth, WorldTruth, service};
-use system_tests::{Process, alone, binary, in_virtual_time, wait_for};
+use system_tests::{Process, binary, lock_exclusive, lock_shared, wait_for};
 
 fn atas(arguments: &str) -> Command {
     let mut command = Command::new(binary("atas"));
@@ -20,8 +20,8 @@ fn atas(arguments: &str) -> Command {
     command
 }
 
-/// Exit code, last line of standard output as JSON, and standard error.
-fn told(output: &Output) -> (i32, Value, String) {
+/// Returns the exit code, the last line of standard output as JSON, and standard error.
+fn exit_json_and_stderr(output: &Output) -> (i32, Value, String) {
     let text = String::from_utf8_lossy(&output.stdout);
     let value = text.lines().last().unwrap_or_default();
     (
@@ -32,10 +32,10 @@ fn told(output: &Output) -> (i32, Value, String) {
 }
 
 fn run(arguments: &str) -> (i32, Value, String) {
-    told(&atas(arguments).output().expect("it starts"))
+    exit_json_and_stderr(&atas(arguments).output().expect("it starts"))
 }
 
-/// Simulator and daemon in lock-step on a bus of their own.
+/// A simulator and a daemon in lock-step on a private bus.
 struct Rig {
     _simulator: Process,
     _daemon: Process,
@@ -70,14 +70,14 @@ impl Rig {
         ))
     }
 
-    /// What truly became of the scene's objects.
+    /// Returns the ground truth of the scene's objects.
     fn objects(&self) -> [ObjectTruth; 4] {
         let bus = Bus::open(&self.bus, "judge", Realtime::No).expect("a bus");
         let mut truths = bus
             .subscriber::<WorldTruth>(service::WORLD_TRUTH)
             .expect("a subscriber");
         let mut truth = WorldTruth::default();
-        wait_for("the truth", || {
+        wait_for("the ground truth", || {
             truths.newest(&mut truth).expect("readable").then_some(())
         });
         truth.objects
@@ -85,8 +85,8 @@ impl Rig {
 }
 
 #[test]
-fn commands_without_arguments_fit_scenes_without_arguments() {
-    let _shared = in_virtual_time();
+fn default_commands_succeed_in_default_scenes() {
+    let _shared = lock_shared();
     let check = |scene, command, is_done: fn(&[ObjectTruth; 4]) -> bool| {
         let rig = Rig::plain(scene);
         let (code, story, stderr) = rig.ask(command);
@@ -113,8 +113,8 @@ fn commands_without_arguments_fit_scenes_without_arguments() {
 }
 
 #[test]
-fn what_cannot_be_done_is_refused_before_anything_moves() {
-    let _shared = in_virtual_time();
+fn infeasible_goals_are_rejected_before_motion() {
+    let _shared = lock_shared();
     let rig = Rig::plain("pick-place");
     let check = |command: &str, part: &str| {
         let (code, story, stderr) = rig.ask(command);
@@ -140,8 +140,8 @@ fn what_cannot_be_done_is_refused_before_anything_moves() {
 }
 
 #[test]
-fn what_happens_in_a_lock_step_is_told_in_its_virtual_time() {
-    let _shared = in_virtual_time();
+fn lockstep_events_use_virtual_time() {
+    let _shared = lock_shared();
     let rig = Rig::plain("pick-place");
     let (code, _, stderr) = rig.ask("pick-place");
     assert_eq!(code, 0, "{stderr}");
@@ -156,15 +156,17 @@ fn what_happens_in_a_lock_step_is_told_in_its_virtual_time() {
     let (began_s, took_s) = (times_s[0], times_s[times_s.len() - 1] - times_s[0]);
     assert!((0.0..2.0).contains(&began_s) && took_s > 10.0, "{events}");
     let status = say("status");
-    let (_, up) = status.split_once(", up ").expect("told");
-    let (up_s, _) = up.split_once(" s of virtual time").expect("told");
+    let (_, up) = status.split_once(", up ").expect("an uptime");
+    let (up_s, _) = up
+        .split_once(" s of virtual time")
+        .expect("an uptime in virtual time");
     let up_s: f64 = up_s.parse().expect("a number");
     assert!((took_s.floor()..60.0).contains(&up_s), "{status}");
 }
 
 #[test]
-fn a_task_of_the_users_own_runs_by_its_name() {
-    let _shared = in_virtual_time();
+fn user_task_runs_by_name() {
+    let _shared = lock_shared();
     let printed = Command::new(binary("atasd")).arg("--print-tasks").output();
     let folder = tempfile::tempdir().expect("a folder");
     let config = folder.path().join("atas.toml");
@@ -182,8 +184,8 @@ fn a_task_of_the_users_own_runs_by_its_name() {
 }
 
 #[test]
-fn demos_in_lock_step_are_judged_by_the_truth() {
-    let _shared = in_virtual_time();
+fn lockstep_demos_are_evaluated_by_ground_truth() {
+    let _shared = lock_shared();
     let check = |demo: &str, outcome: &str, figures: &[(&str, [f64; 2])]| {
         let (code, result, stderr) = run(&format!("demo {demo} --lockstep --format json"));
         assert_eq!(code, 0, "{demo}: {stderr}");
@@ -233,8 +235,8 @@ fn demos_in_lock_step_are_judged_by_the_truth() {
 }
 
 #[test]
-fn the_same_demo_has_the_same_outcome_to_the_last_digit() {
-    let _shared = in_virtual_time();
+fn demo_is_deterministic() {
+    let _shared = lock_shared();
     let once = || {
         let (code, result, stderr) = run("demo screw --lockstep --format json");
         assert_eq!(code, 0, "{stderr}");
@@ -243,7 +245,7 @@ fn the_same_demo_has_the_same_outcome_to_the_last_digit() {
     assert_eq!(once(), once());
 }
 
-/// Process ids of a process's children.
+/// Returns ids and names of a process's children.
 fn children_of(id: u32) -> Vec<(u32, String)> {
     let text =
         std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).unwrap_or_default();
@@ -255,8 +257,8 @@ fn children_of(id: u32) -> Vec<(u32, String)> {
 }
 
 #[test]
-fn a_demo_whose_process_is_killed_says_which_and_leaves_nothing_behind() {
-    let _alone = alone();
+fn demo_names_killed_process_and_cleans_up() {
+    let _alone = lock_exclusive();
     for (victim, demo) in [("atasd", "screw"), ("atas-sim", "assembly")] {
         let scratch = tempfile::tempdir().expect("a folder");
         let running = atas(&format!("demo {demo}"))
@@ -273,8 +275,8 @@ fn a_demo_whose_process_is_killed_says_which_and_leaves_nothing_behind() {
                 .then(|| Pid::from_raw(found.0.cast_signed()))
                 .flatten()
         });
-        kill_process(pid, Signal::KILL).expect("it runs");
-        let (code, _, stderr) = told(&running.wait_with_output().expect("it ends"));
+        kill_process(pid, Signal::KILL).expect("the process runs");
+        let (code, _, stderr) = exit_json_and_stderr(&running.wait_with_output().expect("it ends"));
         assert_eq!(code, 1, "{stderr}");
         assert!(
             stderr.contains(&format!("{victim} ended unexpectedly")),
@@ -289,7 +291,7 @@ fn a_demo_whose_process_is_killed_says_which_and_leaves_nothing_behind() {
     }
 }
 
-/// Every line of standard output as JSON.
+/// Returns each line of standard output as JSON.
 fn lines(arguments: &str) -> Vec<Value> {
     let output = atas(arguments).output().expect("it starts");
     let text = String::from_utf8_lossy(&output.stdout);
@@ -299,12 +301,12 @@ fn lines(arguments: &str) -> Vec<Value> {
 }
 
 #[test]
-fn why_a_goal_failed_is_told_afterwards_and_its_events_are_kept() {
-    let _shared = in_virtual_time();
+fn failure_reason_and_events_remain_available() {
+    let _shared = lock_shared();
     let rig = Rig::plain("pick-place --object heavy-block");
     let (code, end, stderr) = rig.ask("pick-place");
     assert_eq!((code, &end["state"]), (4, &"refused".into()), "{stderr}");
-    // The progress comes before it.
+    // Progress precedes the error.
     let last = stderr.lines().last().unwrap_or_default();
     let error: Value = serde_json::from_str(last).expect("an error as JSON");
     assert_eq!(error["exit"], 4, "{error}");
@@ -317,7 +319,7 @@ fn why_a_goal_failed_is_told_afterwards_and_its_events_are_kept() {
     let bus = rig.bus.as_str();
     let shown = atas(&format!("status --bus {bus}")).output();
     let shown = String::from_utf8_lossy(&shown.expect("it starts").stdout).into_owned();
-    let sentence = end["reason"]["sentence"].as_str().expect("a sentence");
+    let sentence = end["reason"]["sentence"].as_str().expect("a reason text");
     assert!(shown.contains(sentence), "{shown}");
 
     let events = lines(&format!("events --last-goal --format json --bus {bus}"));
@@ -341,8 +343,8 @@ fn why_a_goal_failed_is_told_afterwards_and_its_events_are_kept() {
 }
 
 #[test]
-fn any_client_can_cancel_the_goal_of_another() {
-    let _shared = in_virtual_time();
+fn any_client_can_cancel_a_goal() {
+    let _shared = lock_shared();
     let rig = Rig::plain("pick-place");
     let (code, _, stderr) = rig.ask("cancel");
     assert!(
@@ -364,6 +366,6 @@ fn any_client_can_cancel_the_goal_of_another() {
         (0, &"done".into()),
         "{stderr}"
     );
-    let (code, end, stderr) = told(&client.wait_with_output().expect("it ends"));
+    let (code, end, stderr) = exit_json_and_stderr(&client.wait_with_output().expect("it ends"));
     assert_eq!((code, &end["state"]), (4, &"cancelled".into()), "{stderr}");
 }

@@ -1,4 +1,4 @@
-//! `atas top` in a real terminal, and `atas topic` beside it.
+//! Tests of `atas top` in a real terminal and of `atas topic`.
 
 use std::io::Read as _;
 use std::process::Command;
@@ -7,9 +7,9 @@ use rustix::process::Signal;
 use serde_json::Value;
 use shm_bus::{FreshBus, STREAMS};
 use system_tests::terminal::{Terminal, in_terminal};
-use system_tests::{Process, alone, binary, wait_for};
+use system_tests::{Process, binary, lock_exclusive, wait_for};
 
-/// Exit code, and each line of standard output as JSON.
+/// Runs `atas`; returns the exit code and each line of standard output as JSON.
 fn atas(arguments: &[&str]) -> (Option<i32>, Vec<Value>) {
     let output = Command::new(binary("atas"))
         .args(arguments)
@@ -24,8 +24,8 @@ fn atas(arguments: &[&str]) -> (Option<i32>, Vec<Value>) {
 }
 
 #[test]
-fn a_running_robot_on_one_screen() {
-    let _alone = alone();
+fn top_shows_running_robot() {
+    let _alone = lock_exclusive();
     let bus = FreshBus::new("top");
     let name = bus.as_str();
     let _robot = Process::start(
@@ -63,8 +63,8 @@ fn a_running_robot_on_one_screen() {
         name,
     ];
     let _goal = Process::start("atas", &goal);
-    // What stays on the screen: in lock-step the steps pass faster than it is drawn. A lane stays for 20 s, which a busy machine may
-    // need from the first touch to the hold.
+    // Texts that remain on the screen: in lock-step the steps pass faster than the screen is drawn.
+    // A lane remains for 20 s, enough for a busy machine from first touch to hold.
     for part in [
         "RUN",
         "1, first touch",
@@ -73,8 +73,8 @@ fn a_running_robot_on_one_screen() {
     ] {
         terminal.wait_for(part);
     }
-    // In lock-step time goes on only while there is a goal.
-    topics(name);
+    // In lock-step, time advances only while a goal is active.
+    check_topics(name);
     assert!(terminal.has_written("\x1b[38;5;"), "colours on a terminal");
     terminal.resize(12, 60);
     terminal.wait_for("needs 80 × 24 characters, has 60 × 12");
@@ -93,9 +93,9 @@ fn a_running_robot_on_one_screen() {
     plain.quit();
 }
 
-/// Regression: it read a terminal that was gone for ever, with a core of its own.
+/// Regression test: `atas top` read from its closed terminal in an endless loop.
 #[test]
-fn it_ends_with_its_terminal() {
+fn top_ends_with_its_terminal() {
     let bus = FreshBus::new("topgone");
     let name = bus.as_str();
     let _robot = Process::start("atas-sim", &["run", "--lockstep", "--bus", name]);
@@ -119,8 +119,8 @@ fn it_ends_with_its_terminal() {
     });
 }
 
-/// Beside the screen: the bus itself.
-fn topics(bus: &str) {
+/// Checks `atas topic` while `top` runs.
+fn check_topics(bus: &str) {
     let (code, services) = atas(&["topic", "list", "--bus", bus]);
     assert_eq!((code, services.len()), (Some(0), STREAMS.len()));
     let of = |name: &str| {
@@ -140,7 +140,7 @@ fn topics(bus: &str) {
         "the screen reads it"
     );
     assert_eq!(of("hand-frame/left")["readable"], false);
-    // Nobody opened these, and looking made nothing.
+    // No process opened this service, and listing does not create it.
     assert_eq!(of("agent-sensors")["writers"], 0);
     let (code, rate) = atas(&["topic", "hz", "view", "--seconds", "1", "--bus", bus]);
     assert_eq!(code, Some(0));
@@ -158,6 +158,6 @@ fn topics(bus: &str) {
     assert_eq!(
         atas(&["top", "--bus", bus]).0,
         Some(2),
-        "a pipe is no terminal"
+        "a pipe is not a terminal"
     );
 }

@@ -1,12 +1,13 @@
-//! One payload there and back between two processes through zenoh on this machine: over TCP, or in shared memory that
-//! zenoh's messages over TCP only point into.
+//! Round trip of one payload between two local processes through zenoh: over TCP, or in shared
+//! memory with TCP notifications.
 //!
 //! ```text
-//! atas-bench-zenoh echo tcp|shm FILE          listens, writes where into FILE, answers until it is ended
-//! atas-bench-zenoh ping tcp|shm FILE BYTES    prints the median of half a round, µs
+//! atas-bench-zenoh echo tcp|shm FILE          listens, writes its address into FILE, replies
+//! atas-bench-zenoh ping tcp|shm FILE BYTES    prints the median of half a round trip, µs
 //! ```
 //!
-//! Both ends poll, send each message at once (`express`) and look for no one else on the network. Every wait has its limit.
+//! Both ends poll, send each message at once (`express`) and do not scout the network. All waits
+//! have a timeout.
 
 use std::net::TcpListener;
 use std::path::Path;
@@ -22,21 +23,21 @@ use zenoh::{Config, Session, Wait};
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-const THERE: &str = "atas/bench/there";
-const BACK: &str = "atas/bench/back";
-/// Rounds that are measured, and rounds before.
+const REQUEST_KEY: &str = "atas/bench/there";
+const REPLY_KEY: &str = "atas/bench/back";
+/// Measured rounds, and rounds before the measurement.
 const ROUNDS: usize = 5_000;
 const WARM_UP: usize = 500;
-/// How long the other end may take to be there, and to answer.
-const PATIENCE: Duration = Duration::from_secs(10);
-/// The first message is sent again after this: the echo may not have heard it.
-const ASK_AGAIN: Duration = Duration::from_millis(50);
-/// How long an echo lives, whatever becomes of its other end.
-const LIFE: Duration = Duration::from_secs(120);
-/// Shared memory of one end: three hundred payloads, so that nobody waits for the other to let go of one.
+/// Timeout of the other end's start and of its replies.
+const TIMEOUT: Duration = Duration::from_secs(10);
+/// Interval of resending the first message, which the echo may have missed.
+const RESEND_INTERVAL: Duration = Duration::from_millis(50);
+/// Maximum lifetime of an echo.
+const LIFETIME: Duration = Duration::from_secs(120);
+/// Shared memory of one end: three hundred payloads, so that no end waits for a free buffer.
 const SHARED_BYTES: usize = 1 << 20;
 const USAGE: &str =
-    "could not understand the arguments; needs `echo tcp|shm FILE` or `ping tcp|shm FILE BYTES`";
+    "could not parse the arguments: needs `echo tcp|shm FILE` or `ping tcp|shm FILE BYTES`";
 
 fn main() -> Result<(), Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -48,9 +49,9 @@ fn main() -> Result<(), Failure> {
     }
 }
 
-/// Where payloads lie on their way.
+/// Transport of the payload.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum By {
+enum Transport {
     Tcp,
     SharedMemory,
 }
@@ -67,10 +68,10 @@ impl std::str::FromStr for By {
     }
 }
 
-/// Makes a payload: copies the bytes once, as a sensor process writes its frame once.
+/// Creates a payload with one copy of the bytes, as a sensor process writes its frame.
 type Copied = Box<dyn Fn(&[u8]) -> Result<ZBytes, Failure>>;
 
-fn copied(by: By) -> Result<Copied, Failure> {
+fn payload_factory(by: By) -> Result<Copied, Failure> {
     if by == By::Tcp {
         return Ok(Box::new(|bytes| Ok(bytes.into())));
     }
@@ -111,7 +112,7 @@ impl<'a> Ports<'a> {
         })
     }
 
-    /// Polls for a message.
+    /// Polls for a message until the timeout.
     fn poll(&self, limit: Duration) -> Result<Option<Sample>, Failure> {
         let begin = Instant::now();
         loop {
@@ -130,18 +131,18 @@ fn echo(by: By, file: &Path) -> Result<(), Failure> {
     let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
     let place = format!("tcp/127.0.0.1:{port}");
     let session = open(by, "listen/endpoints", &place)?;
-    let (ports, copied) = (Ports::open(&session, BACK, THERE)?, copied(by)?);
+    let (ports, payload_factory) = (Ports::open(&session, BACK, REQUEST_KEY)?, payload_factory(by)?);
     let draft = file.with_extension("draft");
     std::fs::write(&draft, place)?;
     std::fs::rename(draft, file)?;
     let begin = Instant::now();
-    while begin.elapsed() < LIFE {
-        if let Some(sample) = ports.poll(ASK_AGAIN)? {
-            // What is compared must be what its name says.
+    while begin.elapsed() < LIFETIME {
+        if let Some(sample) = ports.poll(RESEND_INTERVAL)? {
+            // The measured transport must be the requested one.
             if sample.payload().as_shm().is_some() != (by == By::SharedMemory) {
-                return Err("the payload came another way than it was asked to".into());
+                return Err("the payload did not use the requested transport".into());
             }
-            ports.out.put(copied(&sample.payload().to_bytes())?).wait()?;
+            ports.out.put(payload_factory(&sample.payload().to_bytes())?).wait()?;
         }
     }
     Ok(())
@@ -151,24 +152,24 @@ fn ping(by: By, file: &Path, bytes: usize) -> Result<(), Failure> {
     let begin = Instant::now();
     while !file.exists() {
         if begin.elapsed() > PATIENCE {
-            return Err("the echo did not say where it is".into());
+            return Err("timed out waiting for the address of the echo".into());
         }
-        std::thread::sleep(ASK_AGAIN);
+        std::thread::sleep(RESEND_INTERVAL);
     }
     let session = open(by, "connect/endpoints", &std::fs::read_to_string(file)?)?;
-    let (ports, copied) = (Ports::open(&session, THERE, BACK)?, copied(by)?);
+    let (ports, payload_factory) = (Ports::open(&session, REQUEST_KEY, BACK)?, payload_factory(by)?);
     let payload = vec![7_u8; bytes];
-    let round = |limit| round(&ports, || copied(&payload), limit);
-    while round(ASK_AGAIN)?.is_none() {
+    let round = |limit| round(&ports, || payload_factory(&payload), limit);
+    while round(RESEND_INTERVAL)?.is_none() {
         if begin.elapsed() > PATIENCE {
-            return Err("the echo does not answer".into());
+            return Err("timed out waiting for a reply of the echo".into());
         }
     }
-    // Answers to what was asked more than once.
-    while ports.poll(ASK_AGAIN)?.is_some() {}
+    // Discards replies to repeated messages.
+    while ports.poll(RESEND_INTERVAL)?.is_some() {}
     let mut halves_ns = Vec::with_capacity(ROUNDS);
     for index in 0..WARM_UP + ROUNDS {
-        let took = round(PATIENCE)?.ok_or("the echo stopped answering")?;
+        let took = round(PATIENCE)?.ok_or("the echo stopped replying")?;
         if index >= WARM_UP {
             halves_ns.push(took.as_nanos() / 2);
         }
@@ -178,7 +179,7 @@ fn ping(by: By, file: &Path, bytes: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// How long a payload took there and back.
+/// Returns the duration of one round trip; `None` on timeout.
 fn round(
     ports: &Ports<'_>,
     payload: impl FnOnce() -> Result<ZBytes, Failure>,

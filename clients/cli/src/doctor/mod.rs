@@ -1,28 +1,28 @@
-//! `atas doctor`: can this machine hold the tick, is the bus sound, is the daemon well, and if not, what to do.
+//! `atas doctor`: checks computer, bus and daemon, and recommends fixes.
 //!
 //! ```text
-//!  probe (asks the kernel, the files, the bus) ─▶ judge (pure: facts ─▶ Finding) ─▶ a table or JSON, and the exit code
+//!  probe (kernel, files, bus) ─▶ checks (pure: facts ─▶ Finding) ─▶ table or JSON, exit code
 //! ```
 //!
-//! * **Invariants:** every finding that is not `ok` says what to do about it. Nothing is changed: what is tried (real-time
-//!   scheduling) is tried in a thread of its own that ends at once.
-//! * **Absent on purpose:** measurements of time, which are those of `atas latency`.
+//! * **Invariants:** each finding other than `ok` recommends a fix. The checks change nothing;
+//!   real-time scheduling is tested in a short-lived thread.
+//! * **Not included:** timing measurements, see `atas latency`.
 
-mod judge;
+mod checks;
 mod probe;
 
-use atas_console::{Ended, Exit, Mood, Output, table};
+use atas_console::{Exit, ExitError, Output, Rating, table};
 use serde_json::json;
 use shm_bus::BusName;
 
-/// What a probe says.
+/// Result of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
-    /// Nothing to do.
+    /// Works as intended.
     Ok,
-    /// It works, less well than it could.
+    /// Works with reduced performance.
     Warn,
-    /// The daemon cannot run here, or cannot hold its ticks.
+    /// The daemon cannot run or cannot keep its tick rate.
     Fail,
 }
 
@@ -35,23 +35,23 @@ impl Verdict {
         }
     }
 
-    fn mood(self) -> Mood {
+    fn rating(self) -> Rating {
         match self {
-            Self::Ok => Mood::Good,
-            Self::Warn => Mood::Warning,
-            Self::Fail => Mood::Bad,
+            Self::Ok => Rating::Good,
+            Self::Warn => Rating::Warning,
+            Self::Fail => Rating::Bad,
         }
     }
 }
 
-/// What one probe found.
+/// Result of one check, with its fix.
 #[derive(Clone, Debug, PartialEq)]
 struct Finding {
     probe: &'static str,
     verdict: Verdict,
     found: String,
-    /// What to do; empty if nothing.
-    cure: String,
+    /// Recommended fix; empty if none is needed.
+    fix: String,
 }
 
 impl Finding {
@@ -60,14 +60,14 @@ impl Finding {
             probe,
             verdict: Verdict::Ok,
             found: found.into(),
-            cure: String::new(),
+            fix: String::new(),
         }
     }
 
     fn warn(probe: &'static str, found: impl Into<String>, cure: impl Into<String>) -> Self {
         Self {
             verdict: Verdict::Warn,
-            cure: cure.into(),
+            fix: cure.into(),
             ..Self::ok(probe, found)
         }
     }
@@ -75,13 +75,12 @@ impl Finding {
     fn fail(probe: &'static str, found: impl Into<String>, cure: impl Into<String>) -> Self {
         Self {
             verdict: Verdict::Fail,
-            cure: cure.into(),
+            fix: cure.into(),
             ..Self::ok(probe, found)
         }
     }
 }
 
-/// `atas doctor`.
 pub(crate) fn doctor(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
     let mut findings = probe::machine();
     findings.extend(probe::bus(bus));
@@ -94,23 +93,23 @@ pub(crate) fn doctor(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
     if failed.is_empty() {
         return Ok(());
     }
-    let sentence = format!("not in order: {}", failed.join(", "));
-    Err(Ended::with(Exit::Failed, sentence))
+    let sentence = format!("checks failed: {}", failed.join(", "));
+    Err(ExitError::with_code(Exit::Failed, sentence))
 }
 
 fn print(findings: &[Finding], output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
         return output.json(&findings.iter().map(as_json).collect::<Vec<_>>());
     }
-    let mut rows = table(&["verdict", "probe", "found, and what to do"]);
+    let mut rows = table(&["verdict", "probe", "finding and fix"]);
     for finding in findings {
-        let text = if finding.cure.is_empty() {
+        let text = if finding.fix.is_empty() {
             finding.found.clone()
         } else {
-            format!("{}\n→ {}", finding.found, finding.cure)
+            format!("{}\n→ {}", finding.found, finding.fix)
         };
         rows.add_row([
-            output.verdict(finding.verdict.name(), finding.verdict.mood()),
+            output.rated_cell(finding.verdict.name(), finding.verdict.rating()),
             finding.probe.into(),
             text.into(),
         ]);
@@ -123,7 +122,7 @@ fn as_json(finding: &Finding) -> serde_json::Value {
         "probe": finding.probe,
         "verdict": finding.verdict.name(),
         "found": finding.found,
-        "what_to_do": finding.cure,
+        "what_to_do": finding.fix,
     })
 }
 
@@ -132,8 +131,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_warning_is_told_as_one() {
-        let moods = [Verdict::Ok, Verdict::Warn, Verdict::Fail].map(Verdict::mood);
-        assert_eq!(moods, [Mood::Good, Mood::Warning, Mood::Bad]);
+    fn verdicts_map_to_ratings() {
+        let moods = [Verdict::Ok, Verdict::Warn, Verdict::Fail].map(Verdict::rating);
+        assert_eq!(moods, [Rating::Good, Rating::Warning, Rating::Bad]);
     }
 }

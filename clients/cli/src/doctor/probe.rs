@@ -1,4 +1,5 @@
-//! Asks the kernel, the files and the bus. What cannot be asked reads as empty, and the judge says what that means.
+//! Facts for `atas doctor`, from kernel, files and bus. Unreadable facts are empty; the checks
+//! interpret them.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -13,20 +14,20 @@ use rustix::time::{ClockId, clock_getres};
 use shm_bus::{BusError, BusName, now_ns};
 use shm_schemas::Status;
 
-use super::{Finding, judge};
+use super::{Finding, checks};
 
 /// Folder of the installed service.
 const SERVICE: &str = "/run/atas";
 const SHM: &str = "/dev/shm";
-/// Opening it changes nothing yet; only what is written to it does.
+/// Idle latency device. Opening it changes nothing; only writing does.
 const IDLE_LATENCY: &str = "/dev/cpu_dma_latency";
-/// Files of which one exists where control groups divide real-time time (cgroup v1; version 2 has none).
+/// One of these files exists if control groups limit real-time time (only cgroup v1).
 const RT_GROUPS: [&str; 2] = [
     "/sys/fs/cgroup/cpu/cpu.rt_runtime_us",
     "/sys/fs/cgroup/cpu,cpuacct/cpu.rt_runtime_us",
 ];
 
-/// The machine: what every daemon on it would find.
+/// Checks the computer, independent of a bus.
 pub(super) fn machine() -> Vec<Finding> {
     let uname = rustix::system::uname();
     let text = |part: &std::ffi::CStr| part.to_string_lossy().into_owned();
@@ -34,47 +35,47 @@ pub(super) fn machine() -> Vec<Finding> {
     let resolution_ns = resolution.tv_sec as u64 * 1_000_000_000 + resolution.tv_nsec as u64;
     let has_rt_groups = RT_GROUPS.iter().any(|file| Path::new(file).exists());
     vec![
-        judge::user(
+        checks::user(
             geteuid().as_raw(),
             fs::metadata(SERVICE).ok().map(|meta| meta.uid()),
         ),
-        judge::kernel(&text(uname.release()), &text(uname.version())),
-        judge::scheduling(&try_fifo(), has_rt_groups),
-        judge::throttling(&read("/proc/sys/kernel/sched_rt_runtime_us")),
-        judge::memory_lock(
+        checks::kernel(&text(uname.release()), &text(uname.version())),
+        checks::scheduling(&try_fifo(), has_rt_groups),
+        checks::throttling(&read("/proc/sys/kernel/sched_rt_runtime_us")),
+        checks::memory_lock(
             getrlimit(Resource::Memlock).current,
             &read("/proc/self/status"),
         ),
-        judge::governor(&governors()),
-        judge::idle_states(
+        checks::governor(&governors()),
+        checks::idle_states(
             &read("/sys/devices/system/cpu/cpuidle/current_driver"),
             &fs::OpenOptions::new()
                 .write(true)
                 .open(IDLE_LATENCY)
                 .map(drop),
         ),
-        judge::isolated_cores(
+        checks::isolated_cores(
             &read("/sys/devices/system/cpu/isolated"),
             &read("/sys/devices/system/cpu/present"),
         ),
-        judge::clock(
+        checks::clock(
             resolution_ns,
             &read("/sys/devices/system/clocksource/clocksource0/current_clocksource"),
         ),
-        judge::shared_memory(free_shared_memory()),
+        checks::shared_memory(free_shared_memory()),
     ]
 }
 
-/// The bus and the daemon on it.
+/// Checks the bus and its daemon.
 pub(super) fn bus(name: &BusName) -> Vec<Finding> {
-    // Before joining, because joining removes what it finds of this bus.
-    let mut findings = vec![judge::leftovers(&unused_shared_memory())];
+    // Before joining, which removes leftovers of this bus.
+    let mut findings = vec![checks::leftovers(&unused_shared_memory())];
     match Session::existing(name) {
         Ok(session) => {
             findings.push(peers(&session));
             let status: Option<Status> = session.watch_status().ok().map(|(_, status)| status);
             let frozen = status.as_ref().and_then(|s| standstill(s, now_ns()));
-            findings.push(judge::daemon(status.as_ref(), frozen, name.as_str()));
+            findings.push(checks::daemon(status.as_ref(), frozen, name.as_str()));
         }
         Err(ClientError::Bus(BusError::Absent {
             bus,
@@ -82,32 +83,38 @@ pub(super) fn bus(name: &BusName) -> Vec<Finding> {
             unseen,
         })) => {
             let found = format!(
-                "{bus:?} is not there: nothing has made {}{unseen}",
+                "{bus:?} is not there: {} does not exist{unseen}",
                 folder.display()
             );
             findings.push(Finding::warn(
                 "bus",
                 found,
-                "start `atasd`, or name its bus with --bus",
+                "start `atasd`, or select its bus with --bus",
             ));
-            findings.push(judge::daemon(None, None, name.as_str()));
+            findings.push(checks::daemon(None, None, name.as_str()));
         }
         Err(ClientError::Bus(error @ BusError::OtherUser { .. })) => {
-            findings.push(judge::elsewhere(&error.to_string(), atas_gate::missing()));
+            findings.push(checks::foreign_bus(
+                &error.to_string(),
+                atas_gate::missing(),
+            ));
         }
-        Err(error) => findings.push(Finding::fail("bus", error.to_string(), cure(&error))),
+        Err(error) => findings.push(Finding::fail("bus", error.to_string(), fix(&error))),
     }
     findings
 }
 
-fn cure(error: &ClientError) -> &'static str {
+fn fix(error: &ClientError) -> &'static str {
     match error {
-        ClientError::Bus(BusError::NoSpace { .. }) => "free /dev/shm as the finding above says",
-        _ => "do what the message says; daemon and clients must run as one user",
+        ClientError::Bus(BusError::NoSpace { .. }) => {
+            "free space in /dev/shm, see the shared \
+            memory finding"
+        }
+        _ => "follow the message; daemon and clients must run as the same user",
     }
 }
 
-/// Who else is on the bus.
+/// Lists the other processes on the bus.
 fn peers(session: &Session) -> Finding {
     let bus = session.bus();
     let place = format!(
@@ -123,13 +130,13 @@ fn peers(session: &Session) -> Finding {
             let others: BTreeSet<String> = others.map(ToString::to_string).collect();
             let others: Vec<String> = others.into_iter().collect();
             let who = if others.is_empty() {
-                "nobody".to_owned()
+                "none".to_owned()
             } else {
                 others.join(", ")
             };
-            Finding::ok("bus", format!("{place}; on it: {who}"))
+            Finding::ok("bus", format!("{place}; other processes: {who}"))
         }
-        Err(error) => Finding::fail("bus", error.to_string(), "do what the message says"),
+        Err(error) => Finding::fail("bus", error.to_string(), "follow the message"),
     }
 }
 
@@ -151,33 +158,33 @@ fn free_shared_memory() -> u64 {
     rustix::fs::statvfs(SHM).map_or(0, |stat| stat.f_bavail.saturating_mul(stat.f_frsize))
 }
 
-/// Whether the kernel makes a thread of this process `SCHED_FIFO`. The thread ends at once.
+/// Tries to make a short-lived thread `SCHED_FIFO`.
 fn try_fifo() -> io::Result<()> {
     std::thread::spawn(|| scheduling::enter_fifo(scheduling::TICK_PRIORITY))
         .join()
-        .unwrap_or_else(|_| Err(io::Error::other("the thread that tried it panicked")))
+        .unwrap_or_else(|_| Err(io::Error::other("the test thread panicked")))
 }
 
-/// Bytes of this user's shared memory per bus, of buses that no process of this user maps.
+/// Returns this user's shared memory in buses that no process of the user maps, bytes.
 fn unused_shared_memory() -> BTreeMap<String, u64> {
     let own = geteuid().as_raw();
     let mut buses = BTreeMap::<String, u64>::new();
     for file in fs::read_dir(SHM).into_iter().flatten().flatten() {
         let Ok(meta) = file.metadata() else { continue };
-        if let Some(bus) = judge::bus_of_file(&file.file_name().to_string_lossy())
+        if let Some(bus) = checks::bus_of_file(&file.file_name().to_string_lossy())
             && meta.is_file()
             && meta.uid() == own
         {
             *buses.entry(bus.to_owned()).or_default() += meta.blocks() * 512;
         }
     }
-    // After the files, so that a bus that is being made counts as used.
+    // Read after the files, so that a bus under creation counts as used.
     let used = used_buses();
     buses.retain(|bus, _| !used.contains(bus));
     buses
 }
 
-/// The buses whose shared memory some process maps.
+/// Returns the buses whose shared memory a process maps.
 fn used_buses() -> BTreeSet<String> {
     let processes = fs::read_dir("/proc").into_iter().flatten().flatten();
     let maps = processes.filter_map(|process| fs::read_to_string(process.path().join("maps")).ok());
@@ -186,7 +193,7 @@ fn used_buses() -> BTreeSet<String> {
         let files = map.lines().filter_map(|line| line.split_once("/dev/shm/"));
         used.extend(
             files
-                .filter_map(|(_, file)| judge::bus_of_file(file))
+                .filter_map(|(_, file)| checks::bus_of_file(file))
                 .map(str::to_owned),
         );
     }

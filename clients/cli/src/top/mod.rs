@@ -1,63 +1,63 @@
-//! `atas top`: the running system on one screen of a terminal, 80 × 24 or larger, also over ssh.
+//! `atas top`: live view of the running system in a terminal of at least 80 × 24 characters.
 //!
 //! ```text
-//!  Watch (status, reports, view, events), Run (robot) ─▶ Seen ─▶ screen ─▶ terminal
+//!  Observer (status, reports, view, events), Run (robot) ─▶ ScreenState ─▶ screen ─▶ terminal
 //! ```
 //!
-//! * **Invariants:** what a colour says, a word or a mark says too. `NO_COLOR` leaves the colours out. The terminal is given
-//!   back as it was, whatever ends the program. A daemon that dies or comes back is shown, not an end.
+//! * **Invariants:** each colour also has a word or mark; `NO_COLOR` disables colours. The terminal
+//!   is restored at every end. The view continues when the daemon ends or restarts.
 
 mod screen;
-mod seen;
+mod state;
 
 use std::io::IsTerminal;
 use std::time::Duration;
 
 use anyhow::Context;
-use atas_client::{Session, Watch};
+use atas_client::{Observer, Session};
 use atas_console::arguments::BusArgument;
-use atas_console::{Ended, Exit, Interrupt};
+use atas_console::{Exit, ExitError, Interrupt};
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
-use crate::keys::{self, Typed};
-use seen::Seen;
+use crate::keys::{self, KeyInput};
+use state::ScreenState;
 
-/// Pause between two pictures: ten a second, which is what a slow line carries.
-const PICTURE: Duration = Duration::from_millis(100);
+/// Pause between two updates: 10 Hz, suitable for slow connections.
+const UPDATE_PERIOD: Duration = Duration::from_millis(100);
 
-/// `atas top`.
 pub(crate) fn top(bus: &BusArgument, interrupt: &Interrupt) -> anyhow::Result<()> {
     if !std::io::stdout().is_terminal() {
-        return Err(Ended::with(
+        return Err(ExitError::with_code(
             Exit::Usage,
-            "could not draw because standard output is no terminal; programs read `atas status --watch --format json`",
+            "could not draw: standard output is no terminal; use `atas status --watch --format \
+             json` in programs",
         ));
     }
     let session = Session::existing(&bus.bus)?;
-    let mut seen = Seen::new(Watch::join(&session)?, session.bus().name().as_str());
+    let mut seen = ScreenState::new(Observer::join(&session)?, session.bus().name().as_str());
     let colours = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let mut terminal = ratatui::try_init().context("could not prepare the terminal")?;
     let shown = show(&mut terminal, &mut seen, &session, colours, interrupt);
-    let restored = ratatui::try_restore().context("could not give the terminal back");
+    let restored = ratatui::try_restore().context("could not restore the terminal");
     shown.and(restored)
 }
 
 fn show(
     terminal: &mut ratatui::DefaultTerminal,
-    seen: &mut Seen,
+    seen: &mut ScreenState,
     session: &Session,
     colours: bool,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
     while !interrupt.is_set() {
-        seen.look(session)?;
+        seen.poll(session)?;
         terminal
             .draw(|frame| screen::draw(frame, seen, colours))
             .context("could not draw on the terminal")?;
-        match keys::wait(PICTURE)? {
-            Typed::Key(key) if ends(key) => break,
-            Typed::Gone => break,
-            Typed::Key(_) | Typed::Nothing => {}
+        match keys::wait(UPDATE_PERIOD)? {
+            KeyInput::Key(key) if ends(key) => break,
+            KeyInput::Disconnected => break,
+            KeyInput::Key(_) | KeyInput::Nothing => {}
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! How it is drawn: header, a block per hand, a lane per module, ticks and services, what happened.
+//! Screen layout: header, one block per hand, module lanes, timing and services, events.
 
 mod hand;
 mod lanes;
@@ -7,7 +7,7 @@ mod timing;
 use std::path::Path;
 use std::rc::Rc;
 
-use atas_client::{standstill, words};
+use atas_client::{standstill, text};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
@@ -17,21 +17,21 @@ use shm_bus::now_ns;
 use shm_schemas::capacity::FINGERS;
 use shm_schemas::{Mode, StatusFlags};
 
-use super::seen::Seen;
-use crate::refusals;
+use super::state::ScreenState;
+use crate::rejections;
 
-/// Smallest screen that has room for everything.
+/// Smallest screen.
 const COLUMNS: u16 = 80;
 const ROWS: u16 = 24;
 
-/// Styles, by what they mean. Every one is also told by a word or a mark.
+/// Styles by meaning; each also has a word or mark.
 #[derive(Clone, Copy)]
-struct Look {
+struct Palette {
     colours: bool,
 }
 
-impl Look {
-    /// Okabe and Ito 2008, as near as the 256 colours of terminals come: told apart with any colour vision.
+impl Palette {
+    /// Okabe-Ito colours (2008) for any colour vision, as the nearest terminal colours.
     fn tint(self, colour: u8) -> Style {
         let style = Style::new();
         if self.colours {
@@ -41,7 +41,7 @@ impl Look {
         }
     }
 
-    fn finger(self, finger: usize) -> Style {
+    fn fingertip(self, finger: usize) -> Style {
         const TINTS: [u8; FINGERS] = [32, 74, 36, 175];
         self.tint(TINTS[finger % FINGERS])
     }
@@ -50,7 +50,7 @@ impl Look {
         self.tint(214)
     }
 
-    fn soft(self) -> Style {
+    fn dim(self) -> Style {
         self.tint(245)
     }
 
@@ -63,49 +63,48 @@ impl Look {
     }
 }
 
-/// Draws everything.
-pub(super) fn draw(frame: &mut Frame<'_>, seen: &Seen, colours: bool) {
-    let look = Look { colours };
+pub(super) fn draw(frame: &mut Frame<'_>, seen: &ScreenState, colours: bool) {
+    let look = Palette { colours };
     let area = frame.area();
     if area.width < COLUMNS || area.height < ROWS {
         let text = format!(
-            "needs {COLUMNS} × {ROWS} characters, has {} × {}; enlarge the window, or q",
+            "needs {COLUMNS} × {ROWS} characters, has {} × {}; enlarge the window, or press q",
             area.width, area.height
         );
         frame.render_widget(Paragraph::new(text), area);
         return;
     }
-    // What a larger screen has more goes to lanes and events.
+    // Extra rows go to module lanes and events.
     let more = area.height - ROWS;
     let heights = [2, 10, 4 + more / 2, 4, 4 + more - more / 2].map(Constraint::Length);
     let [head, hands, work, timing, events] = Layout::vertical(heights).areas(area);
     header(frame, head, seen, look);
     let there = seen.hands();
-    for ((index, fingers), area) in there.iter().zip(shares(hands, there.len()).iter()) {
+    for ((index, fingers), area) in there.iter().zip(equal_columns(hands, there.len()).iter()) {
         hand::draw(frame, *area, seen, (*index, *fingers), look);
     }
-    for ((index, _), area) in there.iter().zip(shares(work, there.len()).iter()) {
+    for ((index, _), area) in there.iter().zip(equal_columns(work, there.len()).iter()) {
         lanes::draw(frame, *area, seen, *index, look);
     }
     timing::draw(frame, timing, seen, look);
-    happened(frame, events, seen, look);
+    draw_events(frame, events, seen, look);
 }
 
-/// So many areas of the same width.
-fn shares(area: Rect, count: usize) -> Rc<[Rect]> {
+/// Splits an area into columns of equal width.
+fn equal_columns(area: Rect, count: usize) -> Rc<[Rect]> {
     Layout::horizontal(vec![Constraint::Fill(1); count])
         .spacing(2)
         .split(area)
 }
 
-fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
+fn header(frame: &mut Frame<'_>, area: Rect, seen: &ScreenState, look: Palette) {
     let status = &seen.watch.status;
     if !seen.watch.is_alive() {
-        let told = format!(
+        let reported = format!(
             "atas top · bus {} · no daemon reports: start `atasd`",
             seen.bus
         );
-        frame.render_widget(Paragraph::new(Line::styled(told, look.fault())), area);
+        frame.render_widget(Paragraph::new(Line::styled(reported, look.fault())), area);
         return;
     }
     let is_stopped = matches!(status.mode, Mode::HOLD | Mode::SAFE_STOP | Mode::FAULT);
@@ -121,7 +120,7 @@ fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
                 look.strong()
             },
         ),
-        // What a narrow terminal cuts off is told last.
+        // Least important part last: narrow terminals cut it off.
         Span::raw(format!(
             " · {} Hz{}{}{} · atasd {} ({})",
             status.rate_hz,
@@ -133,22 +132,22 @@ fn header(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
         )),
     ]);
     let second = if let Some(frozen) = standstill(status, now_ns()) {
-        let told = format!(
-            "no tick for {:.1} s: the loop stands still",
+        let reported = format!(
+            "no tick for {:.1} s: the control loop has stopped",
             frozen.as_secs_f64()
         );
-        Line::styled(told, look.fault())
+        Line::styled(reported, look.fault())
     } else if status.reason.is_some() {
-        let why = refusals::why_so([&seen.rates.before, status]);
+        let why = rejections::mode_reason([&seen.rates.before, status]);
         Line::styled(why, look.fault())
     } else {
-        Line::raw(words::goal(status))
+        Line::raw(text::goal(status))
     };
     frame.render_widget(Paragraph::new(vec![first, second]), area);
 }
 
-/// What the robot is called, if that is known.
-fn robot(seen: &Seen) -> String {
+/// Returns the name of the robot, if known.
+fn robot(seen: &ScreenState) -> String {
     seen.run.header().map_or_else(String::new, |header| {
         let name = Path::new(header.robot.as_str());
         let short = name.file_stem().unwrap_or_default().to_string_lossy();
@@ -156,7 +155,7 @@ fn robot(seen: &Seen) -> String {
     })
 }
 
-fn happened(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
+fn draw_events(frame: &mut Frame<'_>, area: Rect, seen: &ScreenState, look: Palette) {
     let rows = usize::from(area.height);
     let lines = seen
         .events
@@ -175,7 +174,7 @@ fn happened(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
     let mut lines: Vec<Line<'_>> = lines.collect();
     lines.reverse();
     if lines.is_empty() {
-        lines.push(Line::styled("nothing has happened yet", look.soft()));
+        lines.push(Line::styled("no events yet", look.dim()));
     }
     frame.render_widget(Paragraph::new(lines), area);
 }

@@ -1,5 +1,7 @@
-//! `atas topic`: the bus itself. Only services that the non-real-time side publishes are read; those of the 1 kHz loop have
-//! a closed set of peers, and what is known of them the daemon's status tells.
+//! `atas topic`: services of the bus.
+//!
+//! Only services published outside the control loop are readable. Those of the 1 kHz loop have a
+//! fixed set of peers; `atas status` reports their rates.
 
 mod stream;
 
@@ -7,13 +9,12 @@ use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Session};
 use atas_console::arguments::Topic;
-use atas_console::{Ended, Exit, Interrupt, Output, number, table};
+use atas_console::{Exit, ExitError, Interrupt, Output, number, table};
 use serde_json::json;
 use shm_bus::{BusName, STREAMS, Stream, now_ns};
 
-use stream::{Told, open};
+use stream::{Received, open};
 
-/// `atas topic`.
 pub(crate) fn topic(
     action: &Topic,
     interrupt: &Interrupt,
@@ -25,17 +26,17 @@ pub(crate) fn topic(
             service,
             count,
             bus,
-        } => echo(&bus.bus, named(service)?, *count, interrupt, output),
+        } => echo(&bus.bus, find_stream(service)?, *count, interrupt, output),
         Topic::Hz {
             service,
             seconds,
             bus,
-        } => hz(&bus.bus, named(service)?, *seconds, interrupt, output),
+        } => hz(&bus.bus, find_stream(service)?, *seconds, interrupt, output),
     }
 }
 
-/// The stream of this name, or of this end of a name.
-fn named(name: &str) -> anyhow::Result<&'static Stream> {
+/// Finds a stream by its name or the end of its name.
+fn find_stream(name: &str) -> anyhow::Result<&'static Stream> {
     let is_meant = |stream: &&Stream| {
         let end = stream.service.strip_suffix(name);
         end.is_some_and(|rest| rest.is_empty() || rest.ends_with('/'))
@@ -44,18 +45,18 @@ fn named(name: &str) -> anyhow::Result<&'static Stream> {
     match (meant.next(), meant.next()) {
         (Some(stream), None) => Ok(stream),
         _ => {
-            let names: Vec<&str> = STREAMS.iter().map(|stream| short(stream.service)).collect();
-            let sentence = format!(
-                "no service is named {name:?}; there are {}",
-                names.join(", ")
-            );
-            Err(Ended::with(Exit::Usage, sentence))
+            let names: Vec<&str> = STREAMS
+                .iter()
+                .map(|stream| short_name(stream.service))
+                .collect();
+            let sentence = format!("unknown service {name:?}; use one of {}", names.join(", "));
+            Err(ExitError::with_code(Exit::Usage, sentence))
         }
     }
 }
 
-/// A service's name without the common beginning and its version.
-fn short(service: &str) -> &str {
+/// Removes prefix and version from a service name.
+fn short_name(service: &str) -> &str {
     service.splitn(3, '/').nth(2).unwrap_or(service)
 }
 
@@ -65,7 +66,7 @@ fn list(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
         "service", "payload", "bytes", "writers", "readers", "read by",
     ]);
     for stream in &STREAMS {
-        let traffic = session.bus().traffic(stream)?;
+        let traffic = session.bus().port_count(stream)?;
         let readable = stream::is_readable(stream);
         if output.is_json() {
             output.json(&json!({
@@ -78,12 +79,12 @@ fn list(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
             }))?;
         }
         rows.add_row([
-            short(stream.service).to_owned(),
+            short_name(stream.service).to_owned(),
             stream.payload.to_owned(),
             stream.payload_bytes.to_string(),
             traffic.writers.to_string(),
             traffic.readers.to_string(),
-            if readable { "anyone" } else { "the loop" }.to_owned(),
+            if readable { "anyone" } else { "control loop" }.to_owned(),
         ]);
     }
     if output.is_json() {
@@ -101,15 +102,15 @@ fn echo(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let session = Session::existing(bus)?;
-    let mut heard = open(&session, stream)?;
+    let mut received = open(&session, stream)?;
     let mut left = count.unwrap_or(u64::MAX);
     while left > 0 && !interrupt.is_set() {
-        let mut told = Vec::new();
-        heard.listen(true, &mut told)?;
-        if told.is_empty() {
+        let mut reported = Vec::new();
+        received.read_waiting(true, &mut reported)?;
+        if reported.is_empty() {
             std::thread::sleep(POLL);
         }
-        for Told { value, .. } in told
+        for Received { value, .. } in reported
             .into_iter()
             .take(usize::try_from(left).unwrap_or(usize::MAX))
         {
@@ -132,16 +133,16 @@ fn hz(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let session = Session::existing(bus)?;
-    let mut heard = open(&session, stream)?;
-    let mut counted = Counted::default();
-    // What waited before the window does not count.
-    heard.listen(false, &mut Vec::new())?;
+    let mut received = open(&session, stream)?;
+    let mut counted = PayloadCount::default();
+    // Payloads from before the window do not count.
+    received.read_waiting(false, &mut Vec::new())?;
     let begin = Instant::now();
     while begin.elapsed() < window && !interrupt.is_set() {
         std::thread::sleep(POLL);
-        let mut told = Vec::new();
-        heard.listen(false, &mut told)?;
-        told.iter().for_each(|told| counted.add(told));
+        let mut reported = Vec::new();
+        received.read_waiting(false, &mut reported)?;
+        reported.iter().for_each(|reported| counted.add(reported));
     }
     let rate_hz = counted.payloads as f64 / begin.elapsed().as_secs_f64();
     let age_ns = counted
@@ -156,30 +157,29 @@ fn hz(
             "newest_age_ns": age_ns,
         }));
     }
-    let age = age_ns.map_or("nothing came".to_owned(), |ns| {
+    let age = age_ns.map_or("no payload".to_owned(), |ns| {
         format!("the newest is {} ms old", number(ns as f64 * 1e-6, 1))
     });
     output.line(format_args!(
         "{}: {} a second, {} lost, {age}",
-        short(stream.service),
+        short_name(stream.service),
         number(rate_hz, 1),
         counted.lost
     ))
 }
 
-/// What came in a window.
 #[derive(Debug, Default)]
-struct Counted {
+struct PayloadCount {
     payloads: u64,
     lost: u64,
     newest_ns: Option<u64>,
     next: Option<(u64, u64)>,
 }
 
-impl Counted {
-    fn add(&mut self, told: &Told) {
+impl PayloadCount {
+    fn add(&mut self, reported: &Received) {
         self.payloads += 1;
-        let stamp = told.stamp;
+        let stamp = reported.stamp;
         if let Some((epoch, next)) = self.next
             && epoch == stamp.writer_epoch
         {
@@ -197,9 +197,11 @@ mod tests {
     use shm_schemas::Stamp;
 
     #[test]
-    fn a_service_is_named_by_the_end_of_its_name() {
+    fn service_is_found_by_name_suffix() {
         let check = |name: &str, expected: Option<&str>| {
-            let found = named(name).ok().map(|stream| short(stream.service));
+            let found = find_stream(name)
+                .ok()
+                .map(|stream| short_name(stream.service));
             assert_eq!(found, expected, "{name}");
         };
         check("status", Some("status"));
@@ -212,15 +214,15 @@ mod tests {
     }
 
     #[test]
-    fn gaps_in_a_writers_sequence_are_losses() {
-        let mut counted = Counted::default();
+    fn sequence_gaps_count_as_lost() {
+        let mut counted = PayloadCount::default();
         for (writer_epoch, sequence) in [(1, 5), (1, 6), (1, 9), (2, 0), (2, 1)] {
             let stamp = Stamp {
                 sequence,
                 writer_epoch,
                 captured_ns: sequence,
             };
-            counted.add(&Told {
+            counted.add(&Received {
                 stamp,
                 value: Value::Null,
             });

@@ -1,7 +1,7 @@
-//! Streams of any payload, read alike.
+//! Uniform reading of streams with any payload type.
 
 use atas_client::{Session, json};
-use atas_console::{Ended, Exit};
+use atas_console::{Exit, ExitError};
 use serde_json::Value;
 use shm_bus::{BusError, Stream, Subscriber};
 use shm_schemas::{
@@ -9,33 +9,32 @@ use shm_schemas::{
     SensorStatus, Stamp, Status, TickReport, View, WheelCommands, WorldTruth,
 };
 
-/// Most payloads taken in one look: all that can wait.
-const AT_ONCE: usize = 1024;
+/// Most payloads read at once: the whole queue.
+const BATCH: usize = 1024;
 
-/// One payload.
-pub(super) struct Told {
+pub(super) struct Received {
     pub(super) stamp: Stamp,
-    /// What it says; nothing where only the count matters.
+    /// JSON content, or null if only the count is needed.
     pub(super) value: Value,
 }
 
-/// A stream of some payload.
-pub(super) trait Heard {
-    /// Takes what waits; with `values`, also what it says.
-    fn listen(&mut self, values: bool, told: &mut Vec<Told>) -> Result<(), BusError>;
+/// Reader of a stream with any payload type.
+pub(super) trait StreamReader {
+    /// Appends all waiting payloads; `values` selects their content as well.
+    fn read_waiting(&mut self, values: bool, reported: &mut Vec<Received>) -> Result<(), BusError>;
 }
 
-/// A payload that observers may read.
+/// Payload that observers may read.
 trait Readable: Payload {
     fn stamp(&self) -> Stamp;
     fn value(&self) -> Value;
 }
 
-impl<T: Readable> Heard for Subscriber<T> {
-    fn listen(&mut self, values: bool, told: &mut Vec<Told>) -> Result<(), BusError> {
-        self.drain(AT_ONCE, |payload| {
+impl<T: Readable> StreamReader for Subscriber<T> {
+    fn read_waiting(&mut self, values: bool, reported: &mut Vec<Received>) -> Result<(), BusError> {
+        self.drain(BATCH, |payload| {
             let value = if values { payload.value() } else { Value::Null };
-            told.push(Told {
+            reported.push(Received {
                 stamp: payload.stamp(),
                 value,
             });
@@ -56,12 +55,11 @@ macro_rules! readable {
             }
         })*
 
-        /// Whether observers may read it.
         pub(super) fn is_readable(stream: &Stream) -> bool {
             [$(<$payload as Payload>::TYPE_NAME),*].contains(&stream.payload)
         }
 
-        fn subscribe(session: &Session, stream: &Stream) -> Result<Option<Box<dyn Heard>>, BusError> {
+        fn subscribe(session: &Session, stream: &Stream) -> Result<Option<Box<dyn StreamReader>>, BusError> {
             $(if stream.payload == <$payload as Payload>::TYPE_NAME {
                 return Ok(Some(Box::new(session.bus().subscriber::<$payload>(stream.service)?)));
             })*
@@ -85,20 +83,23 @@ readable! {
     ArenaTruth by json::arena;
 }
 
-/// As it travels: whoever reads along need not know the run.
+/// Converts a status without knowledge of the run: all fingertip slots are included.
 fn status(status: &Status) -> Value {
-    json::status(status, json::ROOM)
+    json::status(status, json::CAPACITY)
 }
 
-/// Begins to read a stream that observers may read.
-pub(super) fn open(session: &Session, stream: &'static Stream) -> anyhow::Result<Box<dyn Heard>> {
-    let Some(heard) = subscribe(session, stream)? else {
+pub(super) fn open(
+    session: &Session,
+    stream: &'static Stream,
+) -> anyhow::Result<Box<dyn StreamReader>> {
+    let Some(received) = subscribe(session, stream)? else {
         let sentence = format!(
-            "{} belongs to the control loop, whose readers are a closed set so that nobody slows it; `atas topic echo view` \
-             shows its newest frames and joints, `atas status` its rates",
+            "could not read {}: only the control loop may read it, so that observers cannot delay \
+             the loop; use `atas topic echo view` for the newest frames and joints, `atas status` \
+             for rates",
             stream.service
         );
-        return Err(Ended::with(Exit::Usage, sentence));
+        return Err(ExitError::with_code(Exit::Usage, sentence));
     };
-    Ok(heard)
+    Ok(received)
 }

@@ -1,6 +1,6 @@
-//! The bus's words as JSON, SI units, names instead of codes. Keys are a contract with scripts: they are only added to. Lists of
-//! fingers have those of the hand where the run is known ([`crate::Run::fingers`]), and elsewhere as many as payloads have room for
-//! ([`ROOM`]), zeros where a hand has none.
+//! Bus data as JSON: SI units, names instead of codes. Keys are an interface for scripts: new ones
+//! may be added, none removed. Lists of fingertips have the length of the hand if the run is known
+//! ([`crate::Run::fingers`]), else the capacity of the payload ([`CAPACITY`]) with zeros.
 
 mod streams;
 
@@ -15,10 +15,10 @@ use shm_schemas::{
 
 use crate::GoalProgress;
 
-/// Fingers of each hand where nobody knows how many it has.
-pub const ROOM: [usize; HANDS] = [FINGERS; HANDS];
+/// Number of fingertips per hand if unknown.
+pub const CAPACITY: [usize; HANDS] = [FINGERS; HANDS];
 
-/// Why, or `null`.
+/// Returns a reason, or `null`.
 #[must_use]
 pub fn reason(reason: &Reason) -> Value {
     if !reason.is_some() {
@@ -47,7 +47,7 @@ fn figures(figures: &GraspFigures, fingers: usize) -> Value {
     })
 }
 
-/// The end of a goal, of a hand with so many fingers.
+/// Returns the end of a goal of a hand with this number of fingertips.
 #[must_use]
 pub fn goal(progress: &GoalProgress, fingers: usize) -> Value {
     let last = progress.last();
@@ -60,7 +60,7 @@ pub fn goal(progress: &GoalProgress, fingers: usize) -> Value {
     })
 }
 
-/// One event, with the fields that its kind means.
+/// Returns one event with the fields of its kind.
 #[must_use]
 pub fn event(event: &ModuleEvent) -> Value {
     let mut value = json!({
@@ -84,7 +84,7 @@ pub fn event(event: &ModuleEvent) -> Value {
     value
 }
 
-/// Which fields an event of this kind means; of an unknown kind perhaps any.
+/// Returns the fields of an event kind; all fields for an unknown kind.
 fn fields_of(kind: EventKind) -> &'static [&'static str] {
     match kind {
         EventKind::MODULE_ON | EventKind::MODULE_OFF => &["hand", "module"],
@@ -107,7 +107,7 @@ fn fields_of(kind: EventKind) -> &'static [&'static str] {
     }
 }
 
-/// Under which conditions the daemon ticks, among events.
+/// Returns the conditions of the daemon's loop, for a list of events.
 #[must_use]
 pub fn conditions(status: &Status) -> Value {
     let has = |flag| status.flags & flag != 0;
@@ -120,7 +120,7 @@ pub fn conditions(status: &Status) -> Value {
     })
 }
 
-/// The daemon's status, of hands with so many fingers.
+/// Returns the daemon's status for hands with these numbers of fingertips.
 #[must_use]
 pub fn status(status: &Status, fingers: [usize; HANDS]) -> Value {
     let hands = Hand::BOTH.iter().zip(&status.hands).zip(fingers).map(hand);
@@ -188,7 +188,7 @@ fn hand(((hand, sensor), fingers): ((&Hand, &HandStatus), usize)) -> Value {
     })
 }
 
-/// A distribution.
+/// Returns a distribution.
 #[must_use]
 pub fn percentiles(figures: &Percentiles) -> Value {
     json!({
@@ -200,14 +200,14 @@ pub fn percentiles(figures: &Percentiles) -> Value {
     })
 }
 
-/// The modules of a bit set.
+/// Returns the modules of a bit set.
 fn names(active: u32) -> Vec<&'static str> {
     let is_active = |id: &&ModuleId| id.0 < u32::BITS && active >> id.0 & 1 == 1;
     let active = ModuleId::ALL.iter().filter(is_active);
     active.map(|id| id.name()).collect()
 }
 
-/// `null` where nothing ever came.
+/// Returns `null` if nothing has arrived.
 fn age_ns(age_ns: u64) -> Value {
     if age_ns == u64::MAX {
         Value::Null
@@ -221,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_event_has_the_fields_that_it_means() {
+    fn event_has_the_fields_of_its_kind() {
         let check = |kind, expected: &[&str]| {
             let value = event(&ModuleEvent {
                 kind,
@@ -241,13 +241,13 @@ mod tests {
         check(EventKind::MODULE_ON, &["hand", "module"]);
     }
     #[test]
-    fn lists_of_fingers_have_those_of_the_hand() {
+    fn lists_of_fingertips_have_the_length_of_the_hand() {
         let lists = |value: &Value| {
             let keys = ["touches", "normal_n", "tangential_n"];
             let lists = keys.into_iter().filter_map(|key| value[key].as_array());
             lists.map(Vec::len).collect::<Vec<_>>()
         };
-        for (fingers, expected) in [([2, 3], [[2; 3], [3; 3]]), (ROOM, [[4; 3]; 2])] {
+        for (fingers, expected) in [([2, 3], [[2; 3], [3; 3]]), (CAPACITY, [[4; 3]; 2])] {
             let value = status(&Status::default(), fingers);
             for (hand, expected) in expected.iter().enumerate() {
                 assert_eq!(lists(&value["hands"][hand]), expected);

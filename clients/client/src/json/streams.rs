@@ -1,4 +1,4 @@
-//! The payloads of the streams, as `atas topic echo` prints them.
+//! Payloads of the streams as JSON, for `atas topic echo`.
 
 use serde_json::{Value, json};
 use shm_schemas::{
@@ -9,7 +9,7 @@ use shm_schemas::{
 
 use super::{age_ns, names};
 
-/// What every payload begins with.
+/// Adds the stamp, which every payload has.
 fn stamped(stamp: &Stamp, mut value: Value) -> Value {
     value["sequence"] = stamp.sequence.into();
     value["captured_ns"] = stamp.captured_ns.into();
@@ -17,7 +17,7 @@ fn stamped(stamp: &Stamp, mut value: Value) -> Value {
     value
 }
 
-/// What one tick did.
+/// Returns a tick report.
 #[must_use]
 pub fn report(report: &TickReport) -> Value {
     let stages = TickReport::STAGE_NAMES.iter().zip(report.stage_ns);
@@ -66,7 +66,7 @@ fn finger(finger: &FingerReport) -> Value {
     })
 }
 
-/// The newest frames and joints; `null` for what has not come.
+/// Returns the newest frames and joints; `null` for data that have not arrived.
 #[must_use]
 pub fn view(view: &View) -> Value {
     let frames = view.frames.iter().zip(view.has_frame);
@@ -107,7 +107,7 @@ fn joints(joints: &JointState) -> Value {
     stamped(&joints.stamp, value)
 }
 
-/// What a sensor process says of its device.
+/// Returns the status of a sensor process.
 #[must_use]
 pub fn sensor(status: &SensorStatus) -> Value {
     let value = json!({
@@ -125,7 +125,7 @@ pub fn sensor(status: &SensorStatus) -> Value {
     stamped(&status.stamp, value)
 }
 
-/// How a run began, without its numbers.
+/// Returns the run header without the parameter values.
 #[must_use]
 pub fn run(header: &RunHeader) -> Value {
     let value = json!({
@@ -138,7 +138,7 @@ pub fn run(header: &RunHeader) -> Value {
     stamped(&header.stamp, value)
 }
 
-/// What the simulator knows.
+/// Returns the true state of the simulated world.
 #[must_use]
 pub fn truth(truth: &WorldTruth) -> Value {
     let objects = truth.objects.iter().take(truth.object_count as usize);
@@ -166,7 +166,7 @@ fn object(object: &ObjectTruth) -> Value {
     })
 }
 
-/// What every robot of the swarm senses.
+/// Returns the sensor inputs of all swarm robots.
 #[must_use]
 pub fn agents(sensors: &AgentSensors) -> Value {
     let count = (sensors.agent_count as usize).min(sensors.row.len());
@@ -179,7 +179,7 @@ pub fn agents(sensors: &AgentSensors) -> Value {
     stamped(&sensors.stamp, value)
 }
 
-/// What every robot of the swarm does.
+/// Returns the wheel commands of all swarm robots.
 #[must_use]
 pub fn wheels(commands: &WheelCommands) -> Value {
     let count = (commands.agent_count as usize).min(commands.output.len());
@@ -192,32 +192,32 @@ pub fn wheels(commands: &WheelCommands) -> Value {
     stamped(&commands.stamp, value)
 }
 
-/// What a robot's base sees.
+/// Returns the state of a mobile base.
 #[must_use]
 pub fn base(state: &BaseState) -> Value {
     let value = json!({
         "frame": state.frame,
         "object_m": (state.object_stands != 0).then_some(state.object_m),
         "goal_m": state.goal_m,
-        "first_m": state.first_m,
-        "stands": state.stands != 0,
+        "right_of_way_m": state.right_of_way_m,
+        "wheels_stopped": state.wheels_stopped != 0,
         "mishap": state.mishap.name(),
     });
     stamped(&state.stamp, value)
 }
 
-/// What a robot's base is told.
+/// Returns a command to a mobile base.
 #[must_use]
 pub fn base_command(command: &BaseCommand) -> Value {
     let value = json!({
         "frame": command.frame,
-        "say": command.say.name(),
+        "owner": command.owner.name(),
         "light": command.light.name(),
     });
     stamped(&command.stamp, value)
 }
 
-/// The swarm's fields: what is there, where, and how every trial went so far, oldest first.
+/// Returns the swarm fields: contents, positions, and all trials so far, oldest first.
 #[must_use]
 pub fn arena(arena: &ArenaTruth) -> Value {
     let agents = arena.agents.iter().take(arena.agent_count as usize);
@@ -297,7 +297,7 @@ fn trial(trial: &TrialTruth) -> Value {
     })
 }
 
-/// `null` where the object never reached its goal.
+/// Returns `null` if the object never reached its goal.
 fn reached(frame: u32) -> Option<u32> {
     (frame > 0).then_some(frame)
 }

@@ -1,7 +1,8 @@
-//! What each command needs of a bus that belongs to another user: the one table that the gate and its visitors go by.
+//! Access rights that each command needs on a bus of another user. The gate and its clients both
+//! use this table.
 //!
-//! Every command is named, and every argument of one that the gate lets through: a new command, or a new argument, does not
-//! compile until somebody has thought here about what it would let another user do.
+//! The matches name every command, and every argument of each command that the gate allows. A new
+//! command or argument does not compile before its rights are decided here.
 
 use std::path::Path;
 
@@ -9,14 +10,14 @@ use shm_bus::BusName;
 
 use super::*;
 
-/// What a member of the service's group may be allowed.
+/// Right that the service's group may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Right {
-    /// To stop the robot.
+    /// Stop the robot.
     Stop,
-    /// To look on.
+    /// Read status, events and parameters.
     Observe,
-    /// To move the robot and to change how it works.
+    /// Move the robot and change parameters.
     Command,
 }
 
@@ -30,24 +31,24 @@ impl std::fmt::Display for Right {
     }
 }
 
-/// What a command needs.
+/// Access that a command needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access<'a> {
-    /// No bus, or one of its own making: it runs as whoever calls it.
+    /// No bus, or a private bus: the command runs as the calling user.
     Caller,
-    /// A right on a bus. It touches neither files nor the network.
+    /// A right on a bus. The command uses neither files nor the network.
     Right(Right, &'a BusName),
-    /// To be the bus's user, because on top of a bus it uses what the user who calls it says: files, ports. With the reason.
+    /// The user of the bus, because the command also uses files or ports. The text is the reason.
     Owner(&'a BusName, &'static str),
 }
 
-/// Why a picture, a recording or a file of targets does not pass.
-const FILES: &str = "reads or writes files of its own";
-/// Why a server does not pass.
+/// Reason to reject plots, recordings and target files.
+const FILES: &str = "reads or writes files";
+/// Reason to reject servers.
 const PORT: &str = "opens a port to every user of this machine";
 
 impl Command {
-    /// What the command needs of a bus.
+    /// Returns the access that the command needs.
     #[must_use]
     pub fn access(&self) -> Access<'_> {
         let observe = |bus| Access::Right(Right::Observe, bus);
@@ -64,7 +65,7 @@ impl Command {
             | Self::Export(_)
             | Self::Completions { .. }
             | Self::Man { .. } => Access::Caller,
-            // What it tries are the limits of whoever calls it.
+            // The doctor checks the limits of the calling user.
             Self::Doctor(_) => Access::Caller,
             Self::Record { action, options } => match action {
                 Some(_) => Access::Caller,
@@ -180,7 +181,7 @@ impl Command {
                 sending,
             }) => command(sending.bus()),
             Self::Release(Release { sending }) => command(sending.bus()),
-            Self::Follow(Follow {
+            Self::Teleop(Teleop {
                 file,
                 hand: _,
                 step: _,
@@ -195,7 +196,7 @@ impl Command {
     }
 }
 
-impl Sending {
+impl SendOptions {
     fn bus(&self) -> &BusName {
         let Self {
             hand: _,
@@ -213,7 +214,7 @@ mod tests {
     use clap::Parser;
 
     #[test]
-    fn every_command_needs_what_it_does() {
+    fn commands_need_expected_access() {
         let check = |line: &str, needs: &str| {
             let words = format!("atas {line}");
             let parsed = Arguments::try_parse_from(words.split_whitespace());
@@ -251,7 +252,7 @@ mod tests {
             "assemble",
             "task polish",
             "release",
-            "follow",
+            "teleop",
             "cancel",
             "recover",
             "zero",
@@ -259,10 +260,10 @@ mod tests {
         ] {
             check(&format!("{line} --bus b"), "command on b");
         }
-        for line in ["record", "follow targets.csv", "explain last --out why.svg"] {
+        for line in ["record", "teleop targets.csv", "explain last --out why.svg"] {
             check(
                 &format!("{line} --bus b"),
-                "owner of b: reads or writes files of its own",
+                "owner of b: reads or writes files",
             );
         }
         for line in ["dashboard", "foxglove"] {

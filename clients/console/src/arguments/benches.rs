@@ -1,4 +1,4 @@
-//! What `atas bench` may be told.
+//! Arguments of `atas bench`.
 
 use std::path::PathBuf;
 
@@ -8,18 +8,20 @@ use shm_bus::BusName;
 /// `atas bench`.
 #[derive(Debug, Subcommand)]
 pub enum Bench {
-    /// How punctual the daemon is here, beside cyclictest and a bare loop; what a tick costs; how fast transports are
+    /// Measure daemon timing next to cyclictest and an empty loop, tick cost and transport speed
     Latency(BenchLatency),
-    /// Whether a stop gets through a flood of goals, long checks and a frozen client
+    /// Test stops during a flood of goals, long checks and a frozen client
     Stop(BenchStop),
-    /// Whether looking on costs the tick anything: unobserved, with eight observers that hang, die and come back, and with the
-    /// same eight looking at another daemon
+    /// Measure the effect of observers on the tick
+    ///
+    /// Compares three cases: no observers, eight observers that hang, die and restart, and the same
+    /// eight observers on another daemon.
     Observers(BenchObservers),
-    /// The other end of a transport that is being measured
+    /// Echo process of a transport measurement
     #[command(hide = true)]
     Echo {
-        /// By what
-        by: EchoBy,
+        /// Transport
+        by: EchoTransport,
         /// Bus of the echo
         #[arg(long)]
         bus: BusName,
@@ -35,10 +37,10 @@ pub struct BenchLatency {
     /// Two seconds per measurement instead of ten
     #[arg(long, conflicts_with = "seconds")]
     pub short: bool,
-    /// Length of each measurement, seconds [default: 10]
+    /// Duration of each measurement, seconds [default: 10]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=3600))]
     pub seconds: Option<u64>,
-    /// How often each is repeated, in turn with the others; medians are reported
+    /// Interleaved repetitions of each measurement; medians are reported
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
 }
@@ -46,7 +48,7 @@ pub struct BenchLatency {
 /// `atas bench stop`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchStop {
-    /// How often the daemon is stopped and recovered
+    /// Number of stop and recover cycles
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub count: u32,
 }
@@ -54,21 +56,21 @@ pub struct BenchStop {
 /// `atas bench observers`.
 #[derive(Args, Clone, Debug)]
 pub struct BenchObservers {
-    /// Length of each half of a comparison, seconds
+    /// Duration of each half of a comparison, seconds
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=3600))]
     pub seconds: u64,
-    /// How often both halves are measured in turn; medians are reported
+    /// Alternating repetitions of both halves; medians are reported
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
 }
 
-/// Transports that have an echo in this program.
+/// Transports with an echo process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum EchoBy {
-    /// Shared memory, one frame there and back
+pub enum EchoTransport {
+    /// Shared memory: one frame in each direction
     Iceoryx2,
-    /// A Unix stream socket, one frame there and back
+    /// Unix stream socket: one frame in each direction
     UnixSocket,
-    /// Shared memory, both hands' frames and a joint state there, a command back
+    /// Shared memory: frames of both hands and a joint state to the echo, a command back
     Words,
 }

@@ -1,4 +1,4 @@
-//! What `atas dashboard` and `atas foxglove` may be told.
+//! Arguments of `atas dashboard` and `atas foxglove`.
 
 use std::path::PathBuf;
 
@@ -9,16 +9,16 @@ use super::BusArgument;
 /// `atas dashboard`.
 #[derive(Args, Clone, Debug)]
 pub struct Dashboard {
-    /// Show a recording instead of a running daemon: the files of one run, in order
+    /// Show a recording instead of a daemon: files of one run, in order
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "robot")]
     pub recording: Vec<PathBuf>,
-    /// Port on this machine; 0 for any that is free
+    /// Local TCP port; 0 selects a free port
     #[arg(long, value_name = "PORT", default_value_t = 8470)]
     pub port: u16,
-    /// The robot that is drawn [default: the one that the daemon says it runs]; a recording knows its own
-    #[arg(long, value_name = "NAME|FILE")]
+    /// Robot to draw [default: robot of the daemon]; not for recordings, which contain their robot
+    #[arg(long, value_name = "NAME|FILE", value_parser = super::values::ROBOTS, hide_possible_values = true)]
     pub robot: Option<String>,
-    /// Which daemon
+    /// Daemon to show
     #[command(flatten)]
     pub bus: BusArgument,
 }
@@ -26,16 +26,16 @@ pub struct Dashboard {
 /// `atas foxglove`.
 #[derive(Args, Clone, Debug)]
 pub struct Foxglove {
-    /// Port on this machine; 0 for any that is free
+    /// Local TCP port; 0 selects a free port
     #[arg(long, value_name = "PORT", default_value_t = 8765)]
     pub port: u16,
-    /// The robot that is described [default: the one that the daemon says it runs]
-    #[arg(long, value_name = "NAME|FILE")]
+    /// Robot to describe [default: robot of the daemon]
+    #[arg(long, value_name = "NAME|FILE", value_parser = super::values::ROBOTS, hide_possible_values = true)]
     pub robot: Option<String>,
-    /// Print a layout to import, and end
+    /// Print a Foxglove layout for import, then exit
     #[arg(long)]
     pub print_layout: bool,
-    /// Which daemon
+    /// Daemon to show
     #[command(flatten)]
     pub bus: BusArgument,
 }

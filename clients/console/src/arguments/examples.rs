@@ -1,25 +1,26 @@
-//! What every `--help` ends with: examples, and what `--format json` prints. A test holds each example to the command line.
+//! Examples and JSON output of each command, at the end of its `--help`. A test parses every
+//! example.
 
 use clap::CommandFactory;
 
 use super::Arguments;
 
-/// Of one command: its words, lines to try, and its JSON.
+/// One command: its words, examples, and JSON output.
 struct Help(&'static str, &'static [&'static str], &'static str);
 
-/// What a goal's end is.
+/// JSON of a finished goal.
 const GOAL: &str = "one object at the end: goal_id, state, step, reason, figures";
-/// What a request's answer is.
+/// JSON of an answered request.
 const ANSWER: &str = "one object: op, outcome";
-/// What a report is.
+/// JSON of an evaluation report.
 const REPORT: &str = "one object: success, ci95, failures, medians, families, rows, baselines, …";
-/// What the table of a demo is.
+/// JSON of a demo table.
 const ROWS: &str = "one object: as_expected, and one row per object";
 
-/// What a group of commands prints.
-const BELOW: &str = "what the `--help` of each command says";
+/// JSON of a command group.
+const SUBCOMMANDS: &str = "see `--help` of each subcommand";
 
-/// Every command, and the program itself, which has no words.
+/// All commands; the program itself has the empty name.
 const HELPS: &[Help] = &[
     Help(
         "",
@@ -30,7 +31,7 @@ const HELPS: &[Help] = &[
             "atas estop",
             "atas explain last",
         ],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "demo",
@@ -38,7 +39,7 @@ const HELPS: &[Help] = &[
             "atas demo grasp --object sponge --dashboard",
             "atas demo assembly --lockstep",
         ],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "eval",
@@ -46,17 +47,17 @@ const HELPS: &[Help] = &[
             "atas eval grasp --trials 50 --no-baselines",
             "atas eval all --markdown",
         ],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "topic",
         &["atas topic list", "atas topic echo status --count 1"],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "param",
         &["atas param list", "atas param set grasp.dr_n 0.02"],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "robot",
@@ -64,7 +65,7 @@ const HELPS: &[Help] = &[
             "atas robot list",
             "atas robot check my_arm.toml --out my_arm.svg",
         ],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "calibrate",
@@ -72,12 +73,12 @@ const HELPS: &[Help] = &[
             "atas calibrate guide --out steps.csv",
             "atas calibrate fit --presses presses.csv --reference steps.csv --out tip.toml",
         ],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "bench",
         &["atas bench latency --short", "atas bench stop"],
-        BELOW,
+        SUBCOMMANDS,
     ),
     Help(
         "demo grasp",
@@ -141,22 +142,22 @@ const HELPS: &[Help] = &[
             "atas eval all --markdown",
             "atas eval all --trials 24 --tasks grasp,screw",
         ],
-        "one such object per task as `atas eval TASK` prints",
+        "one object per task, as printed by `atas eval TASK`",
     ),
     Help(
         "eval errors",
         &["atas eval errors --trials 24 --tasks grasp --no-baselines"],
-        "one such object per task as `atas eval TASK` prints",
+        "one object per task, as printed by `atas eval TASK`",
     ),
     Help(
         "eval robots",
         &["atas eval robots --trials 24 --markdown"],
-        "one such object per robot and task as `atas eval TASK` prints",
+        "one object per robot and task, as printed by `atas eval TASK`",
     ),
     Help(
         "eval skins",
         &["atas eval skins --trials 24 --markdown"],
-        "one such object per layout as `atas eval TASK` prints",
+        "one object per layout, as printed by `atas eval TASK`",
     ),
     Help(
         "eval reflex",
@@ -191,7 +192,7 @@ const HELPS: &[Help] = &[
             "atas robot check test-bench",
             "atas robot check my_arm.toml --out my_arm.svg",
         ],
-        "one object: name, joints, fingers, tasks, hands[{side, joints[], fingertips[], home_m, home_opening_m, workspace, abilities}]",
+        "one object: name, joints, fingers, tasks, hands[{side, joints[], fingertips[], home_m, home_opening_m, workspace, capabilities}]",
     ),
     Help(
         "calibrate guide",
@@ -257,11 +258,11 @@ const HELPS: &[Help] = &[
         GOAL,
     ),
     Help(
-        "follow",
+        "teleop",
         &[
-            "atas follow",
-            "atas follow --hand left --step 2",
-            "atas follow targets.csv",
+            "atas teleop",
+            "atas teleop --hand left --step 2",
+            "atas teleop targets.csv",
         ],
         "one object at the end: goal_id, state, step, reason, figures, targets",
     ),
@@ -315,7 +316,8 @@ const HELPS: &[Help] = &[
             "atas events --last-goal",
             "atas events --kind goal,step,warning --hand right",
         ],
-        "one object per event: sequence, captured_ns, tick, kind, lost_before, and the fields of its kind",
+        "one object per event: sequence, captured_ns, tick, kind, lost_before, and fields of its \
+         kind",
     ),
     Help(
         "param list",
@@ -340,7 +342,7 @@ const HELPS: &[Help] = &[
     Help(
         "bench latency",
         &["atas bench latency --short"],
-        "one object: every figure of the tables; null where not_measured says why",
+        "one object: every figure of the tables; null with a reason in not_measured",
     ),
     Help(
         "bench stop",
@@ -350,7 +352,8 @@ const HELPS: &[Help] = &[
     Help(
         "bench observers",
         &["atas bench observers --seconds 10 --repeats 5"],
-        "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, elsewhere_us, ratio of these two), missed_ticks",
+        "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, \
+         elsewhere_us, ratio of the last two), missed_ticks",
     ),
     Help(
         "record",
@@ -405,7 +408,7 @@ const HELPS: &[Help] = &[
             "atas dashboard",
             "atas dashboard --recording run.mcap --port 0",
         ],
-        "one object: url, port, token; then one whenever pages open or close: pages",
+        "one object: url, port, token; then one per change of the open pages: pages",
     ),
     Help(
         "foxglove",
@@ -419,7 +422,7 @@ const HELPS: &[Help] = &[
     Help(
         "top",
         &["atas top", "atas top --bus left-arm"],
-        "not used: a screen",
+        "not available: interactive screen",
     ),
     Help(
         "topic list",
@@ -444,18 +447,86 @@ const HELPS: &[Help] = &[
     Help(
         "completions",
         &["atas completions bash"],
-        "not used: a script of the shell",
+        "not available: shell script",
     ),
-    Help("man", &["atas man ./man"], "not used: files"),
+    Help("man", &["atas man ./man"], "not available: files"),
 ];
 
-/// What an error is for programs, in every `--help`.
-const ERRORS: &str = "an error: one object on standard error: error, exit";
+/// Groups of commands in `atas --help`.
+const GROUPS: &[(&str, &[&str])] = &[
+    ("Demonstrate and evaluate", &["demo", "eval", "plot"]),
+    (
+        "Run a task",
+        &[
+            "grasp",
+            "pick-place",
+            "screw",
+            "assemble",
+            "task",
+            "teleop",
+            "release",
+        ],
+    ),
+    ("Stop and recover", &["estop", "cancel", "recover", "zero"]),
+    (
+        "Observe",
+        &[
+            "status",
+            "top",
+            "topic",
+            "events",
+            "latency",
+            "dashboard",
+            "foxglove",
+        ],
+    ),
+    (
+        "Use recordings",
+        &["record", "replay", "diff", "explain", "export"],
+    ),
+    (
+        "Set up",
+        &[
+            "doctor",
+            "robot",
+            "calibrate",
+            "param",
+            "bench",
+            "completions",
+            "man",
+        ],
+    ),
+];
 
-/// The command line with its examples: what both programs, the completions and the manual pages are made of.
+/// JSON of an error, the same for every command.
+const ERRORS: &str = "on error, one object on standard error: error, exit";
+
+/// Builds the command line with examples, for programs, completions and manual pages.
 #[must_use]
 pub fn command() -> clap::Command {
-    with_examples(Arguments::command(), "")
+    let command = with_examples(Arguments::command(), "");
+    let groups = group_list(&command);
+    command.help_template(format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}"
+    ))
+}
+
+/// Lists the commands by group, each with the first clause of its description.
+fn group_list(command: &clap::Command) -> String {
+    let mut text = String::new();
+    for (title, names) in GROUPS {
+        text += &format!("{title}:\n");
+        for name in *names {
+            let about = command
+                .find_subcommand(name)
+                .and_then(clap::Command::get_about)
+                .map_or_else(String::new, ToString::to_string);
+            let clause = about.split([';', ':']).next().unwrap_or_default();
+            text += &format!("  {name:<12} {clause}\n");
+        }
+        text.push('\n');
+    }
+    text
 }
 
 fn with_examples(mut command: clap::Command, words: &str) -> clap::Command {
@@ -483,18 +554,19 @@ fn with_examples(mut command: clap::Command, words: &str) -> clap::Command {
 mod tests {
     use super::*;
 
-    /// A command and all below it, by their words.
-    fn all(command: &clap::Command, words: &str) -> Vec<String> {
+    /// Lists a command and all its visible subcommands by their words.
+    fn subcommand_paths(command: &clap::Command, words: &str) -> Vec<String> {
         let below = command.get_subcommands().filter(|sub| !sub.is_hide_set());
         let below = below.filter(|sub| sub.get_name() != "help");
-        let below = below.flat_map(|sub| all(sub, format!("{words} {}", sub.get_name()).trim()));
+        let below = below
+            .flat_map(|sub| subcommand_paths(sub, format!("{words} {}", sub.get_name()).trim()));
         std::iter::once(words.to_owned()).chain(below).collect()
     }
 
     #[test]
-    fn every_command_has_examples_that_parse_and_says_what_its_json_is() {
+    fn every_command_has_valid_examples() {
         let mut known: Vec<&str> = HELPS.iter().map(|Help(words, ..)| *words).collect();
-        let mut found = all(&Arguments::command(), "");
+        let mut found = subcommand_paths(&Arguments::command(), "");
         known.sort_unstable();
         found.sort_unstable();
         assert_eq!(found, known);
@@ -504,13 +576,30 @@ mod tests {
                 let parsed = command().try_get_matches_from(line.split_whitespace());
                 assert!(parsed.is_ok(), "{line}: {:?}", parsed.err());
                 let shown = line.replacen("atas stop", "atas estop", 1);
-                assert!(shown.contains(words), "{line} is no example of {words}");
+                assert!(shown.contains(words), "{line} is not an example of {words}");
             }
         }
     }
 
     #[test]
-    fn a_help_keeps_what_it_said_before_its_examples() {
+    fn every_command_is_in_one_group() {
+        let command = Arguments::command();
+        let mut commands: Vec<&str> = command
+            .get_subcommands()
+            .map(clap::Command::get_name)
+            .collect();
+        let mut grouped: Vec<&str> = GROUPS
+            .iter()
+            .flat_map(|(_, names)| *names)
+            .copied()
+            .collect();
+        commands.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(commands, grouped);
+    }
+
+    #[test]
+    fn examples_follow_existing_help_text() {
         let mut command = command();
         let help = command
             .find_subcommand_mut("screw")

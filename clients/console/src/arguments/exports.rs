@@ -1,4 +1,4 @@
-//! What `atas export` and `atas explain` may be told.
+//! Arguments of `atas export` and `atas explain`.
 
 use std::path::{Path, PathBuf};
 
@@ -11,44 +11,46 @@ use super::values::{frequency_hz, picture};
 /// `atas export`.
 #[derive(Args, Clone, Debug)]
 pub struct Export {
-    /// The files of one run, in order
+    /// Files of one run, in order
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// What to write
+    /// Output kind
     #[arg(long = "to", value_enum, value_name = "KIND")]
     pub kind: ExportKind,
-    /// File to make, whose ending says the same as --to; it must not exist [default: NAME-ros2.mcap, NAME.csv or NAME.parquet,
-    /// beside the recording]
+    /// Output file with the suffix of --to; it must not exist
+    ///
+    /// [default: NAME-ros2.mcap, NAME.csv or NAME.parquet beside the recording]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// MCAP: transforms and point clouds per second; everything else comes with every tick
+    /// MCAP: rate of transforms and point clouds; other messages come every tick
     #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = frequency_hz)]
     pub pictures_hz: f64,
-    /// CSV and Parquet: a column for every component of every element of the fingertips, too
+    /// CSV and Parquet: add columns for all components of all sensor elements
     #[arg(long)]
     pub elements: bool,
 }
 
 impl Export {
-    /// The file to make. Under a name that ends as something else nothing is written.
+    /// Returns the output path.
     ///
     /// # Errors
-    /// What its suffix means, and what `--to` says.
+    /// The suffix of `--out` differs from the kind of `--to`.
     pub fn file(&self) -> Result<PathBuf, String> {
         let Some(out) = &self.out else {
-            return Ok(self.kind.usual_name(&self.files[0]));
+            return Ok(self.kind.default_path(&self.files[0]));
         };
-        let (said, found) = (self.kind.suffix(), suffix(out));
-        if found == said {
+        let (message, found) = (self.kind.suffix(), suffix(out));
+        if found == message {
             return Ok(out.clone());
         }
         let mut kinds = ExportKind::value_variants().iter();
         let (means, cure) = match kinds.find(|kind| kind.suffix() == found) {
-            Some(_) => (found.as_str(), format!("rename it, or say --to {found}")),
-            None => ("no kind of file", "rename it".to_owned()),
+            Some(_) => (found.as_str(), format!("rename it, or use --to {found}")),
+            None => ("an unknown file type", "rename it".to_owned()),
         };
         Err(format!(
-            "could not export to {} because its suffix means {means} and --to says {said}, needs a name that ends in .{said}; {cure}",
+            "could not export to {}: its suffix means {means}, but --to is {message}; needs a name \
+             that ends in .{message}; {cure}",
             out.display()
         ))
     }
@@ -57,33 +59,34 @@ impl Export {
 /// `atas explain`.
 #[derive(Args, Clone, Debug)]
 pub struct Explain {
-    /// The files of one run, in order; or `last`: the last goal of a running daemon
+    /// Files of one run, in order; or `last` for the last goal of a running daemon
     #[arg(required = true, value_name = "FILE|last")]
     pub files: Vec<PathBuf>,
-    /// Which goal: its number, negative from the end, or a task's name for the last one of it [default: the last that is not a
-    /// mere release]
+    /// Goal by number, negative from the end, or the last one of a task by name
+    ///
+    /// [default: the last goal that is more than a release]
     #[arg(long, value_name = "N|TASK", allow_hyphen_values = true)]
     pub goal: Option<String>,
-    /// List the goals instead, with their numbers
+    /// List the goals with their numbers instead
     #[arg(long, conflicts_with_all = ["goal", "out"])]
     pub list: bool,
-    /// Draw it, too, with the moments that decided; what the picture is, its ending says
+    /// Also plot the goal with its decisive moments; the suffix sets the format
     #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
     pub out: Option<PathBuf>,
-    /// Which daemon, for `last`
+    /// Daemon, for `last`
     #[command(flatten)]
     pub bus: BusArgument,
 }
 
 impl Explain {
-    /// What is said instead of a file for the last goal of a running daemon.
+    /// Word that selects the last goal of a running daemon instead of files.
     pub const LAST: &str = "last";
 }
 
-/// Kinds of files that `atas export` writes.
+/// File formats that `atas export` writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExportKind {
-    /// ROS 2 messages: joints, transforms of all links, fingertips, forces, thresholds, modules, events
+    /// ROS 2 messages: joints, link transforms, fingertips, forces, thresholds, modules, events
     Mcap,
     /// One line per tick
     Csv,
@@ -92,15 +95,15 @@ pub enum ExportKind {
 }
 
 impl ExportKind {
-    /// The usual name of what is written: the recording's, with what it is.
-    fn usual_name(self, recording: &Path) -> PathBuf {
+    /// Returns the default output path, beside the recording.
+    fn default_path(self, recording: &Path) -> PathBuf {
         let stem = recording.file_stem().unwrap_or_default().to_string_lossy();
-        // The recording itself is MCAP, too.
+        // Keeps the output apart from the recording, which is MCAP as well.
         let mark = if self == Self::Mcap { "-ros2" } else { "" };
         recording.with_file_name(format!("{stem}{mark}.{}", self.suffix()))
     }
 
-    /// What its files' names end in.
+    /// Returns the file name suffix.
     fn suffix(self) -> &'static str {
         match self {
             Self::Mcap => "mcap",

@@ -1,4 +1,4 @@
-//! What `atas record` may be told.
+//! Arguments of `atas record`.
 
 use std::path::PathBuf;
 
@@ -10,22 +10,24 @@ use super::values::{bytes, mcap, note};
 /// `atas record`.
 #[derive(Args, Clone, Debug)]
 pub struct Record {
-    /// File to make; it must not exist [default: atas-SECONDS.mcap, seconds since 1970]
+    /// Output file; it must not exist [default: atas-SECONDS.mcap, seconds since 1970]
     #[arg(long, value_name = "FILE.mcap", value_parser = mcap)]
     pub out: Option<PathBuf>,
-    /// Go on in another file (FILE-001.mcap, …) when this one is larger, for example 500M; each can be replayed by itself
+    /// Start a new file (FILE-001.mcap, …) above this size, for example 500M
+    ///
+    /// Each file can be replayed on its own.
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub max_size: Option<u64>,
-    /// Keep this many files and remove the oldest
+    /// Keep only the newest N files
     #[arg(long, value_name = "N", requires = "max_size", value_parser = clap::value_parser!(u16).range(1..))]
     pub max_files: Option<u16>,
-    /// End when all files together are larger, for example 20G
+    /// Stop when all files together exceed this size, for example 20G
     #[arg(long, value_name = "SIZE", value_parser = bytes)]
     pub disk_budget: Option<u64>,
-    /// Keep a note in the files, for what the daemon cannot know: a simulator's seed, a table's hash; may be repeated
+    /// Store a note in the files, for example the seed of a simulator; may be repeated
     #[arg(long = "note", value_name = "KEY=VALUE", value_parser = note)]
     pub notes: Vec<(String, String)>,
-    /// Which daemon
+    /// Daemon to record
     #[command(flatten)]
     pub bus: BusArgument,
 }
@@ -33,16 +35,16 @@ pub struct Record {
 /// `atas record check` and `atas record repair`.
 #[derive(Debug, Subcommand)]
 pub enum RecordAction {
-    /// Say whether a recording is whole; exit code 1 if it is not
+    /// Check that a recording is complete; exit code 1 if it is not
     Check {
-        /// The recording
+        /// Recording
         file: PathBuf,
     },
-    /// Save what can be read of a recording into a new file
+    /// Copy the readable part of a damaged recording into a new file
     Repair {
-        /// The recording; it is left as it is
+        /// Damaged recording; it is not changed
         file: PathBuf,
-        /// File to make; it must not exist [default: NAME-repaired.mcap]
+        /// Output file; it must not exist [default: NAME-repaired.mcap]
         #[arg(long, value_name = "FILE.mcap", value_parser = mcap)]
         out: Option<PathBuf>,
     },

@@ -1,4 +1,4 @@
-//! What `atas robot` may be told.
+//! Arguments of `atas robot`.
 
 use std::path::PathBuf;
 
@@ -9,14 +9,14 @@ use super::values::picture;
 /// `atas robot`.
 #[derive(Debug, Subcommand)]
 pub enum RobotAction {
-    /// The robots that ship, and the tasks that each can do
+    /// List the built-in robots and the tasks that each supports
     List,
-    /// What is understood of a robot, what is wrong with it, all at once, what it reaches and what it can do
+    /// Validate a robot and show its interpretation, workspace and capabilities; lists all errors
     Check {
-        /// One that ships, or a robot file
-        #[arg(value_name = "NAME|FILE")]
+        /// Built-in robot or robot file
+        #[arg(value_name = "NAME|FILE", value_parser = super::values::ROBOTS, hide_possible_values = true)]
         robot: String,
-        /// Draw it where it rests, from the front, from the side and from above
+        /// Draw the robot at rest from the front, the side and above
         #[arg(long, value_name = "FILE.svg|png|pdf", value_parser = picture)]
         out: Option<PathBuf>,
     },

@@ -1,4 +1,4 @@
-//! What `atas topic` may be told.
+//! Arguments of `atas topic`.
 
 use std::time::Duration;
 
@@ -10,27 +10,27 @@ use super::values::duration;
 /// `atas topic`.
 #[derive(Debug, Subcommand)]
 pub enum Topic {
-    /// Every service of the bus: what it carries, who writes and reads it
+    /// List all services of the bus with payload, writers and readers
     List(BusArgument),
-    /// Print what a service says, until Ctrl-C
+    /// Print the payloads of a service until Ctrl-C
     Echo {
-        /// Its name, or the end of it: status, tick-report, view
+        /// Service name or its end: status, tick-report, view
         service: String,
-        /// Stop after this many
+        /// Stop after this many payloads
         #[arg(long, value_name = "N")]
         count: Option<u64>,
-        /// Which bus
+        /// Bus of the service
         #[command(flatten)]
         bus: BusArgument,
     },
-    /// Measure how often a service speaks
+    /// Measure the rate of a service
     Hz {
-        /// Its name, or the end of it: status, tick-report, view
+        /// Service name or its end: status, tick-report, view
         service: String,
-        /// For how long
+        /// Measurement time, seconds
         #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = duration)]
         seconds: Duration,
-        /// Which bus
+        /// Bus of the service
         #[command(flatten)]
         bus: BusArgument,
     },

@@ -1,13 +1,52 @@
-//! How values are read from text.
+//! Parsers of argument values.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use atas_process::file_name::ending_in;
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+
+use atas_process::file_name::parse_with_suffix;
 use shm_schemas::EventKind;
 
-/// The robot where nothing is said; a test holds it to the one that ships as the default.
+/// Default robot; a test compares it with the shipped default.
 pub(super) const ROBOT: &str = "two-hand-arm";
+
+/// Parser of a name or a file; shells complete the built-in names.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NameOrFile(&'static [&'static str]);
+
+/// Built-in robots.
+pub(super) const ROBOTS: NameOrFile =
+    NameOrFile(&[ROBOT, "arm7-gripper", "three-finger", "test-bench"]);
+/// Built-in objects to grasp.
+pub(super) const OBJECTS: NameOrFile = NameOrFile(&[
+    "wood",
+    "slippery-200",
+    "slippery-50",
+    "paper-box",
+    "sponge",
+    "bottle",
+    "heavy-block",
+    "filled-paper-box",
+]);
+
+impl TypedValueParser for NameOrFile {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.0.iter().map(PossibleValue::new)))
+    }
+}
 
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
@@ -16,12 +55,47 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Frames per second that a sensor may have.
+/// Smallest width of an object, mm. Design choice: no fingertip grasps thinner objects, and all
+/// widths of graspable objects in metres are smaller numbers.
+const WIDTH_MIN_MM: f64 = 1.0;
+/// Largest coordinate, m. Design choice: no table-top robot reaches farther, and most places in
+/// millimetres are larger numbers.
+const COORDINATE_MAX_M: f64 = 10.0;
+
+/// Parses a width, mm; 0 means unknown. A number below 1 mm is probably in metres.
+pub(super) fn width_mm(text: &str) -> Result<f64, String> {
+    let width_mm = finite(text)?;
+    if width_mm > 0.0 && width_mm < WIDTH_MIN_MM {
+        let as_mm = width_mm * 1e3;
+        return Err(format!(
+            "millimetres or metres? The width is in millimetres, at least {WIDTH_MIN_MM}: {width_mm} m is {as_mm:.1}"
+        ));
+    }
+    Ok(width_mm)
+}
+
+/// Parses coordinates, m. A number above 10 m is probably in millimetres.
+fn coordinates_m(text: &str) -> Result<Option<Vec<f64>>, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|word| finite(word).ok()).collect();
+    let far = numbers
+        .iter()
+        .flatten()
+        .find(|value| value.abs() > COORDINATE_MAX_M);
+    match far {
+        Some(value) => Err(format!(
+            "millimetres or metres? Coordinates are in metres, at most {COORDINATE_MAX_M}: {value} mm is {}",
+            value * 1e-3
+        )),
+        None => Ok(numbers),
+    }
+}
+
+/// Parses a sensor's frame rate, Hz.
 pub(super) fn rate(text: &str) -> Result<f64, String> {
     let rate_hz = finite(text)?;
     match rate_hz > 0.0 && rate_hz <= 10_000.0 {
         true => Ok(rate_hz),
-        false => Err("needs a rate above 0 and up to 10000 Hz".into()),
+        false => Err("needs a rate above 0 and at most 10000 Hz".into()),
     }
 }
 
@@ -36,29 +110,27 @@ pub(super) fn event_kind(text: &str) -> Result<EventKind, String> {
 }
 
 pub(super) fn picture(text: &str) -> Result<PathBuf, String> {
-    ending_in(text, &["svg", "png", "pdf"])
+    parse_with_suffix(text, &["svg", "png", "pdf"])
 }
 
 pub(super) fn mcap(text: &str) -> Result<PathBuf, String> {
-    ending_in(text, &["mcap"])
+    parse_with_suffix(text, &["mcap"])
 }
 
 pub(super) fn html(text: &str) -> Result<PathBuf, String> {
-    ending_in(text, &["html"])
+    parse_with_suffix(text, &["html"])
 }
 
 pub(super) fn toml(text: &str) -> Result<PathBuf, String> {
-    ending_in(text, &["toml"])
+    parse_with_suffix(text, &["toml"])
 }
 
 pub(super) fn csv(text: &str) -> Result<PathBuf, String> {
-    ending_in(text, &["csv"])
+    parse_with_suffix(text, &["csv"])
 }
 
 pub(super) fn position_m(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Result<Vec<f64>, String> = text.split(',').map(finite).collect();
-    numbers
-        .ok()
+    coordinates_m(text)?
         .and_then(|numbers| numbers.try_into().ok())
         .ok_or_else(|| {
             "needs three finite numbers in metres, X,Y,Z, for example 0.32,-0.15,0.035".into()
@@ -91,7 +163,9 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
     let number = digits.parse::<u64>().ok().filter(|number| *number > 0);
     number
         .and_then(|number| number.checked_mul(1 << shift))
-        .ok_or_else(|| "needs a whole number of bytes, or of K, M or G, for example 500M".into())
+        .ok_or_else(|| {
+            "needs a whole number of bytes, optionally with K, M or G, for example 500M".into()
+        })
 }
 
 pub(super) fn frequency_hz(text: &str) -> Result<f64, String> {
@@ -101,8 +175,8 @@ pub(super) fn frequency_hz(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "needs a number of hertz above zero, for example 30".into())
 }
 
-/// A place that a hand goes to: metres from the robot's base, x forward, y left, z up. Without z it is where the task's
-/// scene has it.
+/// Target position of a hand in the base frame, m: x forward, y left, z up. Without z, the task's
+/// scene sets the height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// x and y.
@@ -112,7 +186,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// The place in full.
+    /// Returns the full position, with `z_m` as the default height.
     #[must_use]
     pub fn or_height(self, z_m: f64) -> [f64; 3] {
         let [x_m, y_m] = self.xy_m;
@@ -121,8 +195,7 @@ impl Place {
 }
 
 pub(super) fn place(text: &str) -> Result<Place, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|word| finite(word).ok()).collect();
-    match numbers.as_deref() {
+    match coordinates_m(text)?.as_deref() {
         Some([x, y]) => Ok(Place {
             xy_m: [*x, *y],
             z_m: None,
@@ -138,16 +211,29 @@ pub(super) fn place(text: &str) -> Result<Place, String> {
     }
 }
 
-/// Bytes of a task's name at most, the capacity of [`shm_schemas::GoalRequest::task`].
+/// Longest task name, bytes: capacity of [`shm_schemas::GoalRequest::task`].
 const TASK_NAME_BYTES: usize = 32;
 
 pub(super) fn task_name(text: &str) -> Result<String, String> {
     match text.trim() {
-        "" => Err("needs a name, as in the daemon's configuration".into()),
+        "" => Err("needs a name from the daemon's configuration".into()),
         name if name.len() > TASK_NAME_BYTES => Err(format!(
             "is {} bytes long, needs at most {TASK_NAME_BYTES}",
             name.len()
         )),
         name => Ok(name.to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn completed_names_are_the_built_in_names() {
+        let robots: Vec<String> = robot_model::shipped_names().collect();
+        assert_eq!(ROBOTS.0, robots);
+        let objects: Vec<&str> = sim_backend::Object::names().collect();
+        assert_eq!(OBJECTS.0, objects);
     }
 }

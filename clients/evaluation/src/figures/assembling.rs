@@ -1,7 +1,7 @@
 //! Figure of an assembly (Fig. 8): steps of both hands, grips, angle and torque of the cap.
 
 use plotters::style::RGBColor;
-use robot_model::Side;
+use robot_model::HandSide;
 
 use super::figure::{self, *};
 use super::phases::Phases;
@@ -14,11 +14,11 @@ const HANDS: [RGBColor; 2] = [BLUE, ORANGE];
 
 pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let mut time_s = 0.0..trace.end_s();
-    let sides = [SIDE, Side::BOTH[1 - SIDE.index()]];
+    let sides = [SIDE, HandSide::BOTH[1 - SIDE.index()]];
     for side in sides {
-        time_s.end = Phases::end(&time_s, &trace.steps(side));
+        time_s.end = Phases::axis_end(&time_s, &trace.steps(side));
     }
-    let grip = |side: Side| {
+    let grip = |side: HandSide| {
         trace.series(&time_s, POINTS, |t| {
             t.hands[side.index()].pressed_n.iter().sum::<f64>() / 2.0
         })
@@ -26,13 +26,13 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let grips = sides.map(grip);
     let title =
         "Assembly: the left hand holds the bottle, the right hand places and screws the cap";
-    let steps = sides.map(|side| Phases::of(&time_s, &trace.steps(side)));
+    let steps = sides.map(|side| Phases::new(&time_s, &trace.steps(side)));
     let strips_px = steps.iter().map(Phases::height).sum::<u32>();
     figure(64 + strips_px + 300 + CAP, title, |area| {
         let mut rest = area.clone();
         for ((side, steps), colour) in sides.into_iter().zip(&steps).zip(HANDS) {
             let (strip, below) = rest.split_vertically(steps.height());
-            let name = if side == Side::Right {
+            let name = if side == HandSide::Right {
                 "right hand"
             } else {
                 "left hand"
@@ -51,7 +51,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
             x: "",
             y: "Grip (N)",
         };
-        let mut chart = panel(&forces, time_s.clone(), up_to(top_n), &axes, &[])?;
+        let mut chart = panel(&forces, time_s.clone(), range_to(top_n), &axes, &[])?;
         for (grip, colour) in grips.into_iter().zip(HANDS) {
             line(&mut chart, grip, colour, 4)?;
         }

@@ -45,9 +45,8 @@ pub(super) fn figure(
     draw: impl FnOnce(&Area<'_>) -> Drawing,
 ) -> anyhow::Result<String> {
     let mut svg = String::new();
-    sheet(&mut svg, height, title, draw).map_err(|error| {
-        anyhow::anyhow!("could not draw the figure because {error}; report this")
-    })?;
+    sheet(&mut svg, height, title, draw)
+        .map_err(|error| anyhow::anyhow!("could not draw the figure: {error}; report this"))?;
     Ok(svg)
 }
 
@@ -165,20 +164,20 @@ pub(super) fn dashed(
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Moment {
+pub(super) struct Mark {
     pub(super) at: f64,
-    pub(super) word: &'static str,
+    pub(super) text: &'static str,
     pub(super) colour: RGBColor,
     pub(super) share: f64,
     /// True: text left of the line.
-    pub(super) before: bool,
+    pub(super) text_is_left: bool,
 }
 
-pub(super) fn moment(chart: &mut Chart<'_, '_>, moment: &Moment) -> Drawing {
+pub(super) fn draw_mark(chart: &mut Chart<'_, '_>, moment: &Mark) -> Drawing {
     let (x, y) = (chart.x_range(), chart.y_range());
     let ends = vec![(moment.at, y.start), (moment.at, y.end)];
     chart.draw_series(LineSeries::new(ends, moment.colour.stroke_width(3)))?;
-    let (side, sign) = if moment.before {
+    let (side, sign) = if moment.text_is_left {
         (HPos::Right, -1.0)
     } else {
         (HPos::Left, 1.0)
@@ -188,7 +187,7 @@ pub(super) fn moment(chart: &mut Chart<'_, '_>, moment: &Moment) -> Drawing {
         moment.at + sign * 0.006 * (x.end - x.start),
         y.start + moment.share * (y.end - y.start),
     );
-    chart.draw_series([Text::new(moment.word, at, style)])?;
+    chart.draw_series([Text::new(moment.text, at, style)])?;
     Ok(())
 }
 
@@ -283,7 +282,7 @@ pub(super) fn lanes(
     Ok(())
 }
 
-pub(super) fn up_to(largest: f64) -> Range<f64> {
+pub(super) fn range_to(largest: f64) -> Range<f64> {
     0.0..(largest * 1.08).max(1e-6)
 }
 

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use atas_client::account::{self, Account};
+use atas_client::goal_summary::{self, GoalSummary};
 use atas_recording::{Rows, origin};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Hand, ModuleEvent, Status};
 
 /// Selection of a goal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum Choice {
+pub enum GoalSelection {
     /// Last task; a goal that only releases counts if there is no other.
     #[default]
     LastTask,
@@ -19,10 +19,10 @@ pub enum Choice {
     Task(String),
 }
 
-impl Choice {
+impl GoalSelection {
     /// Parses user input: a number or a task name; `None` selects the last task.
     #[must_use]
-    pub fn said(text: Option<&str>) -> Self {
+    pub fn parse(text: Option<&str>) -> Self {
         match text {
             None => Self::LastTask,
             Some(text) => text
@@ -38,7 +38,7 @@ pub struct Goals {
     run: String,
     events: Vec<ModuleEvent>,
     /// Start time (ns) and task name from status messages.
-    told: Vec<(u64, String)>,
+    status_goals: Vec<(u64, String)>,
     /// Start of the run, ns.
     begun_ns: u64,
     pub(super) fingers: [usize; HANDS],
@@ -56,7 +56,7 @@ pub struct Goal<'a> {
     /// Start since the run began, s.
     pub from_s: f64,
     /// Summary of the goal.
-    pub account: Account,
+    pub summary: GoalSummary,
     pub(super) events: &'a [ModuleEvent],
 }
 
@@ -65,12 +65,12 @@ impl Goals {
     ///
     /// # Errors
     /// A file cannot be read completely.
-    pub fn recorded(run: &str, files: &[PathBuf]) -> anyhow::Result<Self> {
+    pub fn from_recording(run: &str, files: &[PathBuf]) -> anyhow::Result<Self> {
         let mut rows = Rows::open(files)?;
         let mut goals = Self {
             run: run.to_owned(),
             events: Vec::new(),
-            told: Vec::new(),
+            status_goals: Vec::new(),
             begun_ns: 0,
             fingers: origin::fingers(rows.header()),
         };
@@ -81,21 +81,23 @@ impl Goals {
             }
             goals.events.append(&mut row.events);
         }
-        let told = rows.told_goals().iter();
-        goals.told = told.map(|s| (s.stamp.captured_ns, task(s))).collect();
+        let reported = rows.goal_statuses().iter();
+        goals.status_goals = reported.map(|s| (s.stamp.captured_ns, task(s))).collect();
         Ok(goals)
     }
 
     /// Builds the list from a running daemon's events, oldest first; its status names the last
     /// task.
     #[must_use]
-    pub fn remembered(run: &str, events: Vec<ModuleEvent>, status: &Status) -> Self {
-        let last = account::goals(&events).last().map(|goal| goal[0].stamp);
+    pub fn from_events(run: &str, events: Vec<ModuleEvent>, status: &Status) -> Self {
+        let last = goal_summary::goals(&events)
+            .last()
+            .map(|goal| goal[0].stamp);
         let last = last.filter(|_| status.goal_id != 0);
-        let told = last.map(|begun| (begun.captured_ns, task(status)));
+        let reported = last.map(|begun| (begun.captured_ns, task(status)));
         Self {
             run: run.to_owned(),
-            told: told.into_iter().collect(),
+            status_goals: reported.into_iter().collect(),
             events,
             begun_ns: status.started_ns,
             fingers: origin::fingers(None),
@@ -105,22 +107,22 @@ impl Goals {
     /// Returns all goals, oldest first.
     #[must_use]
     pub fn list(&self) -> Vec<Goal<'_>> {
-        let goals = account::goals(&self.events).into_iter().enumerate();
+        let goals = goal_summary::goals(&self.events).into_iter().enumerate();
         let mut ended_ns = 0;
         goals
             .filter_map(|(index, events)| {
-                let runs = events.iter().find(|event| account::begins(event))?;
-                let account = account::tell(events)?;
+                let runs = events.iter().find(|event| goal_summary::begins(event))?;
+                let account = goal_summary::summarise(events)?;
                 // Newest status since the previous goal; a goal rejected in between never ran.
                 let since_ns = std::mem::replace(&mut ended_ns, account.span_ns[1]);
-                let told = self.told.iter().rev();
-                let mut told = told.filter(|(ns, _)| (since_ns..=ended_ns).contains(ns));
+                let reported = self.status_goals.iter().rev();
+                let mut reported = reported.filter(|(ns, _)| (since_ns..=ended_ns).contains(ns));
                 Some(Goal {
                     number: index + 1,
-                    task: told.next().map(|(_, task)| task.as_str()),
+                    task: reported.next().map(|(_, task)| task.as_str()),
                     hand: runs.hand,
                     from_s: account.span_ns[0].saturating_sub(self.begun_ns) as f64 * 1e-9,
-                    account,
+                    summary: account,
                     events,
                 })
             })
@@ -131,35 +133,34 @@ impl Goals {
     ///
     /// # Errors
     /// No goal matches.
-    pub fn pick(&self, choice: &Choice) -> anyhow::Result<Goal<'_>> {
+    pub fn select(&self, choice: &GoalSelection) -> anyhow::Result<Goal<'_>> {
         let mut goals = self.list();
         let (run, count) = (&self.run, goals.len());
-        anyhow::ensure!(
-            count > 0,
-            "could not find a goal in {run}: none began in what is known"
-        );
+        anyhow::ensure!(count > 0, "could not find a goal in {run}: no goal began");
         let index = match choice {
-            Choice::LastTask => {
-                let is_task = |goal: &Goal<'_>| !account::only_lets_go(goal.events);
+            GoalSelection::LastTask => {
+                let is_task = |goal: &Goal<'_>| !goal_summary::is_release(goal.events);
                 goals.iter().rposition(is_task).unwrap_or(count - 1)
             }
-            Choice::Number(number) => place(*number, count).ok_or_else(|| {
+            GoalSelection::Number(number) => index_of(*number, count).ok_or_else(|| {
                 anyhow::anyhow!(
-                    "could not find goal {number} of {run} because it has {count}, needs 1 to {count}, or -1 to -{count} from \
-                     the end; `atas explain FILE --list` shows them"
+                    "could not find goal {number} of {run}: it has {count} goals; use 1 to \
+                     {count}, or -1 to -{count} from the end (`atas explain FILE --list` shows \
+                     them)"
                 )
             })?,
-            Choice::Task(name) => goals
+            GoalSelection::Task(name) => goals
                 .iter()
                 .rposition(|goal| goal.task == Some(name))
                 .ok_or_else(|| {
                     let known: Vec<&str> = goals.iter().filter_map(|goal| goal.task).collect();
                     let known = match &known[..] {
-                        [] => "whose tasks no status tells; say its number".to_owned(),
+                        [] => "whose task names are unknown; give a number".to_owned(),
                         known => format!("which has {}", known.join(", ")),
                     };
                     anyhow::anyhow!(
-                        "could not find a goal of the task {name:?} in {run}, {known}; `atas explain FILE --list` shows them"
+                        "could not find a goal of the task {name:?} in {run}, {known} (`atas \
+                         explain FILE --list` shows them)"
                     )
                 })?,
         };
@@ -167,7 +168,7 @@ impl Goals {
     }
 }
 
-fn place(number: i64, count: usize) -> Option<usize> {
+fn index_of(number: i64, count: usize) -> Option<usize> {
     let from_end = number < 0;
     let steps = usize::try_from(number.unsigned_abs()).ok()?;
     let is_there = (1..=count).contains(&steps);
@@ -212,7 +213,7 @@ mod tests {
             goal(200, "reach", "succeeded"),
             goal(300, "open", "succeeded"),
         ];
-        let told = [
+        let reported = [
             (101, "grasp"),
             (180, "screw"),
             (201, "pick-place"),
@@ -221,7 +222,7 @@ mod tests {
         Goals {
             run: "run".into(),
             events: events.concat(),
-            told: told
+            status_goals: reported
                 .map(|(tick, name)| (tick * 1_000_000, name.into()))
                 .to_vec(),
             begun_ns: 0,
@@ -230,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_goal_is_found_by_number_by_task_or_as_the_last_task() {
+    fn goals_are_selected_by_number_or_task() {
         let goals = three();
         let listed: Vec<_> = goals.list().iter().map(|g| (g.number, g.task)).collect();
         let expected = [
@@ -239,9 +240,9 @@ mod tests {
             (3, Some("release")),
         ];
         assert_eq!(listed, expected);
-        let check = |said: Option<&str>, number| {
-            let found = goals.pick(&Choice::said(said)).expect("there");
-            assert_eq!(found.number, number, "{said:?}");
+        let check = |message: Option<&str>, number| {
+            let found = goals.select(&GoalSelection::parse(message)).expect("there");
+            assert_eq!(found.number, number, "{message:?}");
         };
         check(None, 2);
         check(Some("1"), 1);
@@ -249,23 +250,25 @@ mod tests {
         check(Some("-3"), 1);
         check(Some("grasp"), 1);
         check(Some("release"), 3);
-        for (said, part) in [
-            ("0", "needs 1 to 3"),
-            ("4", "needs 1 to 3"),
-            ("-4", "needs 1 to 3"),
-            ("-9223372036854775808", "needs 1 to 3"),
+        for (message, part) in [
+            ("0", "use 1 to 3"),
+            ("4", "use 1 to 3"),
+            ("-4", "use 1 to 3"),
+            ("-9223372036854775808", "use 1 to 3"),
             ("polish", "which has grasp, pick-place, release"),
         ] {
-            let error = goals.pick(&Choice::said(Some(said))).expect_err(said);
+            let error = goals
+                .select(&GoalSelection::parse(Some(message)))
+                .expect_err(message);
             assert!(error.to_string().contains(part), "{error}");
         }
     }
 
     #[test]
-    fn the_task_that_only_lets_go_is_known_by_its_first_step() {
+    fn release_is_recognised_by_its_first_step() {
         for task in atas_core::tasks::BUILT_IN {
             let first = at(1, EventKind::STEP, task.acting[0].name.as_str());
-            let only_lets_go = account::only_lets_go(&[first]);
+            let only_lets_go = goal_summary::is_release(&[first]);
             assert_eq!(only_lets_go, task.name == "release", "{}", task.name);
         }
     }

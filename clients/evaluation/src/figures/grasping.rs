@@ -15,7 +15,7 @@ const LANES: [(ModuleId, &str, RGBColor); 7] = [
     (ModuleId::SLIP, "2 slip", RED),
     (ModuleId::FORCE_LIMIT, "3 force limit", ORANGE),
     (ModuleId::RELAX, "relax", SKY),
-    (ModuleId::LOAD_TEST, "load test", GREEN),
+    (ModuleId::LIFT_VERIFICATION, "lift verification", GREEN),
     (ModuleId::CARRY, "carry", GREY),
 ];
 
@@ -23,7 +23,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let steps = trace.steps(SIDE);
     let begin_s = trace.step_s(SIDE, "approach").map_or(0.0, |s| s.end - 0.4);
     let mut time_s = begin_s.max(0.0)..trace.end_s();
-    time_s.end = Phases::end(&time_s, &steps);
+    time_s.end = Phases::axis_end(&time_s, &steps);
     let series = |value: fn(&Tick) -> f64| trace.series(&time_s, POINTS, value);
     let pressed = [series(|t| finger(t, 0)), series(|t| finger(t, 1))];
     let sheared = series(|t| mean(t, |f| f.tangential_n));
@@ -39,7 +39,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         trace.scene.objects[0].object.mass_kg * 1e3,
         trace.scene.objects[0].object.friction,
     );
-    let phases = Phases::of(&time_s, &steps);
+    let phases = Phases::new(&time_s, &steps);
     let height = 64 + phases.height() + 480 + 200 + lanes_height(lanes.len());
     figure(height, &title, |area| {
         legend(
@@ -63,7 +63,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         let mut chart = panel(
             &forces,
             time_s.clone(),
-            up_to(top_n),
+            range_to(top_n),
             &axes("Force (N)"),
             &steps,
         )?;
@@ -79,7 +79,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         let mut chart = panel(
             &heights,
             time_s.clone(),
-            up_to(top_mm),
+            range_to(top_mm),
             &axes("Lift (mm)"),
             &[],
         )?;
@@ -93,7 +93,7 @@ fn finger(tick: &Tick, index: usize) -> f64 {
 }
 
 pub(super) fn mean(tick: &Tick, value: fn(&shm_schemas::FingerReport) -> f32) -> f64 {
-    let fingers = &Trace::acting(tick).report.fingers[..robot_model::VIRTUAL_FINGERS];
+    let fingers = &Trace::acting(tick).report.fingers[..robot_model::GRASP_SIDES];
     fingers.iter().map(|f| f64::from(value(f))).sum::<f64>() / fingers.len() as f64
 }
 

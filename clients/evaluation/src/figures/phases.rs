@@ -27,7 +27,7 @@ pub(super) struct Phases {
 
 impl Phases {
     /// Assigns rows to the names of the steps within `x`.
-    pub(super) fn of(x: &Range<f64>, steps: &[Step]) -> Self {
+    pub(super) fn new(x: &Range<f64>, steps: &[Step]) -> Self {
         let is_seen = |(_, time): &&Step| time.start <= x.end && time.end >= x.start;
         let mut phases = Self {
             x: x.clone(),
@@ -45,7 +45,7 @@ impl Phases {
         phases
     }
 
-    pub(super) fn end(x: &Range<f64>, steps: &[Step]) -> f64 {
+    pub(super) fn axis_end(x: &Range<f64>, steps: &[Step]) -> f64 {
         let plot_px = f64::from(WIDTH - LEFT - RIGHT);
         let reach = |(name, time): &Step| {
             let share = width_px(name).min(0.5 * plot_px) / plot_px;
@@ -59,7 +59,7 @@ impl Phases {
         ABOVE + rows.unwrap_or(0) * ROW + BARS
     }
 
-    pub(super) fn draw(&self, area: &Area<'_>, whose: &str, colour: RGBColor) -> Drawing {
+    pub(super) fn draw(&self, area: &Area<'_>, label: &str, colour: RGBColor) -> Drawing {
         let bottom = self.height() as i32;
         let bars = bottom - BARS as i32;
         for (index, ((name, time), row)) in self.steps.iter().rev().enumerate() {
@@ -78,7 +78,7 @@ impl Phases {
         }
         let style = text(SMALL, INK).pos(Pos::new(HPos::Right, VPos::Bottom));
         let at = (LEFT as i32 - 14, bars);
-        area.draw(&Text::new(whose.to_owned(), at, style))?;
+        area.draw(&Text::new(label.to_owned(), at, style))?;
         Ok(())
     }
 
@@ -101,7 +101,7 @@ mod tests {
             .iter()
             .map(|(name, at)| ((*name).to_owned(), *at..*at + 0.1))
             .collect();
-        let mut rows: Vec<u32> = Phases::of(&(0.0..10.0), &steps)
+        let mut rows: Vec<u32> = Phases::new(&(0.0..10.0), &steps)
             .steps
             .iter()
             .map(|(_, row)| *row)
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_without_room_stands_above_those_that_it_would_run_into() {
+    fn overlapping_names_are_raised_by_rows() {
         assert_eq!(rows(&[("reach", 0.0), ("lift", 5.0)]), [0, 0]);
         assert_eq!(rows(&[("reach", 0.0), ("lift", 0.1)]), [1, 0]);
         let crowded = [
@@ -127,14 +127,14 @@ mod tests {
     }
 
     #[test]
-    fn the_axis_leaves_room_for_the_last_name() {
+    fn axis_leaves_room_for_last_name() {
         let steps = [
             ("approach".to_owned(), 0.0..9.9),
             ("home".to_owned(), 9.9..10.0),
         ];
         let x = 0.0..10.0;
-        let end = Phases::end(&x, &steps);
+        let end = Phases::axis_end(&x, &steps);
         assert!((10.2..11.0).contains(&end), "{end}");
-        assert_eq!(Phases::end(&x, &steps[..1]), 10.0);
+        assert_eq!(Phases::axis_end(&x, &steps[..1]), 10.0);
     }
 }

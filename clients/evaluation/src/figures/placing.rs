@@ -15,8 +15,8 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let carried_s = (truth.carried_ns > 0).then(|| trace.at_s(truth.carried_ns));
     let carried_s = carried_s.with_context(|| {
         format!(
-            "could not draw the release because the object never stood on its place: {}",
-            trace.progress.sentence()
+            "could not draw the release: the object never stood at its destination: {}",
+            trace.progress.text()
         )
     })?;
     let ms = |s: f64| (s - carried_s) * 1e3;
@@ -56,8 +56,8 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
             x: "",
             y: "Force (N)",
         };
-        let mut chart = panel(&forces, x.clone(), up_to(top_n), &axes, &[])?;
-        moments.iter().try_for_each(|m| moment(&mut chart, m))?;
+        let mut chart = panel(&forces, x.clone(), range_to(top_n), &axes, &[])?;
+        moments.iter().try_for_each(|m| draw_mark(&mut chart, m))?;
         line(&mut chart, support, GREEN, 5)?;
         line(&mut chart, pressed, BLUE, 5)?;
         legend(
@@ -77,7 +77,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         let y = (lowest * 1.1 - 0.1)..top_mm * 1.08;
         let mut chart = panel(&motions, x.clone(), y, &axes, &[])?;
         for m in &moments {
-            moment(&mut chart, &Moment { word: "", ..*m })?;
+            draw_mark(&mut chart, &Mark { text: "", ..*m })?;
         }
         let seen = |points: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
             points
@@ -90,29 +90,29 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     })
 }
 
-fn moments(trace: &Trace, carried_s: f64) -> Vec<Moment> {
+fn moments(trace: &Trace, carried_s: f64) -> Vec<Mark> {
     let ms = |ns: u64| (trace.at_s(ns) - carried_s) * 1e3;
     let released_ns = trace.truth.objects[0].released_ns;
-    let opens = trace.progress.let_go_ns().map(|ns| Moment {
+    let opens = trace.progress.released_ns().map(|ns| Mark {
         at: ms(ns),
-        word: "Module 4: hand opens",
+        text: "Module 4: hand opens",
         colour: RED,
         share: 0.92,
-        before: false,
+        text_is_left: false,
     });
-    let parts = (released_ns > 0).then(|| Moment {
+    let parts = (released_ns > 0).then(|| Mark {
         at: ms(released_ns),
-        word: "fingertips off",
+        text: "fingertips off",
         colour: INK,
         share: 0.78,
-        before: false,
+        text_is_left: false,
     });
-    let carries = Moment {
+    let carries = Mark {
         at: 0.0,
-        word: "support carries",
+        text: "support carries",
         colour: GREEN,
         share: 0.92,
-        before: true,
+        text_is_left: true,
     };
     [Some(carries), opens, parts]
         .into_iter()

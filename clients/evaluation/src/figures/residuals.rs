@@ -14,10 +14,7 @@ const POINTS: usize = 3000;
 /// # Errors
 /// `points` is empty, or the drawing library fails.
 pub fn residuals(title: &str, points: &[([f64; 3], [f64; 3])]) -> anyhow::Result<String> {
-    anyhow::ensure!(
-        !points.is_empty(),
-        "could not draw errors because there are none"
-    );
+    anyhow::ensure!(!points.is_empty(), "could not draw errors: there are none");
     figure(3 * PANEL + 64, title, |area| {
         let names = ["normal", "tangential 1", "tangential 2"];
         for (axis, (part, name)) in area.split_evenly((3, 1)).iter().zip(names).enumerate() {

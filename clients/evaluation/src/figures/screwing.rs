@@ -13,8 +13,8 @@ use crate::task::SIDE;
 pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let Some(screw_s) = trace.step_s(SIDE, "screw") else {
         anyhow::bail!(
-            "could not draw the screwing because it never began: {}",
-            trace.progress.sentence()
+            "could not draw the screwing: it never began: {}",
+            trace.progress.text()
         );
     };
     let cycles = cycles(trace, &screw_s);
@@ -25,7 +25,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
         cap.cap_friction_n_m * 1e3,
         cap.cap_closing_rad.to_degrees(),
     );
-    let path = Ranges::of(trace, &cycles);
+    let path = Ranges::new(trace, &cycles);
     let path_px = equal_height(&path.x, &path.y);
     figure(64 + path_px + CAP, &title, |area| {
         let (above, turning) = area.split_vertically(path_px);
@@ -86,7 +86,7 @@ struct Ranges {
 }
 
 impl Ranges {
-    fn of(trace: &Trace, cycles: &[Path]) -> Self {
+    fn new(trace: &Trace, cycles: &[Path]) -> Self {
         let screw = &trace.settings.screw;
         let radius_mm = trace.goal.width_m * 500.0;
         let first = cycles.first().and_then(|path| path.first());
@@ -160,12 +160,12 @@ pub(super) fn draw_cap(trace: &Trace, time_s: Range<f64>, area: &Area<'_>) -> Dr
     let cap = &trace.truth.objects[0];
     let angle = trace.series(&time_s, POINTS, |t| t.object.cap_angle_rad.to_degrees());
     let torque = trace.series(&time_s, POINTS, |t| t.object.cap_torque_n_m * 1e3);
-    let done = trace.step_s(SIDE, "screw").map(|s| Moment {
+    let done = trace.step_s(SIDE, "screw").map(|s| Mark {
         at: s.end,
-        word: "Module 4",
+        text: "Module 4",
         colour: RED,
         share: 0.93,
-        before: true,
+        text_is_left: true,
     });
     let (angles, torques) = area.split_vertically(280);
     let axes = |x, y| Axes { x, y };
@@ -175,14 +175,14 @@ pub(super) fn draw_cap(trace: &Trace, time_s: Range<f64>, area: &Area<'_>) -> Dr
     let mut chart = panel(
         &angles,
         time_s.clone(),
-        up_to(top_deg),
+        range_to(top_deg),
         &axes("", "Angle (°)"),
         &[],
     )?;
     dashed(&mut chart, level(closing_deg), GREY)?;
     line(&mut chart, angle, BLUE, 5)?;
     if let Some(done) = &done {
-        moment(&mut chart, &Moment { word: "", ..*done })?;
+        draw_mark(&mut chart, &Mark { text: "", ..*done })?;
     }
     legend(
         area,
@@ -192,13 +192,13 @@ pub(super) fn draw_cap(trace: &Trace, time_s: Range<f64>, area: &Area<'_>) -> Dr
     let friction = cap.cap_friction_n_m * 1e3;
     let top = figure::highest(&[&torque]).max(2.6 * friction);
     let axes = axes("Time (s)", "Torque (mN·m)");
-    let mut chart = panel(&torques, time_s.clone(), up_to(top), &axes, &[])?;
+    let mut chart = panel(&torques, time_s.clone(), range_to(top), &axes, &[])?;
     for multiple in [1.3, 2.5] {
         dashed(&mut chart, level(multiple * friction), GREY)?;
     }
     line(&mut chart, torque, GREEN.to_rgba(), 4)?;
     if let Some(done) = &done {
-        moment(&mut chart, done)?;
+        draw_mark(&mut chart, done)?;
     }
     legend(
         &torques,

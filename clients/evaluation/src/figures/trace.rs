@@ -6,7 +6,7 @@ use anyhow::Context;
 use atas_client::GoalProgress;
 use atas_core::{Outputs, Settings};
 use nalgebra::Vector3;
-use robot_model::{HandVector, RobotModel, Side, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, HandSide, HandVector, RobotModel};
 use shm_schemas::{EventKind, GoalRequest, HandReport, ObjectTruth, WorldTruth};
 use sim_backend::{Object, Scene, World};
 
@@ -24,7 +24,7 @@ pub(super) struct Trace {
     pub(super) dome_radius_m: f64,
     /// Names of the steps entered, and the current step of each hand.
     names: Vec<String>,
-    now: [Option<usize>; 2],
+    current_steps: [Option<usize>; 2],
 }
 
 #[derive(Clone, Debug)]
@@ -40,15 +40,15 @@ pub(super) struct Tick {
 pub(super) struct Hand {
     pub(super) report: HandReport,
     /// True normal force per grasp side, N.
-    pub(super) pressed_n: [f64; VIRTUAL_FINGERS],
+    pub(super) pressed_n: [f64; GRASP_SIDES],
     /// Commanded centre of each side's fingertips, base frame, m.
-    pub(super) tips_m: [Vector3<f64>; VIRTUAL_FINGERS],
+    pub(super) tips_m: [Vector3<f64>; GRASP_SIDES],
     /// Index of the step's name; `None` before the first step.
     step: Option<usize>,
 }
 
 impl Trace {
-    pub(super) fn of(task: Task, object: &Object, seed: u64) -> anyhow::Result<Self> {
+    pub(super) fn run(task: Task, object: &Object, seed: u64) -> anyhow::Result<Self> {
         let robot =
             RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
         let seed = trial_seed(&object.name, seed);
@@ -65,7 +65,7 @@ impl Trace {
             ticks: Vec::new(),
             dome_radius_m: robot.hand(SIDE).tip_radius_m()[0],
             names: Vec::new(),
-            now: [None; 2],
+            current_steps: [None; 2],
         };
         let begin_ns = run.world().now_ns();
         let trial = run.run(&goal, task.limit_s(), |outputs, world| {
@@ -77,7 +77,7 @@ impl Trace {
         trace.truth = trial.truth;
         anyhow::ensure!(
             !trace.ticks.is_empty(),
-            "could not draw the task because the goal was refused: {}",
+            "could not draw the task: the goal was refused: {}",
             trial.end.reason
         );
         Ok(trace)
@@ -89,9 +89,9 @@ impl Trace {
             .iter()
             .for_each(|u| self.progress.add(u));
         self.enter_steps(outputs);
-        let now = self.now;
+        let now = self.current_steps;
         let truth = world.truth();
-        let hand = |side: Side| {
+        let hand = |side: HandSide| {
             let index = side.index();
             let report = outputs.report.hands[index];
             let own = &outputs.command.position_rad[robot.joint_range(side)];
@@ -100,7 +100,9 @@ impl Trace {
             let pressed_n = |finger: usize| truth.normal_n[index][finger];
             Hand {
                 report,
-                pressed_n: core::array::from_fn(|side| hand.fingers_of(side).map(pressed_n).sum()),
+                pressed_n: core::array::from_fn(|side| {
+                    hand.fingertips_of(side).map(pressed_n).sum()
+                }),
                 tips_m: core::array::from_fn(|side| pose.side_m(side)),
                 step: now[index],
             }
@@ -108,7 +110,7 @@ impl Trace {
         self.ticks.push(Tick {
             now_ns: world.now_ns(),
             t_s: (world.now_ns() - begin_ns) as f64 * 1e-9,
-            hands: Side::BOTH.map(hand),
+            hands: HandSide::BOTH.map(hand),
             object: truth.objects[0],
         });
     }
@@ -127,7 +129,7 @@ impl Trace {
                 self.names.push(name.to_owned());
                 self.names.len() - 1
             });
-            for (hand, now) in shm_schemas::Hand::BOTH.iter().zip(&mut self.now) {
+            for (hand, now) in shm_schemas::Hand::BOTH.iter().zip(&mut self.current_steps) {
                 if *hand == event.hand {
                     *now = Some(index);
                 }
@@ -149,12 +151,12 @@ impl Trace {
     }
 
     /// Returns the first time range of a step, s; `None` if the hand never entered it.
-    pub(super) fn step_s(&self, side: Side, name: &str) -> Option<Range<f64>> {
+    pub(super) fn step_s(&self, side: HandSide, name: &str) -> Option<Range<f64>> {
         let steps = self.steps(side).into_iter();
         steps.into_iter().find(|(n, _)| n == name).map(|(_, s)| s)
     }
 
-    pub(super) fn steps(&self, side: Side) -> Vec<(String, Range<f64>)> {
+    pub(super) fn steps(&self, side: HandSide) -> Vec<(String, Range<f64>)> {
         let mut steps: Vec<(usize, Range<f64>)> = Vec::new();
         for tick in &self.ticks {
             let Some(step) = tick.hands[side.index()].step else {

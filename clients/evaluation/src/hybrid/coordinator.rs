@@ -1,18 +1,18 @@
 //! Coordinator: a table of phases, each with its control owner and end conditions.
 //!
-//! Input: [`Signs`], the observed state of base and hand. Output: the phase.
+//! Input: [`Conditions`], the observed state of base and hand. Output: the phase.
 
-use sim_backend::course::{EYES_M, Light};
+use sim_backend::course::{Light, PHOTO_SENSORS_M};
 
 /// Region of the light in which the base stops, base frame: ahead of and beside the eyes. Braking
 /// from high speed takes 0.1 m.
-const AHEAD: Spot = Spot {
+const AHEAD: Region = Region {
     ahead_m: [0.25, 0.42],
     beside_m: 0.10,
 };
 /// Region of the light within reach of the hand after the stop: validated workspace of the right
 /// hand less the camera error.
-const REACH: Spot = Spot {
+const REACH: Region = Region {
     ahead_m: [0.225, 0.395],
     beside_m: 0.13,
 };
@@ -22,16 +22,16 @@ const REACH: Spot = Spot {
 const CROWDED_M: f64 = 1.6;
 const FREE_M: f64 = 1.8;
 
-struct Spot {
+struct Region {
     ahead_m: [f64; 2],
     beside_m: f64,
 }
 
-impl Spot {
+impl Region {
     /// Returns true if a light is inside; false for values that are not finite.
-    fn has(&self, [ahead_m, left_m]: [f64; 2]) -> bool {
+    fn contains(&self, [ahead_m, left_m]: [f64; 2]) -> bool {
         let [near_m, far_m] = self.ahead_m;
-        (near_m..=far_m).contains(&ahead_m) && (left_m - EYES_M[1]).abs() <= self.beside_m
+        (near_m..=far_m).contains(&ahead_m) && (left_m - PHOTO_SENSORS_M[1]).abs() <= self.beside_m
     }
 }
 
@@ -46,11 +46,11 @@ pub enum HandTask {
 
 /// Control owner of a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Say {
+pub enum ControlOwner {
     /// Table drives towards the light; the hand continues its task.
     Table,
     /// None: the base brakes.
-    Nobody,
+    Brake,
     /// Hand executes a task; the base stands.
     Hand(HandTask),
 }
@@ -64,12 +64,12 @@ pub enum HandState {
     /// Succeeded.
     Done,
     /// Failed or refused.
-    GaveUp,
+    Failed,
 }
 
 /// Observed state of base and hand.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Signs {
+pub struct Conditions {
     /// Position of the light, m: ahead of the base centre and to the left; `None` without a light.
     pub light_m: Option<[f64; 2]>,
     /// True if the base stands.
@@ -83,35 +83,35 @@ pub struct Signs {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sign {
+enum Condition {
     Ahead,
     Within,
     Beyond,
-    Done,
-    GaveUp,
+    HandDone,
+    HandFailed,
     Lost,
     Crowded,
     Free,
 }
 
-impl Signs {
-    fn show(&self, sign: Sign) -> bool {
-        let within = |spot: &Spot| self.light_m.is_some_and(|light_m| spot.has(light_m));
+impl Conditions {
+    fn is_true(&self, sign: Condition) -> bool {
+        let within = |spot: &Region| self.light_m.is_some_and(|light_m| spot.contains(light_m));
         match sign {
-            Sign::Ahead => within(&AHEAD),
-            Sign::Within => self.stands && within(&REACH),
-            Sign::Beyond => self.stands && !within(&REACH),
-            Sign::Done => self.hand == HandState::Done,
-            Sign::GaveUp => self.hand == HandState::GaveUp,
-            Sign::Lost => !self.holds,
-            Sign::Crowded => self.first_m.is_some_and(|m| m < CROWDED_M),
-            Sign::Free => self.first_m.is_none_or(|m| m > FREE_M),
+            Condition::Ahead => within(&AHEAD),
+            Condition::Within => self.stands && within(&REACH),
+            Condition::Beyond => self.stands && !within(&REACH),
+            Condition::HandDone => self.hand == HandState::Done,
+            Condition::HandFailed => self.hand == HandState::Failed,
+            Condition::Lost => !self.holds,
+            Condition::Crowded => self.first_m.is_some_and(|m| m < CROWDED_M),
+            Condition::Free => self.first_m.is_none_or(|m| m > FREE_M),
         }
     }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Then {
+enum NextStep {
     Phase(usize),
     Done,
     Fail(&'static str),
@@ -123,15 +123,15 @@ pub struct Phase {
     /// Name, as shown to users.
     pub name: &'static str,
     /// Control owner.
-    pub say: Say,
+    pub owner: ControlOwner,
     /// Light that the base observes.
     pub light: Light,
     /// End conditions; the first true one counts.
-    ends: &'static [(Sign, Then)],
+    ends: &'static [(Condition, NextStep)],
     /// Time limit of all visits together, s, and the next step after it. Design choice: several
     /// times the usual duration.
     limit_s: f64,
-    late: Then,
+    after_limit: NextStep,
 }
 
 const SEARCH: usize = 0;
@@ -143,93 +143,93 @@ const SET_DOWN: usize = 5;
 const GIVE_WAY: usize = 6;
 const GIVE_WAY_CARRYING: usize = 7;
 
-const LOST: (Sign, Then) = (Sign::Lost, Then::Fail("lost on the way"));
+const LOST: (Condition, NextStep) = (Condition::Lost, NextStep::Fail("lost on the way"));
 
 /// Phases in the order of the course, then those of a robot that gives way.
 pub static PHASES: [Phase; 8] = [
     Phase {
         name: "search",
-        say: Say::Table,
+        owner: ControlOwner::Table,
         light: Light::Object,
         ends: &[
-            (Sign::Ahead, Then::Phase(STOP)),
-            (Sign::Crowded, Then::Phase(GIVE_WAY)),
+            (Condition::Ahead, NextStep::Phase(STOP)),
+            (Condition::Crowded, NextStep::Phase(GIVE_WAY)),
         ],
         limit_s: 180.0,
-        late: Then::Fail("object not found"),
+        after_limit: NextStep::Fail("object not found"),
     },
     Phase {
         name: "stop",
-        say: Say::Nobody,
+        owner: ControlOwner::Brake,
         light: Light::Object,
         ends: &[
-            (Sign::Within, Then::Phase(GRASP)),
-            (Sign::Beyond, Then::Phase(SEARCH)),
+            (Condition::Within, NextStep::Phase(GRASP)),
+            (Condition::Beyond, NextStep::Phase(SEARCH)),
         ],
         limit_s: 60.0,
-        late: Then::Fail("object not within reach"),
+        after_limit: NextStep::Fail("object not within reach"),
     },
     Phase {
         name: "grasp",
-        say: Say::Hand(HandTask::Grasp),
+        owner: ControlOwner::Hand(HandTask::Grasp),
         light: Light::Object,
         ends: &[
-            (Sign::Done, Then::Phase(CARRY)),
-            (Sign::GaveUp, Then::Fail("not grasped")),
+            (Condition::HandDone, NextStep::Phase(CARRY)),
+            (Condition::HandFailed, NextStep::Fail("not grasped")),
         ],
         limit_s: 120.0,
-        late: Then::Fail("not grasped in time"),
+        after_limit: NextStep::Fail("not grasped in time"),
     },
     Phase {
         name: "carry",
-        say: Say::Table,
+        owner: ControlOwner::Table,
         light: Light::Goal,
         ends: &[
             LOST,
-            (Sign::Ahead, Then::Phase(ARRIVE)),
-            (Sign::Crowded, Then::Phase(GIVE_WAY_CARRYING)),
+            (Condition::Ahead, NextStep::Phase(ARRIVE)),
+            (Condition::Crowded, NextStep::Phase(GIVE_WAY_CARRYING)),
         ],
         limit_s: 180.0,
-        late: Then::Fail("goal not found"),
+        after_limit: NextStep::Fail("goal not found"),
     },
     Phase {
         name: "arrive",
-        say: Say::Nobody,
+        owner: ControlOwner::Brake,
         light: Light::Goal,
         ends: &[
             LOST,
-            (Sign::Within, Then::Phase(SET_DOWN)),
-            (Sign::Beyond, Then::Phase(CARRY)),
+            (Condition::Within, NextStep::Phase(SET_DOWN)),
+            (Condition::Beyond, NextStep::Phase(CARRY)),
         ],
         limit_s: 60.0,
-        late: Then::Fail("goal not within reach"),
+        after_limit: NextStep::Fail("goal not within reach"),
     },
     Phase {
         name: "set down",
-        say: Say::Hand(HandTask::SetDown),
+        owner: ControlOwner::Hand(HandTask::SetDown),
         light: Light::Goal,
         ends: &[
-            (Sign::Done, Then::Done),
-            (Sign::GaveUp, Then::Fail("not set down")),
+            (Condition::HandDone, NextStep::Done),
+            (Condition::HandFailed, NextStep::Fail("not set down")),
         ],
         limit_s: 120.0,
-        late: Then::Fail("not set down in time"),
+        after_limit: NextStep::Fail("not set down in time"),
     },
     Phase {
         name: "give way",
-        say: Say::Nobody,
+        owner: ControlOwner::Brake,
         light: Light::Object,
-        ends: &[(Sign::Free, Then::Phase(SEARCH))],
+        ends: &[(Condition::Free, NextStep::Phase(SEARCH))],
         limit_s: 180.0,
-        late: Then::Fail("not let past"),
+        after_limit: NextStep::Fail("not let past"),
     },
     Phase {
         name: "give way",
-        say: Say::Nobody,
+        owner: ControlOwner::Brake,
         light: Light::Goal,
-        ends: &[LOST, (Sign::Free, Then::Phase(CARRY))],
+        ends: &[LOST, (Condition::Free, NextStep::Phase(CARRY))],
         limit_s: 180.0,
-        late: Then::Fail("not let past"),
+        after_limit: NextStep::Fail("not let past"),
     },
 ];
 
@@ -264,7 +264,7 @@ impl Coordinator {
     }
 
     /// Evaluates the end conditions after `passed_s`; returns true for a new phase.
-    pub fn look(&mut self, signs: &Signs, passed_s: f64) -> bool {
+    pub fn update(&mut self, signs: &Conditions, passed_s: f64) -> bool {
         if self.ended.is_some() {
             return false;
         }
@@ -272,15 +272,15 @@ impl Coordinator {
         let spent_s = &mut self.spent_s[self.phase];
         *spent_s += passed_s;
         // The time limit precedes the conditions, so that two phases cannot alternate for ever.
-        let late = (*spent_s > phase.limit_s).then_some(phase.late);
-        let sign = phase.ends.iter().find(|(sign, _)| signs.show(*sign));
+        let late = (*spent_s > phase.limit_s).then_some(phase.after_limit);
+        let sign = phase.ends.iter().find(|(sign, _)| signs.is_true(*sign));
         match late.or(sign.map(|(_, then)| *then)) {
-            Some(Then::Phase(next)) => {
+            Some(NextStep::Phase(next)) => {
                 self.phase = next;
                 return true;
             }
-            Some(Then::Done) => self.ended = Some(Ended::Done),
-            Some(Then::Fail(how)) => self.ended = Some(Ended::Failed(how)),
+            Some(NextStep::Done) => self.ended = Some(Ended::Done),
+            Some(NextStep::Fail(how)) => self.ended = Some(Ended::Failed(how)),
             None => {}
         }
         false
@@ -296,27 +296,27 @@ impl Coordinator {
 mod tests {
     use super::*;
 
-    fn signs(ahead_m: f64, stands: bool) -> Signs {
-        Signs {
-            light_m: Some([ahead_m, EYES_M[1]]),
+    fn signs(ahead_m: f64, stands: bool) -> Conditions {
+        Conditions {
+            light_m: Some([ahead_m, PHOTO_SENSORS_M[1]]),
             stands,
             holds: true,
-            ..Signs::default()
+            ..Conditions::default()
         }
     }
 
-    fn done(hand: HandState) -> Signs {
-        Signs {
+    fn done(hand: HandState) -> Conditions {
+        Conditions {
             hand,
             ..signs(0.35, true)
         }
     }
 
-    fn walk(shown: &[Signs], expected: &[&str], ended: Option<Ended>) {
+    fn walk(shown: &[Conditions], expected: &[&str], ended: Option<Ended>) {
         let mut coordinator = Coordinator::default();
         let mut phases = vec![coordinator.phase().name];
         for signs in shown {
-            if coordinator.look(signs, 0.1) {
+            if coordinator.update(signs, 0.1) {
                 phases.push(coordinator.phase().name);
             }
         }
@@ -324,9 +324,9 @@ mod tests {
     }
 
     #[test]
-    fn phases_follow_what_is_seen_and_felt() {
+    fn phases_follow_their_end_conditions() {
         let (far, ahead, near) = (signs(2.0, false), signs(0.35, false), signs(0.35, true));
-        let empty = Signs {
+        let empty = Conditions {
             holds: false,
             ..far
         };
@@ -354,13 +354,13 @@ mod tests {
             &["search", "stop", "search"],
             None,
         );
-        let gave_up = done(HandState::GaveUp);
+        let gave_up = done(HandState::Failed);
         walk(
             &[ahead, near, gave_up],
             &names[..3],
             Some(Ended::Failed("not grasped")),
         );
-        let met = Signs {
+        let met = Conditions {
             first_m: Some(1.2),
             ..far
         };
@@ -371,10 +371,10 @@ mod tests {
             Some(Ended::Failed("not let past")),
         );
         // Alternating phases end at their time limit.
-        let turns: Vec<Signs> = (0..4000).map(|k| [met, far][k % 2]).collect();
+        let turns: Vec<Conditions> = (0..4000).map(|k| [met, far][k % 2]).collect();
         let mut coordinator = Coordinator::default();
         turns.iter().for_each(|signs| {
-            coordinator.look(signs, 0.1);
+            coordinator.update(signs, 0.1);
         });
         assert!(matches!(coordinator.ended(), Some(Ended::Failed(_))));
         let lost = [ahead, near, done(HandState::Done), empty];
@@ -382,10 +382,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_never_within_reach() {
+    fn non_finite_light_is_out_of_reach() {
         for ahead_m in [f64::NAN, f64::INFINITY] {
             let signs = signs(ahead_m, true);
-            assert!(!signs.show(Sign::Ahead) && !signs.show(Sign::Within));
+            assert!(!signs.is_true(Condition::Ahead) && !signs.is_true(Condition::Within));
         }
     }
 }

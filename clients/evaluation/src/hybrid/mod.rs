@@ -29,7 +29,9 @@ mod report;
 mod robot;
 mod trial;
 
-pub use coordinator::{Coordinator, Ended, HandState, HandTask, PHASES, Phase, Say, Signs};
+pub use coordinator::{
+    Conditions, ControlOwner, Coordinator, Ended, HandState, HandTask, PHASES, Phase,
+};
 pub use pilot::{Decision, PhaseTime, Pilot, Reflexes};
 pub use report::{DriveReport, HybridPlan, HybridReport};
 pub use trial::{HybridTrial, RobotTrial};

@@ -7,28 +7,28 @@
 use atas_client::GoalProgress;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use atas_core::modules::Selection;
-use atas_core::tasks::{FETCH, Name, Step, Task, Track, Transition};
-use robot_model::VIRTUAL_FINGERS;
+use atas_core::tasks::{FETCH, Name, Step, StepSequence, Task, Transition};
+use robot_model::GRASP_SIDES;
 use serde::Serialize;
 use shm_schemas::{
-    BaseCommand, BaseState, GoalKind, GoalRequest, GoalState, GoalUpdate, Light, Mishap, ModuleId,
-    Reason, Say, Stamp, Text, TickReport, WorldTruth,
+    BaseCommand, BaseState, ControlOwner, GoalKind, GoalRequest, GoalState, GoalUpdate, Light,
+    Mishap, ModuleId, Reason, Stamp, Text, TickReport, WorldTruth,
 };
 use sim_backend::GraspHint;
-use sim_backend::course::{self, FRAME_S, Player, SIDE};
+use sim_backend::course::{self, FRAME_S, RobotSetup, SIDE};
 use sim_backend::random::Random;
 
-use super::coordinator::{self, Coordinator, Ended, HandState, HandTask, Signs};
+use super::coordinator::{self, Conditions, Coordinator, Ended, HandState, HandTask};
 use crate::judge::Placing;
 use crate::offline::{grasp_goal, set_down_goal};
 
 /// Random stream of the camera errors.
-const CAMERA: u64 = 0x63_616d;
+const CAMERA_STREAM: u64 = 0x63_616d;
 /// Half widths of the camera errors: position (m), yaw (rad), as in every family (±2 mm, ±5°).
-const ERROR_M: f64 = 0.002;
-const ERROR_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
+const CAMERA_ERROR_M: f64 = 0.002;
+const CAMERA_ERROR_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
 /// Normal force of a fingertip in contact, N; as for the grasp.
-const PRESSED_N: f32 = 0.03;
+const CONTACT_N: f32 = 0.03;
 /// Custom task: grasp and lift, then Module 3 only.
 const FETCH_FROZEN: &str = "fetch-frozen";
 
@@ -51,10 +51,10 @@ impl Reflexes {
     }
 
     /// Returns the custom task for the controller; `None` if the task is built in.
-    pub(super) fn lesson(self) -> Option<Task> {
+    pub(super) fn custom_task(self) -> Option<Task> {
         let freeze = |step: &Step| Step {
             modules: match step.transition {
-                Transition::Held => Selection::of(&[ModuleId::FORCE_LIMIT]),
+                Transition::Held => Selection::from_modules(&[ModuleId::FORCE_LIMIT]),
                 _ => step.modules,
             },
             ..*step
@@ -63,7 +63,7 @@ impl Reflexes {
         let frozen = Task {
             name: self.task(),
             // The number of steps is unchanged: never rejected.
-            acting: Track::checked(&steps).unwrap_or(FETCH.acting),
+            acting: StepSequence::validated(&steps).unwrap_or(FETCH.acting),
             ..FETCH
         };
         (self == Self::Frozen).then_some(frozen)
@@ -86,8 +86,8 @@ pub struct Pilot {
     coordinator: Coordinator,
     camera: Random,
     reflexes: Reflexes,
-    known: GraspHint,
-    seen: Option<GraspHint>,
+    nominal: GraspHint,
+    measured: Option<GraspHint>,
     goal: Option<GoalRequest>,
     progress: GoalProgress,
     hand: HandState,
@@ -109,13 +109,13 @@ pub struct Decision {
 impl Pilot {
     /// Creates the pilot of a robot at its start.
     #[must_use]
-    pub fn new(player: &Player, reflexes: Reflexes) -> Self {
+    pub fn new(player: &RobotSetup, reflexes: Reflexes) -> Self {
         Self {
             coordinator: Coordinator::default(),
-            camera: Random::new(player.seed, CAMERA),
+            camera: Random::new(player.seed, CAMERA_STREAM),
             reflexes,
-            known: player.known,
-            seen: None,
+            nominal: player.hint,
+            measured: None,
             goal: None,
             progress: GoalProgress::default(),
             hand: HandState::default(),
@@ -126,29 +126,32 @@ impl Pilot {
 
     /// Runs one frame. `truth` is used only to simulate the camera measurement of the object.
     pub fn frame(&mut self, state: &BaseState, truth: &WorldTruth) -> Decision {
-        let signs = Signs {
+        let signs = Conditions {
             light_m: light_m(state, self.light()),
-            stands: state.stands != 0,
+            stands: state.wheels_stopped != 0,
             hand: self.hand,
             holds: self.holds,
-            first_m: state.first_m.is_finite().then_some(state.first_m),
+            first_m: state
+                .right_of_way_m
+                .is_finite()
+                .then_some(state.right_of_way_m),
         };
         if state.mishap != Mishap::NONE {
             self.coordinator.fail("mishap");
         }
-        let began = self.coordinator.look(&signs, FRAME_S) || self.times.is_empty();
+        let began = self.coordinator.update(&signs, FRAME_S) || self.times.is_empty();
         let goal = if began {
             self.begin(state, truth)
         } else {
             None
         };
-        self.note(state, began);
+        self.record_time(state, began);
         let phase = self.coordinator.phase();
-        let say = match (self.coordinator.ended(), phase.say) {
-            (Some(_), _) => Say::OVER,
-            (None, coordinator::Say::Table) => Say::TABLE,
-            (None, coordinator::Say::Nobody) => Say::NOBODY,
-            (None, coordinator::Say::Hand(_)) => Say::HAND,
+        let owner = match (self.coordinator.ended(), phase.owner) {
+            (Some(_), _) => ControlOwner::OVER,
+            (None, coordinator::ControlOwner::Table) => ControlOwner::TABLE,
+            (None, coordinator::ControlOwner::Brake) => ControlOwner::NONE,
+            (None, coordinator::ControlOwner::Hand(_)) => ControlOwner::HAND,
         };
         Decision {
             command: BaseCommand {
@@ -157,7 +160,7 @@ impl Pilot {
                     ..Stamp::default()
                 },
                 frame: state.frame,
-                say,
+                owner,
                 light: match self.light() {
                     course::Light::Object => Light::OBJECT,
                     course::Light::Goal => Light::GOAL,
@@ -173,44 +176,48 @@ impl Pilot {
     }
 
     fn begin(&mut self, state: &BaseState, truth: &WorldTruth) -> Option<GoalRequest> {
-        let goal = match self.coordinator.phase().say {
-            coordinator::Say::Hand(HandTask::Grasp) => {
-                let seen = self.look_at(truth);
-                self.seen = Some(seen);
+        let goal = match self.coordinator.phase().owner {
+            coordinator::ControlOwner::Hand(HandTask::Grasp) => {
+                let seen = self.measure_object(truth);
+                self.measured = Some(seen);
                 GoalRequest {
                     kind: GoalKind::CUSTOM,
                     task: Text::new(self.reflexes.task().as_str()),
                     ..grasp_goal(&seen, SIDE, LIFT_M, HOLD_S)
                 }
             }
-            coordinator::Say::Hand(HandTask::SetDown) => {
-                let ([x_m, y_m], seen) = (light_m(state, self.light())?, self.seen?);
+            coordinator::ControlOwner::Hand(HandTask::SetDown) => {
+                let ([x_m, y_m], seen) = (light_m(state, self.light())?, self.measured?);
                 let to_m = [x_m, y_m, seen.from_m[2]];
                 GoalRequest {
                     goal_id: 2,
                     ..set_down_goal(&seen, SIDE, to_m, LIFT_M)
                 }
             }
-            coordinator::Say::Table | coordinator::Say::Nobody => return None,
+            coordinator::ControlOwner::Table | coordinator::ControlOwner::Brake => return None,
         };
         self.progress = GoalProgress::default();
         (self.goal, self.hand) = (Some(goal), HandState::Busy);
         Some(goal)
     }
 
-    fn look_at(&mut self, truth: &WorldTruth) -> GraspHint {
+    fn measure_object(&mut self, truth: &WorldTruth) -> GraspHint {
         let object = &truth.objects[0];
         let mut off = |half_width: f64| self.camera.between(-half_width, half_width);
         let [w, .., z] = object.orientation;
         let [x_m, y_m, _] = object.position_m;
         GraspHint {
-            from_m: [x_m + off(ERROR_M), y_m + off(ERROR_M), self.known.from_m[2]],
-            yaw_rad: half_turned(2.0 * libm::atan2(z, w)) + off(ERROR_RAD),
-            ..self.known
+            from_m: [
+                x_m + off(CAMERA_ERROR_M),
+                y_m + off(CAMERA_ERROR_M),
+                self.nominal.from_m[2],
+            ],
+            yaw_rad: wrap_half_turn(2.0 * libm::atan2(z, w)) + off(CAMERA_ERROR_RAD),
+            ..self.nominal
         }
     }
 
-    fn note(&mut self, state: &BaseState, began: bool) {
+    fn record_time(&mut self, state: &BaseState, began: bool) {
         let now_s = (state.frame * course::FRAME_TICKS) as f64 * 1e-3;
         if began {
             self.times.push(PhaseTime {
@@ -225,8 +232,8 @@ impl Pilot {
     }
 
     /// Processes the rejection of the requested goal.
-    pub fn hear_rejection(&mut self, reason: Reason) {
-        self.hear_goal(&GoalUpdate {
+    pub fn process_rejection(&mut self, reason: Reason) {
+        self.process_goal_update(&GoalUpdate {
             goal_id: self.goal.map_or(0, |goal| goal.goal_id),
             state: GoalState::REJECTED,
             reason,
@@ -235,22 +242,22 @@ impl Pilot {
     }
 
     /// Processes a goal update; ignores other goals.
-    pub fn hear_goal(&mut self, update: &GoalUpdate) {
+    pub fn process_goal_update(&mut self, update: &GoalUpdate) {
         if self.goal.is_none_or(|goal| goal.goal_id != update.goal_id) {
             return;
         }
         self.progress.add(update);
         self.hand = match update.state {
             GoalState::SUCCEEDED => HandState::Done,
-            state if state.is_final() => HandState::GaveUp,
+            state if state.is_final() => HandState::Failed,
             _ => HandState::Busy,
         };
     }
 
     /// Processes the report of the last tick before a frame.
-    pub fn hear_report(&mut self, report: &TickReport) {
-        let fingers = &report.hands[SIDE.index()].fingers[..VIRTUAL_FINGERS];
-        self.holds = fingers.iter().all(|finger| finger.normal_n > PRESSED_N);
+    pub fn process_report(&mut self, report: &TickReport) {
+        let fingers = &report.hands[SIDE.index()].fingers[..GRASP_SIDES];
+        self.holds = fingers.iter().all(|finger| finger.normal_n > CONTACT_N);
     }
 
     /// Returns the result once the course has ended.
@@ -271,17 +278,17 @@ impl Pilot {
         &self.progress
     }
 
-    pub(super) fn gave_up(&self) -> Option<String> {
+    pub(super) fn hand_failure(&self) -> Option<String> {
         let last = self.progress.last();
-        (self.hand == HandState::GaveUp).then(|| last.reason.cause.to_string())
+        (self.hand == HandState::Failed).then(|| last.reason.cause.to_string())
     }
 
     pub(super) fn placing(&self, truth: &WorldTruth) -> Placing {
         let to_m = self
             .goal
             .map_or([0.0; 2], |goal| [goal.to_m[0], goal.to_m[1]]);
-        let let_go_ns = self.progress.let_go_ns();
-        Placing::of(self.progress.last(), truth, to_m, let_go_ns)
+        let let_go_ns = self.progress.released_ns();
+        Placing::evaluate(self.progress.last(), truth, to_m, let_go_ns)
     }
 }
 
@@ -293,7 +300,7 @@ fn light_m(state: &BaseState, light: course::Light) -> Option<[f64; 2]> {
 }
 
 /// Returns the yaw within a quarter turn of y. Half a turn gives the same grasp.
-fn half_turned(yaw_rad: f64) -> f64 {
+fn wrap_half_turn(yaw_rad: f64) -> f64 {
     use core::f64::consts::{FRAC_PI_2, PI};
     yaw_rad - PI * ((yaw_rad - FRAC_PI_2) / PI).round()
 }

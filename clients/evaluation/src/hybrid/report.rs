@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use robot_model::RobotModel;
 use serde::Serialize;
 use sim_backend::Object;
-use sim_backend::course::{Cast, DriveFigures, Responses, Shake};
+use sim_backend::course::{BaseAcceleration, DriveFigures, Responses, Scenario};
 
 use super::pilot::Reflexes;
 use super::trial::{HybridTrial, run};
@@ -80,16 +80,16 @@ pub struct DriveReport {
     /// Medians of the largest increase and decrease of the grip, N.
     pub grip_change_n: [f64; 2],
     /// Medians of the largest accelerations.
-    pub shake: Shake,
+    pub shake: BaseAcceleration,
 }
 
 /// Stack of a thread: controllers and worlds, built in place, exceed the default.
 const STACK_BYTES: usize = 16 << 20;
 /// Slip above which a drive counts as slipped, m. Design choice: several times the skin's creep.
-const SLIPPED_M: f64 = 1e-4;
+const SLIP_MIN_M: f64 = 1e-4;
 
 impl DriveReport {
-    fn of(drives: &[DriveFigures]) -> Self {
+    fn from_drives(drives: &[DriveFigures]) -> Self {
         let of = |value: &dyn Fn(&DriveFigures) -> f64| -> Vec<f64> {
             drives.iter().map(value).collect()
         };
@@ -101,12 +101,12 @@ impl DriveReport {
                 middle(&|drive| drive.slip_m * 1e3),
                 slips_mm.iter().copied().fold(0.0, f64::max),
             ],
-            slipped: drives.iter().filter(|d| d.slip_m > SLIPPED_M).count() as u64,
+            slipped: drives.iter().filter(|d| d.slip_m > SLIP_MIN_M).count() as u64,
             grip_change_n: [
                 middle(&|drive| drive.most_n - drive.began_n),
                 middle(&|drive| drive.began_n - drive.least_n),
             ],
-            shake: Shake {
+            shake: BaseAcceleration {
                 horizontal_m_s2: middle(&|drive| drive.shake.horizontal_m_s2),
                 vertical_m_s2: middle(&|drive| drive.shake.vertical_m_s2),
             },
@@ -126,7 +126,7 @@ impl HybridPlan {
     ) -> anyhow::Result<Option<(HybridReport, Vec<HybridTrial>)>> {
         anyhow::ensure!(
             self.trials > 0 && !self.objects.is_empty(),
-            "could not evaluate because there is no trial, needs one and an object; ask for it with --seeds"
+            "could not evaluate: the plan has no trial or no object; request trials with --seeds"
         );
         let model =
             RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
@@ -163,7 +163,7 @@ impl HybridPlan {
         let count = self.objects.len();
         let dealt = |robot: usize| self.objects[(k as usize + robot) % count].clone();
         let objects: Vec<Object> = (0..self.robots).map(dealt).collect();
-        let cast = Cast::drawn(number, &objects)?;
+        let cast = Scenario::random(number, &objects)?;
         let how = (number, self.reflexes);
         run(model, &cast, self.table, how, &self.settings, watch)
     }
@@ -197,7 +197,7 @@ impl HybridPlan {
             failures,
             failed_seeds: failed().map(|trial| trial.seed).collect(),
             objects,
-            drive: DriveReport::of(&drives),
+            drive: DriveReport::from_drives(&drives),
             simulated_s: median(times).unwrap_or(0.0),
             first_seed: self.first_seed,
             purpose: seeds::purpose(self.first_seed, self.trials),

@@ -5,7 +5,7 @@ use atas_core::Settings;
 use robot_model::RobotModel;
 use serde::Serialize;
 use shm_schemas::WorldTruth;
-use sim_backend::course::{self, Cast, DriveFigures, Host, Responses};
+use sim_backend::course::{self, DriveFigures, Host, Responses, Scenario};
 
 use super::coordinator::Ended;
 use super::pilot::{PhaseTime, Pilot, Reflexes};
@@ -13,7 +13,7 @@ use super::robot::Robot;
 
 /// Largest distance of the object from the goal, m. Design choice: sum of camera and placing
 /// errors.
-const OFF_GOAL_M: f64 = 0.010;
+const GOAL_DISTANCE_MAX_M: f64 = 0.010;
 
 /// Result of one robot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -57,7 +57,7 @@ impl HybridTrial {
 impl RobotTrial {
     /// Evaluates a robot after its course, with the ground truth of its hands' world.
     #[must_use]
-    pub fn of(pilot: &Pilot, ended: &course::Ended, truth: &WorldTruth) -> Self {
+    pub fn evaluate(pilot: &Pilot, ended: &course::RobotResult, truth: &WorldTruth) -> Self {
         let mishap = ended.mishap.clone();
         let failure = mishap.or_else(|| failure(pilot, truth, ended.off_goal_m));
         let figures = pilot.progress().figures();
@@ -79,7 +79,7 @@ impl RobotTrial {
 /// A world cannot be created, or has a fault.
 pub(super) fn run(
     model: &RobotModel,
-    cast: &Cast,
+    cast: &Scenario,
     table: Responses,
     (number, reflexes): (u64, Reflexes),
     settings: &Settings,
@@ -110,7 +110,7 @@ pub(super) fn run(
     }
     let judge = |(index, robot): (usize, &Robot)| {
         let truth = robot.truth();
-        RobotTrial::of(&robot.pilot, &host.ended(index, &truth), &truth)
+        RobotTrial::evaluate(&robot.pilot, &host.result(index, &truth), &truth)
     };
     Ok(HybridTrial {
         seed: number,
@@ -123,10 +123,10 @@ fn failure(pilot: &Pilot, truth: &WorldTruth, off_goal_m: f64) -> Option<String>
     match pilot.ended() {
         Some(Ended::Done) => {
             let placed = pilot.placing(truth).failure;
-            let near = off_goal_m <= OFF_GOAL_M;
+            let near = off_goal_m <= GOAL_DISTANCE_MAX_M;
             placed.or_else(|| (!near).then(|| "off the goal".to_owned()))
         }
-        Some(Ended::Failed(how)) => Some(match pilot.gave_up() {
+        Some(Ended::Failed(how)) => Some(match pilot.hand_failure() {
             Some(why) => format!("{how}: {why}"),
             None => how.to_owned(),
         }),

@@ -2,11 +2,11 @@
 
 use shm_schemas::{GoalUpdate, ObjectTruth, WorldTruth};
 
-use super::{TURN_MAX_RAD, ended, harmed, loose, moved_in_hand, unless};
+use super::{TURN_MAX_RAD, cap_failure, failure_unless, goal_failure, harm, in_hand_failure};
 
 /// Largest tilt of a standing bottle, rad. Design choice (2°): above any unevenness of the table,
 /// far below tipping.
-const STANDING_RAD: f64 = 2.0 * core::f64::consts::PI / 180.0;
+const STANDING_TILT_MAX_RAD: f64 = 2.0 * core::f64::consts::PI / 180.0;
 
 /// Result of an assembly.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,20 +26,20 @@ impl Assembly {
     /// Evaluates cap (first object) and bottle (second object); `start` is the ground truth before
     /// the goal.
     #[must_use]
-    pub fn of(end: &GoalUpdate, start: &WorldTruth, truth: &WorldTruth) -> Self {
+    pub fn evaluate(end: &GoalUpdate, start: &WorldTruth, truth: &WorldTruth) -> Self {
         let [cap, bottle, ..] = &truth.objects;
         let turned_rad = turn_rad(&start.objects[1].orientation, &bottle.orientation);
         let engaged = cap.cap_engaged != 0;
-        let failure = of("bottle", harmed(bottle))
-            .or_else(|| of("cap", harmed(cap)))
-            .or_else(|| ended(end))
-            .or_else(|| unless(stands(bottle), "bottle not standing"))
-            .or_else(|| of("cap", loose(cap)))
-            .or_else(|| unless(cap.cap_closed != 0, "cap not closed"))
-            .or_else(|| of("cap", moved_in_hand(cap)))
-            .or_else(|| of("bottle", moved_in_hand(bottle)))
+        let failure = with_part("bottle", harm(bottle))
+            .or_else(|| with_part("cap", harm(cap)))
+            .or_else(|| goal_failure(end))
+            .or_else(|| failure_unless(stands(bottle), "bottle not standing"))
+            .or_else(|| with_part("cap", cap_failure(cap)))
+            .or_else(|| failure_unless(cap.cap_closed != 0, "cap not closed"))
+            .or_else(|| with_part("cap", in_hand_failure(cap)))
+            .or_else(|| with_part("bottle", in_hand_failure(bottle)))
             .or_else(|| {
-                unless(
+                failure_unless(
                     turned_rad.abs() <= TURN_MAX_RAD,
                     "bottle turned in the hand",
                 )
@@ -63,10 +63,10 @@ fn turn_rad(before: &[f64; 4], after: &[f64; 4]) -> f64 {
     libm::atan2(libm::sin(turn_rad), libm::cos(turn_rad))
 }
 
-fn of(part: &str, harm: Option<String>) -> Option<String> {
+fn with_part(part: &str, harm: Option<String>) -> Option<String> {
     harm.map(|harm| format!("{part} {harm}"))
 }
 
 fn stands(bottle: &ObjectTruth) -> bool {
-    bottle.tilt_rad.abs() <= STANDING_RAD && bottle.table_n > 0.0
+    bottle.tilt_rad.abs() <= STANDING_TILT_MAX_RAD && bottle.table_n > 0.0
 }

@@ -2,14 +2,14 @@
 
 use shm_schemas::{Cause, GoalState, GoalUpdate, WorldTruth};
 
-use super::{Kept, kept};
+use super::{InHandMotion, in_hand_motion};
 
 /// Share of the commanded lift above which an object counts as lifted. Design choice: accepts a
 /// stopped slip, rejects an object left behind.
 const LIFTED_SHARE: f64 = 0.5;
 /// Normal force above which a fingertip is in contact, N. Design choice: half the controller's
 /// touch threshold.
-const PRESSED_N: f64 = 0.03;
+const CONTACT_N: f64 = 0.03;
 
 /// True outcome for an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,7 @@ pub enum Outcome {
 impl Outcome {
     /// Returns the outcome for the first object and the hand with index `hand`.
     #[must_use]
-    pub fn of(end: &GoalUpdate, truth: &WorldTruth, hand: usize, lift_m: f64) -> Self {
+    pub fn evaluate(end: &GoalUpdate, truth: &WorldTruth, hand: usize, lift_m: f64) -> Self {
         let object = &truth.objects[0];
         if object.crushed != 0 {
             return Self::Crushed;
@@ -45,15 +45,15 @@ impl Outcome {
         if object.dropped != 0 {
             return Self::Dropped;
         }
-        let pressed = truth.normal_n[hand][..robot_model::VIRTUAL_FINGERS]
+        let pressed = truth.normal_n[hand][..robot_model::GRASP_SIDES]
             .iter()
-            .all(|force_n| *force_n > PRESSED_N);
+            .all(|force_n| *force_n > CONTACT_N);
         match end.state {
             GoalState::SUCCEEDED if pressed && object.lifted_m >= LIFTED_SHARE * lift_m => {
-                match kept(object) {
-                    Kept::AsTaken => Self::Held,
-                    Kept::Slipped => Self::Slipped,
-                    Kept::Turned => Self::Turned,
+                match in_hand_motion(object) {
+                    InHandMotion::Stable => Self::Held,
+                    InHandMotion::Slipped => Self::Slipped,
+                    InHandMotion::Turned => Self::Turned,
                 }
             }
             GoalState::SUCCEEDED => Self::NotLifted,

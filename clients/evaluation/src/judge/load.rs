@@ -22,7 +22,7 @@ pub struct Load {
     /// Normal force that crushes the object.
     pub crush_n: f64,
     /// Maximum force of the hand (`grasp.f2_max_n`), for any object.
-    pub press_n: f64,
+    pub hand_max_n: f64,
     /// F_2 for the true stiffness.
     pub f2_n: f64,
 }
@@ -31,29 +31,29 @@ impl Load {
     /// Computes the forces of a true object for a hand with these settings. Stiffness and crush
     /// force scale with `tips`, the smaller fingertip count of both sides.
     #[must_use]
-    pub fn of(object: &Object, grasp: &settings::Grasp, tips: usize) -> Self {
+    pub fn from_object(object: &Object, grasp: &settings::Grasp, tips: usize) -> Self {
         let tips = tips as f64;
         Self {
-            needed_n: object.needed_n(),
-            steady_n: object.steady_n(),
-            gripped_n: object.steady_n(),
+            needed_n: object.required_normal_n(),
+            steady_n: object.required_normal_with_torsion_n(),
+            gripped_n: object.required_normal_with_torsion_n(),
             crush_n: object.crush_n * tips,
-            press_n: grasp.f2_max_n,
+            hand_max_n: grasp.f2_max_n,
             f2_n: Thresholds::for_stiffness(object.stiffness_n_m * tips, grasp).f2_n,
         }
     }
 
     /// Updates `gripped_n` for the true position of the object relative to the expected one.
     #[must_use]
-    pub fn gripped(self, placed: &Placed, told: GraspHint) -> Self {
-        let [off_x_m, off_y_m] = [0, 1].map(|axis| placed.position_m[axis] - told.from_m[axis]);
+    pub fn with_position_error(self, placed: &Placed, reported: GraspHint) -> Self {
+        let [off_x_m, off_y_m] = [0, 1].map(|axis| placed.position_m[axis] - reported.from_m[axis]);
         // Across the closing axis. An error along it does not matter: the fingers close until
         // contact.
-        let beside_m = told.yaw_rad.cos() * off_y_m - told.yaw_rad.sin() * off_x_m;
+        let beside_m = reported.yaw_rad.cos() * off_y_m - reported.yaw_rad.sin() * off_x_m;
         let mut object = placed.object.clone();
         object.centre_of_mass_m.y += beside_m;
         Self {
-            gripped_n: object.steady_n(),
+            gripped_n: object.required_normal_with_torsion_n(),
             ..self
         }
     }
@@ -67,7 +67,7 @@ impl Load {
     /// Returns true if the force against rotation is below the crush force and the hand's maximum.
     #[must_use]
     pub fn is_physically_feasible(&self) -> bool {
-        self.steady_n < self.crush_n && self.steady_n < self.press_n
+        self.steady_n < self.crush_n && self.steady_n < self.hand_max_n
     }
 
     /// Returns true if measurement errors of the stiffness may change the feasibility.
@@ -80,7 +80,7 @@ impl Load {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use robot_model::Side;
+    use robot_model::HandSide;
     use sim_backend::Scene;
 
     #[test]
@@ -91,7 +91,7 @@ mod tests {
                 steady_n: needed_n,
                 gripped_n: needed_n,
                 crush_n,
-                press_n: 8.0,
+                hand_max_n: 8.0,
                 f2_n,
             };
             assert_eq!(
@@ -111,14 +111,14 @@ mod tests {
     }
 
     #[test]
-    fn feasibility_by_physics_knows_no_f2() {
+    fn physical_feasibility_ignores_f2() {
         let check = |steady_n, crush_n, feasible| {
             let load = Load {
                 needed_n: 1.0,
                 steady_n,
                 gripped_n: steady_n,
                 crush_n,
-                press_n: 8.0,
+                hand_max_n: 8.0,
                 f2_n: 0.7,
             };
             assert_eq!(load.is_physically_feasible(), feasible, "{load:?}");
@@ -131,17 +131,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_gripped_beside_its_middle_needs_more() {
-        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), Side::Right);
-        let (told, mut placed) = (
+    fn off_centre_grasp_needs_more_force() {
+        let scene = Scene::grasp(Object::built_in("wood").expect("built in"), HandSide::Right);
+        let (reported, mut placed) = (
             scene.grasp_hint(0).expect("an object"),
             scene.objects[0].clone(),
         );
-        let load = Load::of(&placed.object, &settings::Grasp::default(), 1);
-        let along = [told.yaw_rad.cos(), told.yaw_rad.sin()];
+        let load = Load::from_object(&placed.object, &settings::Grasp::default(), 1);
+        let along = [reported.yaw_rad.cos(), reported.yaw_rad.sin()];
         let mut gripped_n = |by_m: f64, [x, y]: [f64; 2]| {
-            placed.position_m = [told.from_m[0] + by_m * x, told.from_m[1] + by_m * y];
-            load.gripped(&placed, told).gripped_n
+            placed.position_m = [reported.from_m[0] + by_m * x, reported.from_m[1] + by_m * y];
+            load.with_position_error(&placed, reported).gripped_n
         };
         assert!((gripped_n(0.002, along) / load.needed_n - 1.0).abs() < 1e-6);
         let beside = gripped_n(0.002, [-along[1], along[0]]) / load.needed_n;
@@ -149,11 +149,11 @@ mod tests {
     }
 
     #[test]
-    fn the_law_is_taken_at_the_true_stiffness() {
+    fn f2_uses_true_stiffness() {
         let grasp = settings::Grasp::default();
         let f2_n = |name: &str| {
             let object = Object::built_in(name).expect("built in");
-            Load::of(&object, &grasp, 1).f2_n
+            Load::from_object(&object, &grasp, 1).f2_n
         };
         assert!((f2_n("wood") - 8.0).abs() < 1e-12, "rigid: the upper bound");
         assert!(
@@ -168,18 +168,18 @@ mod tests {
 
     /// Regression: a box held well by two fingertips per side was counted as infeasible.
     #[test]
-    fn two_fingertips_on_each_side_may_press_twice_as_hard() {
+    fn crush_force_doubles_with_two_fingertips_per_side() {
         let (grasp, object) = (
             settings::Grasp::default(),
             Object::built_in("filled-paper-box"),
         );
         let object = object.expect("built in");
-        let [one, two] = [1, 2].map(|tips| Load::of(&object, &grasp, tips));
+        let [one, two] = [1, 2].map(|tips| Load::from_object(&object, &grasp, tips));
         assert!(!one.is_feasible() && two.is_feasible(), "{one:?} {two:?}");
         assert_eq!(
             (two.crush_n, two.needed_n),
             (2.0 * one.crush_n, one.needed_n)
         );
-        assert_eq!(two.press_n, one.press_n);
+        assert_eq!(two.hand_max_n, one.hand_max_n);
     }
 }

@@ -35,43 +35,43 @@ pub const SLIP_MAX_M: f64 = 0.003;
 pub const TURN_MAX_RAD: f64 = 10.0 * core::f64::consts::PI / 180.0;
 /// Range of a closed cap's tightness: holding torque over friction torque of the thread (acceptance
 /// criterion).
-const TIGHT: [f64; 2] = [1.3, 2.5];
+const TIGHTNESS_RANGE: [f64; 2] = [1.3, 2.5];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kept {
-    AsTaken,
+enum InHandMotion {
+    Stable,
     Slipped,
     Turned,
 }
 
 /// Compares slip and turn with their limits; a value that is not finite exceeds them.
-fn kept(object: &ObjectTruth) -> Kept {
+fn in_hand_motion(object: &ObjectTruth) -> InHandMotion {
     let stuck = object.slip_in_hand_m <= SLIP_MAX_M;
     let straight = object.turn_in_hand_rad <= TURN_MAX_RAD;
     match (stuck, straight) {
-        (false, _) => Kept::Slipped,
-        (_, false) => Kept::Turned,
-        _ => Kept::AsTaken,
+        (false, _) => InHandMotion::Slipped,
+        (_, false) => InHandMotion::Turned,
+        _ => InHandMotion::Stable,
     }
 }
 
-fn moved_in_hand(object: &ObjectTruth) -> Option<String> {
-    match kept(object) {
-        Kept::AsTaken => None,
-        Kept::Slipped => Some("slipped in the hand".to_owned()),
-        Kept::Turned => Some("turned in the hand".to_owned()),
+fn in_hand_failure(object: &ObjectTruth) -> Option<String> {
+    match in_hand_motion(object) {
+        InHandMotion::Stable => None,
+        InHandMotion::Slipped => Some("slipped in the hand".to_owned()),
+        InHandMotion::Turned => Some("turned in the hand".to_owned()),
     }
 }
 
 /// Returns the failure key of a cap that is off its thread or outside the tightness range.
-fn loose(cap: &ObjectTruth) -> Option<String> {
+fn cap_failure(cap: &ObjectTruth) -> Option<String> {
     let tightness = cap.cap_holding_n_m / cap.cap_friction_n_m;
-    unless(cap.cap_engaged != 0, "off its thread")
-        .or_else(|| unless(tightness >= TIGHT[0], "early"))
-        .or_else(|| unless(tightness <= TIGHT[1], "too tight"))
+    failure_unless(cap.cap_engaged != 0, "off its thread")
+        .or_else(|| failure_unless(tightness >= TIGHTNESS_RANGE[0], "too loose"))
+        .or_else(|| failure_unless(tightness <= TIGHTNESS_RANGE[1], "too tight"))
 }
 
-fn ended(end: &GoalUpdate) -> Option<String> {
+fn goal_failure(end: &GoalUpdate) -> Option<String> {
     let (cause, step) = (end.reason.cause, end.step.as_str());
     match end.state {
         GoalState::SUCCEEDED => None,
@@ -81,7 +81,7 @@ fn ended(end: &GoalUpdate) -> Option<String> {
     }
 }
 
-fn harmed(object: &ObjectTruth) -> Option<String> {
+fn harm(object: &ObjectTruth) -> Option<String> {
     let harms = [
         (object.crushed, "crushed"),
         (object.dropped, "dropped"),
@@ -93,6 +93,6 @@ fn harmed(object: &ObjectTruth) -> Option<String> {
 }
 
 /// Returns the key if the condition is false. Comparisons with NaN are false.
-fn unless(holds: bool, key: &str) -> Option<String> {
+fn failure_unless(holds: bool, key: &str) -> Option<String> {
     (!holds).then(|| key.to_owned())
 }

@@ -6,14 +6,14 @@
 
 use shm_schemas::{GoalState, GoalUpdate, ObjectTruth, WorldTruth};
 
-use super::{ended, harmed, moved_in_hand, unless};
+use super::{failure_unless, goal_failure, harm, in_hand_failure};
 
 /// Largest horizontal distance from the destination, m (acceptance criterion).
-const OFF_M: f64 = 0.005;
+const POSITION_ERROR_MAX_M: f64 = 0.005;
 /// Longest time from support to the beginning of the release, s (acceptance criterion).
-const LATENCY_S: f64 = 0.020;
+const RELEASE_LATENCY_MAX_S: f64 = 0.020;
 /// Largest height above the support at release, m (acceptance criterion).
-const ABOVE_M: f64 = 0.002;
+const RELEASE_HEIGHT_MAX_M: f64 = 0.002;
 /// Result of a pick and place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placing {
@@ -33,7 +33,7 @@ impl Placing {
     /// Evaluates the first object with destination `to_m` (x, y, base frame). `let_go_ns`: time at
     /// which the hand began to open.
     #[must_use]
-    pub fn of(
+    pub fn evaluate(
         end: &GoalUpdate,
         truth: &WorldTruth,
         to_m: [f64; 2],
@@ -50,14 +50,14 @@ impl Placing {
         let latency_s = since(let_go_ns);
         let parting_s = since((object.released_ns > 0).then_some(object.released_ns));
         let above_m = object.released_above_m;
-        let failure = harmed(object)
-            .or_else(|| unless(!stayed(end, object), "left behind"))
-            .or_else(|| ended(end))
-            .or_else(|| unless(parting_s.is_finite(), "never released"))
-            .or_else(|| unless(above_m <= ABOVE_M, "released early"))
-            .or_else(|| unless(latency_s <= LATENCY_S, "released late"))
-            .or_else(|| unless(off_m <= OFF_M, "off its place"))
-            .or_else(|| moved_in_hand(object));
+        let failure = harm(object)
+            .or_else(|| failure_unless(!is_left_behind(end, object), "left behind"))
+            .or_else(|| goal_failure(end))
+            .or_else(|| failure_unless(parting_s.is_finite(), "never released"))
+            .or_else(|| failure_unless(above_m <= RELEASE_HEIGHT_MAX_M, "released early"))
+            .or_else(|| failure_unless(latency_s <= RELEASE_LATENCY_MAX_S, "released late"))
+            .or_else(|| failure_unless(off_m <= POSITION_ERROR_MAX_M, "off its place"))
+            .or_else(|| in_hand_failure(object));
         Self {
             failure,
             off_m,
@@ -70,8 +70,8 @@ impl Placing {
 
 /// Returns true if the hand left without the object: not refused, never set down, and at its
 /// initial height.
-fn stayed(end: &GoalUpdate, object: &ObjectTruth) -> bool {
-    let is_low = object.lifted_m.abs() < ABOVE_M;
+fn is_left_behind(end: &GoalUpdate, object: &ObjectTruth) -> bool {
+    let is_low = object.lifted_m.abs() < RELEASE_HEIGHT_MAX_M;
     let set_out = end.state == GoalState::SUCCEEDED || !end.step.as_str().is_empty();
     set_out && end.state != GoalState::REFUSED && object.landed_ns == 0 && is_low
 }

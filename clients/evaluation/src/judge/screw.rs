@@ -2,7 +2,7 @@
 
 use shm_schemas::{Cause, GoalUpdate, WorldTruth};
 
-use super::{ended, harmed, loose, moved_in_hand, unless};
+use super::{cap_failure, failure_unless, goal_failure, harm, in_hand_failure};
 
 /// Result of a screwing.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,14 +18,14 @@ pub struct Screwing {
 impl Screwing {
     /// Evaluates the first object, a cap.
     #[must_use]
-    pub fn of(end: &GoalUpdate, truth: &WorldTruth) -> Self {
+    pub fn evaluate(end: &GoalUpdate, truth: &WorldTruth) -> Self {
         let cap = &truth.objects[0];
         let tightness = cap.cap_holding_n_m / cap.cap_friction_n_m;
-        let failure = harmed(cap)
-            .or_else(|| never(end))
-            .or_else(|| ended(end))
-            .or_else(|| loose(cap))
-            .or_else(|| moved_in_hand(cap));
+        let failure = harm(cap)
+            .or_else(|| timeout_failure(end))
+            .or_else(|| goal_failure(end))
+            .or_else(|| cap_failure(cap))
+            .or_else(|| in_hand_failure(cap));
         Self {
             failure,
             tightness,
@@ -34,6 +34,6 @@ impl Screwing {
     }
 }
 
-fn never(end: &GoalUpdate) -> Option<String> {
-    unless(end.reason.cause != Cause::TIMED_OUT, "never")
+fn timeout_failure(end: &GoalUpdate) -> Option<String> {
+    failure_unless(end.reason.cause != Cause::TIMED_OUT, "timed out")
 }

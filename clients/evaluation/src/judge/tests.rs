@@ -9,7 +9,7 @@ const MS_NS: u64 = 1_000_000;
 fn end(state: GoalState, cause: Cause, step: &str) -> GoalUpdate {
     GoalUpdate {
         state,
-        reason: Reason::of(cause),
+        reason: Reason::new(cause),
         step: Text::new(step),
         ..GoalUpdate::default()
     }
@@ -39,11 +39,11 @@ fn placed() -> ObjectTruth {
 }
 
 #[test]
-fn placings() {
+fn placing_failures_have_their_keys() {
     let check = |end: GoalUpdate, object: ObjectTruth, opened_ms, expected: Option<&str>| {
         let truth = world(object, ObjectTruth::default());
         let let_go_ns = Option::map(opened_ms, |ms: u64| ms * MS_NS);
-        let placing = Placing::of(&end, &truth, [0.32, -0.27], let_go_ns);
+        let placing = Placing::evaluate(&end, &truth, [0.32, -0.27], let_go_ns);
         assert_eq!(placing.failure.as_deref(), expected, "{placing:?}");
     };
     let object = placed();
@@ -119,19 +119,19 @@ fn cap(tightness: f64) -> ObjectTruth {
 }
 
 #[test]
-fn screwings() {
+fn screwing_failures_have_their_keys() {
     let check = |end: GoalUpdate, cap: ObjectTruth, expected: Option<&str>| {
-        let screwing = Screwing::of(&end, &world(cap, ObjectTruth::default()));
+        let screwing = Screwing::evaluate(&end, &world(cap, ObjectTruth::default()));
         assert_eq!(screwing.failure.as_deref(), expected, "{screwing:?}");
     };
     check(done(), cap(1.301), None);
     check(done(), cap(2.499), None);
-    check(done(), cap(1.299), Some("early"));
+    check(done(), cap(1.299), Some("too loose"));
     check(done(), cap(2.501), Some("too tight"));
-    check(done(), cap(f64::NAN), Some("early"));
+    check(done(), cap(f64::NAN), Some("too loose"));
     check(done(), ObjectTruth::default(), Some("off its thread"));
     let late = end(GoalState::FAILED, Cause::TIMED_OUT, "screw");
-    check(late, cap(1.0), Some("never"));
+    check(late, cap(1.0), Some("timed out"));
     let tipped = ObjectTruth {
         tipped: 1,
         ..cap(2.0)
@@ -150,10 +150,10 @@ fn turned_by(deg: f64) -> ObjectTruth {
 }
 
 #[test]
-fn assemblies() {
+fn assembly_failures_have_their_keys() {
     let check = |cap: ObjectTruth, bottle: ObjectTruth, expected: Option<&str>| {
         let start = world(ObjectTruth::default(), turned_by(10.0));
-        let assembly = Assembly::of(&done(), &start, &world(cap, bottle));
+        let assembly = Assembly::evaluate(&done(), &start, &world(cap, bottle));
         assert_eq!(assembly.failure.as_deref(), expected, "{assembly:?}");
     };
     let bottle = ObjectTruth {
@@ -161,7 +161,7 @@ fn assemblies() {
         ..turned_by(10.0)
     };
     check(cap(2.0), bottle, None);
-    check(cap(1.299), bottle, Some("cap early"));
+    check(cap(1.299), bottle, Some("cap too loose"));
     check(cap(2.501), bottle, Some("cap too tight"));
     let by = |deg| ObjectTruth {
         table_n: 3.0,

@@ -30,7 +30,7 @@ pub(super) struct Case {
     /// Object in contact. Cases of one object are never split between fitting and evaluation.
     pub(super) object: String,
     /// Category of the object, if a recording has several (column `fruit` or `sort`).
-    pub(super) sort: String,
+    pub(super) category: String,
     pub(super) label: String,
 }
 
@@ -56,13 +56,13 @@ pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Resu
         })?),
         None => sheet.first_of(&["object"]).or(key),
     };
-    let truth = truths(sheet, key, labels)?;
+    let truth = label_source(sheet, key, labels)?;
     let mut found: Vec<Case> = Vec::new();
     let mut places: BTreeMap<(String, String), usize> = BTreeMap::new();
     let (mut run, mut before) = (0, None);
     for row in 0..sheet.len() {
         let cell = |column: Option<usize>| column.map_or("", |column| sheet.text(row, column));
-        let label = truth.of(sheet, row, cell(key));
+        let label = truth.label(sheet, row, cell(key));
         // Without a case number, a case ends where label or object changes.
         let now = Some((cell(object), label.clone()));
         if key.is_none() && before.is_some() && before != now {
@@ -75,7 +75,7 @@ pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Resu
             found.push(Case {
                 rows: Vec::new(),
                 object: cell(object).to_owned(),
-                sort: cell(sort).to_owned(),
+                category: cell(sort).to_owned(),
                 label: label.clone(),
             });
             found.len() - 1
@@ -86,7 +86,8 @@ pub(super) fn cases(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Resu
         }
         ensure!(
             label.is_empty() || found[place].label == label,
-            "could not judge {} because its rows of {} {:?} say both {:?} and {label:?}; needs one label for each, or no such column",
+            "could not evaluate {}: the rows of {} {:?} have the labels {:?} and {label:?}; use \
+             one label per case, or remove this column",
             sheet.path.display(),
             key.map_or("case", |key| sheet.columns()[key].as_str()),
             cell(key),
@@ -105,7 +106,7 @@ enum Truth {
 }
 
 impl Truth {
-    fn of(&self, sheet: &Sheet, row: usize, key: &str) -> String {
+    fn label(&self, sheet: &Sheet, row: usize, key: &str) -> String {
         match self {
             Self::Column(column) => sheet.text(row, *column).to_owned(),
             Self::Table(table) => table.get(key).cloned().unwrap_or_default(),
@@ -114,7 +115,7 @@ impl Truth {
     }
 }
 
-fn truths(sheet: &Sheet, key: Option<usize>, labels: &Labels) -> anyhow::Result<Truth> {
+fn label_source(sheet: &Sheet, key: Option<usize>, labels: &Labels) -> anyhow::Result<Truth> {
     let Some(column) = &labels.column else {
         return Ok(Truth::None);
     };
@@ -130,12 +131,15 @@ fn truths(sheet: &Sheet, key: Option<usize>, labels: &Labels) -> anyhow::Result<
     };
     let beside = match &labels.file {
         Some(file) => Sheet::open(file)?,
-        None => neighbour(sheet, column, key)?,
+        None => find_label_table(sheet, column, key)?,
     };
     let place = beside.path.display();
     let of = |name: &str| {
         beside.column(name).with_context(|| {
-            format!("could not take labels from {place} because it has no column {name:?}, needs {key:?} and {column:?}")
+            format!(
+                "could not read labels from {place}: it has no column {name:?}; it needs the \
+                columns {key:?} and {column:?}"
+            )
         })
     };
     let (key, value) = (of(key)?, of(column)?);
@@ -149,7 +153,7 @@ fn truths(sheet: &Sheet, key: Option<usize>, labels: &Labels) -> anyhow::Result<
 }
 
 /// Opens the only other table in the recording's folder with label and key column.
-fn neighbour(sheet: &Sheet, column: &str, key: &str) -> anyhow::Result<Sheet> {
+fn find_label_table(sheet: &Sheet, column: &str, key: &str) -> anyhow::Result<Sheet> {
     let folder = match sheet.path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => std::path::Path::new("."),
@@ -172,8 +176,8 @@ fn neighbour(sheet: &Sheet, column: &str, key: &str) -> anyhow::Result<Sheet> {
     match found.len() {
         1 => Ok(found.remove(0)),
         0 => bail!(
-            "could not find the column {column:?}: neither {} nor another .csv beside it with a column {key:?} has it; name the \
-             file with --labels-file",
+            "could not find the column {column:?}: neither {} nor another .csv in its folder with \
+             a column {key:?} has it; name the file with --labels-file",
             sheet.path.display()
         ),
         _ => bail!(

@@ -21,21 +21,22 @@ pub enum Fit {
 /// Fits a threshold to pairs of score and truth.
 pub(super) type Fitter = fn(&[(f64, bool)]) -> anyhow::Result<f64>;
 
-/// What is said when nothing can be judged.
-pub(super) fn no_labels() -> &'static str {
-    "could not judge anything because no case has a label of use; say which values mean what with --positive and --negative"
+/// Error text: no case has a usable label.
+pub(super) fn no_labels_error() -> &'static str {
+    "could not evaluate: no case has a usable label; define the meaning of the values with \
+     --positive and --negative"
 }
 
 /// Error text: all usable labels belong to one class.
-pub(super) fn one_class(truths: &[Option<bool>], [positive, negative]: [&str; 2]) -> String {
+pub(super) fn one_class_error(truths: &[Option<bool>], [positive, negative]: [&str; 2]) -> String {
     let known = truths.iter().flatten().count();
     let class = match truths.iter().flatten().any(|is| *is) {
         true => positive,
         false => negative,
     };
     format!(
-        "could not judge because all {known} labels of use mean {class}, needs both {positive} and {negative}; say which values mean what \
-         with --positive and --negative"
+        "could not evaluate: all {known} usable labels mean {class}, but both {positive} and \
+         {negative} are needed; define the meaning of the values with --positive and --negative"
     )
 }
 
@@ -52,13 +53,13 @@ pub(super) fn truths(
         "0" | "0.0" | "false" | "no" => Some(false),
         _ => None,
     };
-    let said = !labels.positive.is_empty() || !labels.negative.is_empty();
-    let (positive, negative) = if said {
+    let message = !labels.positive.is_empty() || !labels.negative.is_empty();
+    let (positive, negative) = if message {
         (labels.positive.as_slice(), labels.negative.as_slice())
     } else {
         (positive, negative)
     };
-    let is_plain = !said
+    let is_plain = !message
         && cases
             .iter()
             .all(|case| case.label.is_empty() || plain(&case.label).is_some());
@@ -82,7 +83,7 @@ fn is_same(a: &str, b: &str) -> bool {
     }
 }
 
-pub(super) fn known(
+pub(super) fn with_truth(
     scores: impl Iterator<Item = f64>,
     truths: &[Option<bool>],
 ) -> Vec<(f64, bool)> {
@@ -118,8 +119,8 @@ pub(super) fn decide(
             .unwrap_or(threshold);
         Some(Scored {
             score: scores[case],
-            said: scores[case] > at,
-            is: truths[case]?,
+            decision: scores[case] > at,
+            truth: truths[case]?,
         })
     });
     Ok(decided.collect())

@@ -2,13 +2,13 @@
 //! together.
 
 use anyhow::ensure;
-use atas_core::perception::{Bearing, StiffnessEstimate};
+use atas_core::perception::{LoadedArea, StiffnessEstimate};
 use atas_core::settings::Settings;
 use robot_model::Compression;
 
 use super::cases::{Case, Labels};
-use super::decision::{Fit, Fitter, decide, no_labels, one_class, truths};
-use super::kind::Judged;
+use super::decision::{Fit, Fitter, decide, no_labels_error, one_class_error, truths};
+use super::kind::Property;
 use super::model::{Hardness, Model};
 use super::rates::Rates;
 use super::sheet::Sheet;
@@ -16,56 +16,56 @@ use super::skin::{Reading, Skin};
 use super::verdict::Verdict;
 
 /// Frames at the beginning without contact, after which the sensor bias is set. Design choice.
-const SILENT_FRAMES: usize = 4;
+const BIAS_FRAMES: usize = 4;
 /// Sides that share the squeeze force.
-const FACES: f64 = 2.0;
+const SIDES: f64 = 2.0;
 /// The compression of these fingertips is unknown; rigid fingertips are assumed.
 const RIGID_TIPS: Compression = Compression {
     at_1n_m: 1e-6,
     exponent: 0.48,
 };
 /// The contact area is also unknown; full faces are assumed.
-const WHOLE_FACES: [Bearing; 2] = [Bearing::WHOLE; 2];
+const WHOLE_FACES: [LoadedArea; 2] = [LoadedArea::WHOLE; 2];
 /// Smallest closing for a stiffness estimate, m. Design choice: resolution of an actuator's
 /// encoder.
 const CLOSING_MIN_M: f64 = 1e-5;
 
 /// Stiffness per side, N/m; 0 without contact or without an estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Felt {
+pub(super) struct SqueezeStiffness {
     pub(super) whole_n_m: f64,
     /// Estimate including the first frame after contact.
     pub(super) first_step_n_m: f64,
 }
 
-pub(super) fn feel(
+pub(super) fn measure(
     sheet: &Sheet,
     (forces, angles): (&[[usize; 3]], &[usize]),
     rows: &[usize],
     steps_s: &[f64],
     model: &Hardness,
-) -> anyhow::Result<Felt> {
+) -> anyhow::Result<SqueezeStiffness> {
     let settings = settings(model)?;
     let probe_settings = settings.perception;
     let mut skin = Skin::new(forces.len(), 1, model.rate_hz, settings);
     let mut probe = StiffnessEstimate::default();
-    let mut felt = Felt::default();
+    let mut measured = SqueezeStiffness::default();
     let (mut after_touch, mut before) = (0, None);
     for (frame, (&row, &step_s)) in rows.iter().zip(steps_s).enumerate() {
         let readings: Vec<Reading> = forces
             .iter()
-            .map(|&axes| vec![three(sheet, row, axes)])
+            .map(|&axes| vec![read_force(sheet, row, axes)])
             .collect();
-        let percept = *skin.feel(step_s, &readings);
-        if frame < SILENT_FRAMES {
+        let percept = *skin.process(step_s, &readings);
+        if frame < BIAS_FRAMES {
             skin.bias();
             continue;
         }
-        let total_n: f64 = percept.fingers[..forces.len()]
+        let total_n: f64 = percept.fingertips[..forces.len()]
             .iter()
             .map(|finger| finger.force_tip_n.norm())
             .sum();
-        let face_n = total_n / FACES;
+        let face_n = total_n / SIDES;
         let Some(closing_m) = closing_m(sheet, row, angles, model.lever_m) else {
             continue;
         };
@@ -77,13 +77,13 @@ pub(super) fn feel(
             WHOLE_FACES,
             &probe_settings,
         ) {
-            felt.whole_n_m = fit.object_n_m;
+            measured.whole_n_m = fit.object_n_m;
         }
         // The first frame with contact is number 1; the step after contact ends with number 2.
         if after_touch < 2 && (after_touch > 0 || face_n > model.touch_on_n) {
             after_touch += 1;
-            felt.first_step_n_m = if felt.whole_n_m > 0.0 {
-                felt.whole_n_m
+            measured.first_step_n_m = if measured.whole_n_m > 0.0 {
+                measured.whole_n_m
             } else {
                 chord_n_m(before, (closing_m, face_n))
             };
@@ -91,7 +91,7 @@ pub(super) fn feel(
             before = Some((closing_m, face_n));
         }
     }
-    Ok(felt)
+    Ok(measured)
 }
 
 /// Returns the stiffness since the last frame without contact, for objects too stiff for three
@@ -99,7 +99,7 @@ pub(super) fn feel(
 fn chord_n_m(before: Option<(f64, f64)>, (closing_m, face_n): (f64, f64)) -> f64 {
     before.map_or(0.0, |(before_m, before_n)| {
         let closed_m = (closing_m - before_m).max(CLOSING_MIN_M);
-        FACES * (face_n - before_n).max(0.0) / closed_m
+        SIDES * (face_n - before_n).max(0.0) / closed_m
     })
 }
 
@@ -119,7 +119,7 @@ fn settings(model: &Hardness) -> anyhow::Result<Settings> {
 }
 
 /// Reads x, y, z as tangential and normal axes of one element; only the magnitude is used.
-fn three(sheet: &Sheet, row: usize, [x, y, z]: [usize; 3]) -> Option<[f64; 3]> {
+fn read_force(sheet: &Sheet, row: usize, [x, y, z]: [usize; 3]) -> Option<[f64; 3]> {
     Some([
         sheet.number(row, z)?,
         sheet.number(row, x)?,
@@ -128,12 +128,12 @@ fn three(sheet: &Sheet, row: usize, [x, y, z]: [usize; 3]) -> Option<[f64; 3]> {
 }
 
 fn closing_m(sheet: &Sheet, row: usize, angles: &[usize], lever_m: f64) -> Option<f64> {
-    let said: Vec<f64> = angles
+    let message: Vec<f64> = angles
         .iter()
         .filter_map(|&column| sheet.number(row, column))
         .collect();
-    let mean_deg = said.iter().sum::<f64>() / said.len() as f64;
-    (!said.is_empty()).then(|| mean_deg.to_radians() * lever_m)
+    let mean_deg = message.iter().sum::<f64>() / message.len() as f64;
+    (!message.is_empty()).then(|| mean_deg.to_radians() * lever_m)
 }
 
 /// Fits the threshold: geometric mean of the mean stiffness of hard and of soft objects.
@@ -150,15 +150,15 @@ pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
     let (hard, soft) = (mean(true), mean(false));
     ensure!(
         hard.is_some() && soft.is_some(),
-        "could not fit hardness because nothing was felt of {} objects, needs both",
+        "could not fit hardness: no {} object has a measured stiffness; both classes are needed",
         if hard.is_none() { "hard" } else { "soft" }
     );
     Ok((0.5 * (hard.unwrap_or(0.0) + soft.unwrap_or(0.0))).exp())
 }
 
-pub(super) fn judge(
+pub(super) fn evaluate(
     cases: &[Case],
-    felt: &[Felt],
+    measured: &[SqueezeStiffness],
     labels: &Labels,
     model: &Model,
     how: Fit,
@@ -166,35 +166,38 @@ pub(super) fn judge(
     let model = &model.hardness;
     let truths = truths(cases, labels, &model.positive, &model.negative);
     let across = (how == Fit::Across).then_some(fit as Fitter);
-    let rates = |of: fn(&Felt) -> f64, threshold: f64| -> anyhow::Result<_> {
-        let scores: Vec<f64> = felt.iter().map(of).collect();
-        Ok(Rates::of(&decide(
+    let rates = |of: fn(&SqueezeStiffness) -> f64, threshold: f64| -> anyhow::Result<_> {
+        let scores: Vec<f64> = measured.iter().map(of).collect();
+        Ok(Rates::from_cases(&decide(
             cases, &scores, &truths, threshold, across,
         )?))
     };
-    let mut verdict = Verdict::of(Judged::Hardness, cases, &truths, how);
-    ensure!(verdict.n > 0, "{}", no_labels());
-    verdict.rates = rates(|felt| felt.whole_n_m, model.whole_n_m)?;
+    let mut verdict = Verdict::with_counts(Property::Hardness, cases, &truths, how);
+    ensure!(verdict.n > 0, "{}", no_labels_error());
+    verdict.rates = rates(|measured| measured.whole_n_m, model.whole_n_m)?;
     ensure!(
         verdict.rates.is_some(),
         "{}",
-        one_class(&truths, ["hard", "soft"])
+        one_class_error(&truths, ["hard", "soft"])
     );
-    let untouched = felt.iter().filter(|felt| **felt == Felt::default()).count();
+    let untouched = measured
+        .iter()
+        .filter(|measured| **measured == SqueezeStiffness::default())
+        .count();
     ensure!(
-        untouched < felt.len(),
-        "could not judge because no squeeze pressed with more than {} N on a face; are the forces in newtons? Else name another \
-         hardness.touch_on_n with --model",
+        untouched < measured.len(),
+        "could not evaluate: no squeeze exceeded {} N per side; check that the forces are in \
+         newtons, or set a lower hardness.touch_on_n with --model",
         model.touch_on_n
     );
     if untouched > 0 {
         verdict.warnings.push(format!(
-            "{untouched} of {} squeezes pressed with no more than {} N on a face and count as soft",
-            felt.len(),
+            "{untouched} of {} squeezes did not exceed {} N per side and count as soft",
+            measured.len(),
             model.touch_on_n
         ));
     }
-    verdict.first_step = rates(|felt| felt.first_step_n_m, model.first_step_n_m)?;
+    verdict.first_step = rates(|measured| measured.first_step_n_m, model.first_step_n_m)?;
     verdict.threshold = Some(model.whole_n_m);
     Ok(verdict)
 }

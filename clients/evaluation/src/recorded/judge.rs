@@ -4,17 +4,17 @@ use anyhow::{bail, ensure};
 use rayon::prelude::*;
 
 use super::cases::{Case, Labels, cases};
-use super::decision::{Fit, known, no_labels, truths};
+use super::decision::{Fit, no_labels_error, truths, with_truth};
 use super::kind::Kind;
 use super::model::Model;
 use super::sheet::Sheet;
 use super::steps::steps_s;
 use super::verdict::Verdict;
-use super::{hardness, rupture, slip, soundness, touches};
+use super::{defects, hardness, rupture, slip, touches};
 
-enum Felt {
+enum Measured {
     Sequences(Vec<slip::Sequence>),
-    Squeezes(Vec<hardness::Felt>),
+    Squeezes(Vec<hardness::SqueezeStiffness>),
     PeaksN(Vec<f64>),
 }
 
@@ -22,20 +22,27 @@ enum Felt {
 ///
 /// # Errors
 /// No kind of recording has its columns, it has no usable labels, or too few cases to fit.
-pub fn judge(sheet: &Sheet, labels: &Labels, model: &Model, fit: Fit) -> anyhow::Result<Verdict> {
-    let kind = Kind::of(sheet)?;
-    let look = || soundness::look(sheet, &kind, rate_hz(&kind, model));
+pub fn evaluate(
+    sheet: &Sheet,
+    labels: &Labels,
+    model: &Model,
+    fit: Fit,
+) -> anyhow::Result<Verdict> {
+    let kind = Kind::from_sheet(sheet)?;
+    let look = || defects::check(sheet, &kind, rate_hz(&kind, model));
     let (mut warnings, mut verdict);
     if let Kind::Touch { axes, is_counts } = kind {
         warnings = look()?;
-        verdict = touches::judge(sheet, labels, model, (axes, is_counts))?;
+        verdict = touches::evaluate(sheet, labels, model, (axes, is_counts))?;
     } else {
         let cases = labelled(sheet, &kind, labels)?;
         warnings = look()?;
-        verdict = match feel(sheet, &kind, &cases, model)? {
-            Felt::Sequences(felt) => slip::judge(&cases, &felt, labels, model, fit)?,
-            Felt::Squeezes(felt) => hardness::judge(&cases, &felt, labels, model, fit)?,
-            Felt::PeaksN(peaks_n) => rupture::judge(&cases, &peaks_n, model, fit)?,
+        verdict = match measure(sheet, &kind, &cases, model)? {
+            Measured::Sequences(measured) => slip::evaluate(&cases, &measured, labels, model, fit)?,
+            Measured::Squeezes(measured) => {
+                hardness::evaluate(&cases, &measured, labels, model, fit)?
+            }
+            Measured::PeaksN(peaks_n) => rupture::evaluate(&cases, &peaks_n, model, fit)?,
         };
     }
     warnings.append(&mut verdict.warnings);
@@ -48,32 +55,32 @@ pub fn judge(sheet: &Sheet, labels: &Labels, model: &Model, fit: Fit) -> anyhow:
 /// # Errors
 /// As for [`judge`].
 pub fn train(sheet: &Sheet, labels: &Labels, model: &Model) -> anyhow::Result<Model> {
-    let kind = Kind::of(sheet)?;
+    let kind = Kind::from_sheet(sheet)?;
     let mut fitted = model.clone();
     let cases = labelled(sheet, &kind, labels)?;
-    soundness::look(sheet, &kind, rate_hz(&kind, model))?;
+    defects::check(sheet, &kind, rate_hz(&kind, model))?;
     let source = format!("{} cases of {}", cases.len(), sheet.path.display());
-    match feel(sheet, &kind, &cases, model)? {
-        Felt::Sequences(felt) => {
+    match measure(sheet, &kind, &cases, model)? {
+        Measured::Sequences(measured) => {
             let truths = truths(&cases, labels, &[], &model.slip.negative);
             let score = |of: &slip::Sequence| slip::score(&of.levels, f64::INFINITY, &model.slip);
-            let scores = felt.iter().map(score);
-            fitted.slip.motion_at = slip::fit(&known(scores, &truths))?;
-            fitted.slip.rate_hz = slip::rate_hz(&felt, &model.slip);
+            let scores = measured.iter().map(score);
+            fitted.slip.motion_at = slip::fit(&with_truth(scores, &truths))?;
+            fitted.slip.rate_hz = slip::rate_hz(&measured, &model.slip);
             fitted.slip.source = source;
         }
-        Felt::Squeezes(felt) => {
+        Measured::Squeezes(measured) => {
             let hard = &model.hardness;
             let truths = truths(&cases, labels, &hard.positive, &hard.negative);
-            let whole = felt.iter().map(|felt| felt.whole_n_m);
-            let first = felt.iter().map(|felt| felt.first_step_n_m);
-            fitted.hardness.whole_n_m = hardness::fit(&known(whole, &truths))?;
-            fitted.hardness.first_step_n_m = hardness::fit(&known(first, &truths))?;
+            let whole = measured.iter().map(|measured| measured.whole_n_m);
+            let first = measured.iter().map(|measured| measured.first_step_n_m);
+            fitted.hardness.whole_n_m = hardness::fit(&with_truth(whole, &truths))?;
+            fitted.hardness.first_step_n_m = hardness::fit(&with_truth(first, &truths))?;
             fitted.hardness.source = source;
         }
-        Felt::PeaksN(peaks_n) => {
+        Measured::PeaksN(peaks_n) => {
             let points: Vec<_> = rupture::points(&cases, &peaks_n).collect();
-            ensure!(!points.is_empty(), "{}", no_labels());
+            ensure!(!points.is_empty(), "{}", no_labels_error());
             fitted.rupture.lines.extend(rupture::fit(&points)?);
             fitted.rupture.source = source;
         }
@@ -81,35 +88,40 @@ pub fn train(sheet: &Sheet, labels: &Labels, model: &Model) -> anyhow::Result<Mo
     Ok(fitted)
 }
 
-fn feel(sheet: &Sheet, kind: &Kind, cases: &[Case], model: &Model) -> anyhow::Result<Felt> {
+fn measure(sheet: &Sheet, kind: &Kind, cases: &[Case], model: &Model) -> anyhow::Result<Measured> {
     let rate_hz = rate_hz(kind, model);
     match kind {
         Kind::Slip { elements } => {
             let columns: Vec<usize> = elements.iter().flatten().flatten().copied().collect();
-            let is_held = soundness::is_held(sheet, &columns);
-            each(sheet, rate_hz, cases, |rows, steps_s| {
+            let is_held = defects::is_held(sheet, &columns);
+            for_each_case(sheet, rate_hz, cases, |rows, steps_s| {
                 let (rows, steps_s) = match is_held {
-                    true => fresh(sheet, &columns, rows, steps_s),
+                    true => without_repeats(sheet, &columns, rows, steps_s),
                     false => (rows.to_vec(), steps_s.to_vec()),
                 };
-                slip::feel(sheet, elements, &rows, &steps_s, &model.slip)
+                slip::measure(sheet, elements, &rows, &steps_s, &model.slip)
             })
-            .map(Felt::Sequences)
+            .map(Measured::Sequences)
         }
-        Kind::Squeeze { forces, angles } => each(sheet, rate_hz, cases, |rows, steps_s| {
-            hardness::feel(sheet, (forces, angles), rows, steps_s, &model.hardness)
-        })
-        .map(Felt::Squeezes),
-        Kind::Press { force, position } => each(sheet, rate_hz, cases, |rows, steps_s| {
+        Kind::Squeeze { forces, angles } => {
+            for_each_case(sheet, rate_hz, cases, |rows, steps_s| {
+                hardness::measure(sheet, (forces, angles), rows, steps_s, &model.hardness)
+            })
+            .map(Measured::Squeezes)
+        }
+        Kind::Press { force, position } => for_each_case(sheet, rate_hz, cases, |rows, steps_s| {
             rupture::peak_n(sheet, (*force, *position), rows, steps_s, &model.rupture)
         })
-        .map(Felt::PeaksN),
-        Kind::Touch { .. } => bail!("could not train on touches: nothing about them is fitted"),
+        .map(Measured::PeaksN),
+        Kind::Touch { .. } => bail!(
+            "could not train: a recording of contacts has no constants to \
+            fit"
+        ),
     }
 }
 
 /// Calls a function with the rows of every case and the time steps (s) between them, on all cores.
-fn each<T: Send>(
+fn for_each_case<T: Send>(
     sheet: &Sheet,
     rate_hz: f64,
     cases: &[Case],
@@ -119,7 +131,7 @@ fn each<T: Send>(
     cases.par_iter().map(one).collect()
 }
 
-fn fresh(
+fn without_repeats(
     sheet: &Sheet,
     columns: &[usize],
     rows: &[usize],
@@ -130,7 +142,7 @@ fn fresh(
     for (&row, step_s) in rows.iter().zip(steps_s) {
         since_s += step_s;
         let before = kept.0.last();
-        if before.is_none_or(|&before| !soundness::repeats(sheet, columns, before, row)) {
+        if before.is_none_or(|&before| !defects::repeats(sheet, columns, before, row)) {
             kept.0.push(row);
             kept.1.push(since_s);
             since_s = 0.0;
@@ -142,7 +154,8 @@ fn fresh(
 fn labelled(sheet: &Sheet, kind: &Kind, labels: &Labels) -> anyhow::Result<Vec<Case>> {
     ensure!(
         labels.column.is_some(),
-        "could not judge {} without labels; name their column with --labels, one of {:?} or of a table beside it",
+        "could not evaluate {} without labels; name a column with --labels, one of {:?} or of \
+         another table in its folder",
         sheet.path.display(),
         sheet.columns()
     );

@@ -46,7 +46,7 @@ pub enum Kind {
 /// Evaluated property, as named in reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Judged {
+pub enum Property {
     /// Slip or stable contact.
     Slip,
     /// Hard or soft.
@@ -62,7 +62,7 @@ impl Kind {
     ///
     /// # Errors
     /// No kind has these columns; the message lists the required ones.
-    pub fn of(sheet: &Sheet) -> anyhow::Result<Self> {
+    pub fn from_sheet(sheet: &Sheet) -> anyhow::Result<Self> {
         let squeeze = squeeze(sheet);
         if let Some(kind) = squeeze {
             return Ok(kind);
@@ -91,8 +91,9 @@ impl Kind {
             return Ok(Self::Slip { elements: skin });
         }
         bail!(
-            "could not judge {} because no kind of recording has its columns ({}); slip needs ff_e1… or normal0_n…, hardness \
-             f1_x,f1_y,f1_z,pos1_deg…, rupture force_N and pos_mm, touches fx_counts,fy_counts,fz_counts",
+            "could not evaluate {}: no kind of recording has its columns ({}); slip needs ff_e1… \
+             or normal0_n…, hardness f1_x,f1_y,f1_z,pos1_deg…, rupture force_N and pos_mm, contact \
+             fx_counts,fy_counts,fz_counts",
             sheet.path.display(),
             listed(sheet)
         )
@@ -122,12 +123,12 @@ impl Kind {
 
     /// Returns the evaluated property.
     #[must_use]
-    pub fn judged(&self) -> Judged {
+    pub fn property(&self) -> Property {
         match self {
-            Self::Slip { .. } => Judged::Slip,
-            Self::Squeeze { .. } => Judged::Hardness,
-            Self::Press { .. } => Judged::Rupture,
-            Self::Touch { .. } => Judged::Touch,
+            Self::Slip { .. } => Property::Slip,
+            Self::Squeeze { .. } => Property::Hardness,
+            Self::Press { .. } => Property::Rupture,
+            Self::Touch { .. } => Property::Touch,
         }
     }
 }

@@ -20,6 +20,7 @@
 
 mod cases;
 mod decision;
+mod defects;
 mod hardness;
 mod judge;
 mod kind;
@@ -30,15 +31,14 @@ mod rupture;
 mod sheet;
 mod skin;
 mod slip;
-mod soundness;
 mod steps;
 mod touches;
 mod verdict;
 
 pub use cases::Labels;
 pub use decision::Fit;
-pub use judge::{judge, train};
-pub use kind::{Judged, Kind};
+pub use judge::{evaluate, train};
+pub use kind::{Kind, Property};
 pub use model::{Hardness, Line, Model, Rupture, Slip, Touch};
 pub use rates::{Rates, auc};
 pub use run::open;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// File format version.
 const FORMAT: u32 = 1;
 /// Built-in model.
-const SHIPPED: &str = include_str!("../../models/perception.toml");
+const BUILT_IN: &str = include_str!("../../models/perception.toml");
 
 /// Constants for every kind of recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,7 +51,7 @@ impl Slip {
     /// Returns the motion threshold for another sensor rate, Hz. Motion of a stable contact is
     /// independent of the rate; noise of a window mean falls with the root of its frame count; both
     /// add in squares. Constant above `rate_hz`, because a faster sensor need not creep more.
-    pub(super) fn motion_at(&self, rate_hz: f64) -> f64 {
+    pub(super) fn motion_threshold(&self, rate_hz: f64) -> f64 {
         let creep = self.motion_at * self.motion_at - 1.0;
         let share = (rate_hz / self.rate_hz).min(1.0);
         (1.0 + creep.max(0.0) * share).sqrt()
@@ -137,8 +137,8 @@ impl Model {
     ///
     /// # Errors
     /// The built-in file is invalid.
-    pub fn shipped() -> anyhow::Result<Self> {
-        Self::parse(SHIPPED).context("the model that comes with the program")
+    pub fn built_in() -> anyhow::Result<Self> {
+        Self::parse(BUILT_IN).context("could not use the built-in model")
     }
 
     /// Reads a model file.
@@ -160,15 +160,15 @@ impl Model {
         let text = toml::to_string(self).context("could not write the model")?;
         let name = path.display();
         let mut file = std::fs::File::create_new(path)
-            .with_context(|| format!("could not write {name}; a model never overwrites a file"))?;
+            .with_context(|| format!("could not create {name}; a model never overwrites a file"))?;
         std::io::Write::write_all(&mut file, text.as_bytes())
             .with_context(|| format!("could not write {name}"))
     }
 
     /// Returns the model with this default rate of recordings, Hz.
     #[must_use]
-    pub fn at_rate(mut self, rate_hz: f64) -> Self {
-        self.slip.motion_at = self.slip.motion_at(rate_hz);
+    pub fn with_rate(mut self, rate_hz: f64) -> Self {
+        self.slip.motion_at = self.slip.motion_threshold(rate_hz);
         self.slip.rate_hz = rate_hz;
         self.hardness.rate_hz = rate_hz;
         self.rupture.rate_hz = rate_hz;
@@ -180,7 +180,8 @@ impl Model {
         let model: Self = toml::from_str(text)?;
         ensure!(
             model.format == FORMAT,
-            "its format is {}, needs {FORMAT}; fit it again with --train and --save",
+            "format {} is not supported, this version reads format {FORMAT}; fit the model again \
+             with --train and --save",
             model.format
         );
         model.check()?;
@@ -208,7 +209,7 @@ impl Model {
         for (name, value) in positive {
             ensure!(
                 value.is_finite() && value > 0.0,
-                "{name} is {value}, needs a number above 0"
+                "{name} is {value}, must be a number above 0"
             );
         }
         for (name, share) in [
@@ -217,7 +218,7 @@ impl Model {
         ] {
             ensure!(
                 (0.0..1.0).contains(&share),
-                "{name} is {share}, needs a number from 0 to below 1"
+                "{name} is {share}, must be at least 0 and below 1"
             );
         }
         let lines = rupture
@@ -227,7 +228,7 @@ impl Model {
         for (name, offset_n, slope) in lines {
             ensure!(
                 offset_n.is_finite() && slope.is_finite(),
-                "rupture.lines.{name} needs two numbers"
+                "rupture.lines.{name} must have two finite numbers"
             );
         }
         Ok(())

@@ -18,16 +18,16 @@ pub struct Rates {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scored {
     pub(super) score: f64,
-    pub(super) said: bool,
-    pub(super) is: bool,
+    pub(super) decision: bool,
+    pub(super) truth: bool,
 }
 
 impl Rates {
     /// Computes the rates; `None` unless both classes exist.
-    pub(super) fn of(cases: &[Scored]) -> Option<Self> {
+    pub(super) fn from_cases(cases: &[Scored]) -> Option<Self> {
         let share = |class: bool| {
-            let of: Vec<_> = cases.iter().filter(|case| case.is == class).collect();
-            let right = of.iter().filter(|case| case.said == class).count();
+            let of: Vec<_> = cases.iter().filter(|case| case.truth == class).collect();
+            let right = of.iter().filter(|case| case.decision == class).count();
             (!of.is_empty()).then(|| right as f64 / of.len() as f64)
         };
         let (sensitivity, specificity) = (share(true)?, share(false)?);
@@ -35,7 +35,7 @@ impl Rates {
             balanced_accuracy: 0.5 * (sensitivity + specificity),
             specificity,
             sensitivity,
-            auc: auc(cases.iter().map(|case| (case.score, case.is)))?,
+            auc: auc(cases.iter().map(|case| (case.score, case.truth)))?,
         })
     }
 }
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn areas_under_the_curve() {
+    fn auc_matches_known_values() {
         let check = |cases: &[(f64, bool)], expected: Option<f64>| {
             assert_eq!(auc(cases.iter().copied()), expected, "{cases:?}");
         };
@@ -90,13 +90,13 @@ mod tests {
 
     #[test]
     fn rates_need_both_classes() {
-        let case = |said, is| Scored {
+        let case = |message, is| Scored {
             score: 0.0,
-            said,
-            is,
+            decision: message,
+            truth: is,
         };
-        assert_eq!(Rates::of(&[case(true, true)]), None);
-        let rates = Rates::of(&[
+        assert_eq!(Rates::from_cases(&[case(true, true)]), None);
+        let rates = Rates::from_cases(&[
             case(true, true),
             case(true, true),
             case(false, true),

@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
-use atas_recording::{Felt, Frames, is_recording};
+use atas_recording::{Frames, RecordedFrame, is_recording};
 use shm_schemas::Hand;
 use shm_schemas::capacity::FINGERS;
 
@@ -15,7 +15,7 @@ use super::cases::Labels;
 use super::sheet::Sheet;
 
 /// Columns that define time and place of a label; all others are labels.
-const PLACE: [&str; 4] = ["from_s", "to_s", "hand", "finger"];
+const SPAN_COLUMNS: [&str; 4] = ["from_s", "to_s", "hand", "finger"];
 
 /// Opens a run or a table; returns the table and the labels to use with it.
 ///
@@ -31,8 +31,8 @@ pub fn open(path: &Path, labels: &Labels) -> anyhow::Result<(Sheet, Labels)> {
         .unwrap_or_else(|| path.with_extension("csv"));
     let table = Sheet::open(&file).with_context(|| {
         format!(
-            "could not judge the run {} without a table of labels: rows of from_s,to_s and a label, for one fingertip also \
-             hand,finger; name it with --labels-file",
+            "could not evaluate the run {}: it needs a table of labels with columns from_s,to_s \
+             and a label, optionally hand,finger; name it with --labels-file",
             path.display()
         )
     })?;
@@ -50,7 +50,7 @@ struct Span {
     finger: Option<usize>,
 }
 
-struct Touch {
+struct FingertipReading {
     span: usize,
     hand: Hand,
     finger: usize,
@@ -62,12 +62,13 @@ struct Touch {
 fn sheet(path: &Path, table: &Sheet) -> anyhow::Result<Sheet> {
     let spans = spans(table)?;
     let mut touches = Vec::new();
-    for felt in Frames::of(&[path.to_owned()]) {
-        take(&felt?, &spans, &mut touches);
+    for measured in Frames::open(&[path.to_owned()]) {
+        append_readings(&measured?, &spans, &mut touches);
     }
     ensure!(
         !touches.is_empty(),
-        "could not judge {} because no frame of it lies within the {} spans of {}; times count from its first tick, s",
+        "could not evaluate {}: none of its frames lies within the {} spans of {}; spans are in \
+         seconds from the first tick",
         path.display(),
         spans.len(),
         table.path.display()
@@ -76,12 +77,13 @@ fn sheet(path: &Path, table: &Sheet) -> anyhow::Result<Sheet> {
     let elements = elements.unwrap_or(0);
     ensure!(
         elements > 1 || is_one_fingertip(&touches),
-        "could not judge touches of several fingertips in {} at once; name one in columns hand and finger of {}",
+        "could not evaluate contacts of several fingertips in {}; select one with the columns hand \
+         and finger of {}",
         path.display(),
         table.path.display()
     );
     let truths: Vec<usize> = (0..table.columns().len())
-        .filter(|&column| !PLACE.contains(&&*table.columns()[column]))
+        .filter(|&column| !SPAN_COLUMNS.contains(&&*table.columns()[column]))
         .collect();
     let rows = touches
         .iter()
@@ -89,30 +91,30 @@ fn sheet(path: &Path, table: &Sheet) -> anyhow::Result<Sheet> {
     let names = truths.iter().map(|&column| table.columns()[column].clone());
     let header = ["sequence".to_owned(), "t_s".to_owned()].into_iter();
     let header = header.chain(names).chain(element_columns(elements));
-    Ok(Sheet::made(path, header.collect(), rows.collect()))
+    Ok(Sheet::from_rows(path, header.collect(), rows.collect()))
 }
 
-fn take(felt: &Felt, spans: &[Span], touches: &mut Vec<Touch>) {
-    if !felt.frame.is_intact() {
+fn append_readings(measured: &RecordedFrame, spans: &[Span], touches: &mut Vec<FingertipReading>) {
+    if !measured.frame.is_intact() {
         return;
     }
-    let captured_ns = felt.frame.stamp.captured_ns;
-    let at_s = (captured_ns as i128 - i128::from(felt.begun_ns)) as f64 * 1e-9;
-    let fingers = (felt.frame.finger_count as usize).min(FINGERS);
+    let captured_ns = measured.frame.stamp.captured_ns;
+    let at_s = (captured_ns as i128 - i128::from(measured.begun_ns)) as f64 * 1e-9;
+    let fingers = (measured.frame.finger_count as usize).min(FINGERS);
     for (number, span) in spans.iter().enumerate() {
-        if !span.holds(at_s, felt.hand) {
+        if !span.contains(at_s, measured.hand) {
             continue;
         }
         for finger in (0..fingers).filter(|finger| span.finger.is_none_or(|only| only == *finger)) {
-            let mask = felt.frame.valid_mask[finger];
+            let mask = measured.frame.valid_mask[finger];
             let count = (u64::BITS - mask.leading_zeros()) as usize;
             let force_n = |element: usize| {
                 let is_valid = mask >> element & 1 == 1;
-                is_valid.then(|| felt.frame.force_n[finger][element])
+                is_valid.then(|| measured.frame.force_n[finger][element])
             };
-            touches.push(Touch {
+            touches.push(FingertipReading {
                 span: number,
-                hand: felt.hand,
+                hand: measured.hand,
                 finger,
                 at_s,
                 forces_n: (0..count).map(force_n).collect(),
@@ -122,17 +124,18 @@ fn take(felt: &Felt, spans: &[Span], touches: &mut Vec<Touch>) {
 }
 
 impl Span {
-    fn holds(&self, at_s: f64, hand: Hand) -> bool {
+    fn contains(&self, at_s: f64, hand: Hand) -> bool {
         (self.from_s..self.to_s).contains(&at_s) && self.hand.is_none_or(|only| only == hand)
     }
 }
 
 fn spans(table: &Sheet) -> anyhow::Result<Vec<Span>> {
     let name = table.path.display();
-    let [from_s, to_s, hand, finger] = PLACE.map(|column| table.column(column));
+    let [from_s, to_s, hand, finger] = SPAN_COLUMNS.map(|column| table.column(column));
     let (Some(from_s), Some(to_s)) = (from_s, to_s) else {
         bail!(
-            "could not take labels of a run from {name} because it has the columns {:?}, needs from_s, to_s and a label",
+            "could not read labels of a run from {name}: it has the columns {:?}, but from_s, to_s \
+             and a label are needed",
             table.columns()
         );
     };
@@ -156,8 +159,8 @@ fn spans(table: &Sheet) -> anyhow::Result<Vec<Span>> {
         .map(|row| {
             span(row).with_context(|| {
                 format!(
-                    "could not use row {} of {name}: needs from_s below to_s, a hand (left, right or nothing) and a finger (0 to {}, \
-                     or nothing)",
+                    "could not use row {} of {name}: it needs from_s below to_s, hand left, right \
+                     or empty, and finger 0 to {} or empty",
                     row + 1,
                     FINGERS - 1
                 )
@@ -166,15 +169,20 @@ fn spans(table: &Sheet) -> anyhow::Result<Vec<Span>> {
         .collect()
 }
 
-fn is_one_fingertip(touches: &[Touch]) -> bool {
-    let place = |touch: &Touch| (touch.hand, touch.finger);
+fn is_one_fingertip(touches: &[FingertipReading]) -> bool {
+    let place = |touch: &FingertipReading| (touch.hand, touch.finger);
     touches
         .iter()
         .all(|touch| place(touch) == place(&touches[0]))
 }
 
-fn row(touch: &Touch, elements: usize, table: &Sheet, truths: &[usize]) -> csv::StringRecord {
-    let Touch {
+fn row(
+    touch: &FingertipReading,
+    elements: usize,
+    table: &Sheet,
+    truths: &[usize],
+) -> csv::StringRecord {
+    let FingertipReading {
         span,
         hand,
         finger,

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, ensure};
-use atas_core::perception::{YieldRule, YieldWatch};
+use atas_core::perception::{YieldDetector, YieldRule};
 use atas_core::settings::Settings;
 
 use super::cases::Case;
-use super::decision::{Fit, no_labels};
-use super::kind::Judged;
+use super::decision::{Fit, no_labels_error};
+use super::kind::Property;
 use super::model::{Line, Model, Rupture};
 use super::sheet::Sheet;
 use super::skin::Skin;
@@ -17,7 +17,7 @@ use crate::statistics::median;
 
 /// Time constants of the low-pass before evaluation starts, for a recording that begins in
 /// mid-press. Design choice: 1 % of the transient remains.
-const SETTLED: f64 = 5.0;
+const SETTLING_TIME_CONSTANTS: f64 = 5.0;
 
 pub(super) fn peak_n(
     sheet: &Sheet,
@@ -31,7 +31,7 @@ pub(super) fn peak_n(
         .set("perception.filter_s", model.filter_s)
         .map_err(|error| anyhow::anyhow!("{error}"))?;
     let mut skin = Skin::new(1, 1, model.rate_hz, settings);
-    let mut watch = YieldWatch::new(YieldRule {
+    let mut watch = YieldDetector::new(YieldRule {
         from_n: model.from_n,
         window_n: model.window_n,
         share: model.share,
@@ -43,7 +43,7 @@ pub(super) fn peak_n(
         else {
             continue;
         };
-        let percept = *skin.feel(step_s, &[vec![Some([force_n, 0.0, 0.0])]]);
+        let percept = *skin.process(step_s, &[vec![Some([force_n, 0.0, 0.0])]]);
         // Filters the position with the same low-pass as the force, so that both have the same
         // delay.
         let now_m = position_mm * 1e-3;
@@ -52,14 +52,17 @@ pub(super) fn peak_n(
         let closing_m = before_m + (now_m - before_m) * share;
         late_m = Some(closing_m);
         at_s += step_s;
-        if at_s < SETTLED * model.filter_s {
+        if at_s < SETTLING_TIME_CONSTANTS * model.filter_s {
             continue;
         }
-        if watch.add(closing_m, percept.fingers[0].normal_n).is_some() {
+        if watch
+            .add(closing_m, percept.fingertips[0].normal_n)
+            .is_some()
+        {
             break;
         }
     }
-    Ok(watch.borne().peak_n)
+    Ok(watch.maxima().peak_n)
 }
 
 /// Predicts the rupture force from the peak force, N. Without a line for this category it returns
@@ -84,7 +87,8 @@ pub(super) fn fit(cases: &[(&str, f64, f64)]) -> anyhow::Result<BTreeMap<String,
         let along: f64 = points.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
         ensure!(
             points.len() >= 3 && spread > 0.0,
-            "could not fit the rupture of {sort:?} to {} presses of {x:.2} N, needs 3 or more that differ",
+            "could not fit the rupture of {sort:?}: {} presses with mean force {x:.2} N, but 3 or \
+             more with different forces are needed",
             points.len()
         );
         let slope = along / spread;
@@ -102,21 +106,21 @@ pub(super) fn points<'a>(
         let truth_n: f64 = case.label.parse().ok()?;
         truth_n
             .is_finite()
-            .then_some((case.sort.as_str(), peak_n, truth_n))
+            .then_some((case.category.as_str(), peak_n, truth_n))
     })
 }
 
-pub(super) fn judge(
+pub(super) fn evaluate(
     cases: &[Case],
     peaks_n: &[f64],
     model: &Model,
     how: Fit,
 ) -> anyhow::Result<Verdict> {
     let points: Vec<_> = points(cases, peaks_n).collect();
-    ensure!(!points.is_empty(), "{}", no_labels());
+    ensure!(!points.is_empty(), "{}", no_labels_error());
     ensure!(
         points.iter().any(|(_, peak_n, _)| *peak_n > 0.0),
-        "could not judge because no press went beyond {} N; are the forces in newtons?",
+        "could not evaluate: no press exceeded {} N; check that the forces are in newtons",
         model.rupture.from_n
     );
     let truths: Vec<Option<bool>> = cases
@@ -157,7 +161,7 @@ pub(super) fn judge(
             peak_n - truth_n,
         ]);
     }
-    let mut verdict = Verdict::of(Judged::Rupture, cases, &truths, how);
+    let mut verdict = Verdict::with_counts(Property::Rupture, cases, &truths, how);
     let all: Vec<[f64; 3]> = sorts.values().flatten().copied().collect();
     verdict.mae_n = Some(mean(&all, 0));
     let errors = |errors: Vec<[f64; 3]>| Errors {

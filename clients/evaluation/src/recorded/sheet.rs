@@ -41,18 +41,19 @@ impl Sheet {
         for row in reader.records() {
             rows.push(row.with_context(|| {
                 format!(
-                    "could not read {name} beyond row {}; is it comma-separated text?",
+                    "could not read {name} beyond row {}; check that it is comma-separated text",
                     rows.len() + 1
                 )
             })?);
             ensure!(
                 rows.len() <= ROWS_MAX,
-                "could not read {name} because it has more than {ROWS_MAX} rows; split it"
+                "could not read {name}: it has more than {ROWS_MAX} rows; split it"
             );
         }
         ensure!(
             !rows.is_empty(),
-            "could not judge {name} because it has no rows, needs one per frame under a line of column names"
+            "could not evaluate {name}: it has no rows; it needs a line of column names and one \
+             row per frame"
         );
         Ok(Self {
             path: path.to_owned(),
@@ -61,7 +62,11 @@ impl Sheet {
         })
     }
 
-    pub(super) fn made(path: &Path, header: Vec<String>, rows: Vec<csv::StringRecord>) -> Self {
+    pub(super) fn from_rows(
+        path: &Path,
+        header: Vec<String>,
+        rows: Vec<csv::StringRecord>,
+    ) -> Self {
         Self {
             path: path.to_owned(),
             header,

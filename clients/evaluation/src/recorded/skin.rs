@@ -3,8 +3,8 @@
 use atas_core::intake::FrameIntake;
 use atas_core::perception::{Percept, Perception};
 use atas_core::settings::Settings;
-use atas_core::{HandWiring, Tick};
-use robot_model::{HandModel, Side};
+use atas_core::{HandSensorSetup, Tick};
+use robot_model::{HandModel, HandSide};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Hand, HandFrame, Layout, Stamp};
 
@@ -37,8 +37,8 @@ impl Skin {
         } else {
             format!("pad-{elements}")
         };
-        let layout = Layout::named(&name).unwrap_or_else(Layout::dome_41);
-        let wiring = HandWiring {
+        let layout = Layout::from_name(&name).unwrap_or_else(Layout::dome_41);
+        let wiring = HandSensorSetup {
             layout,
             fingers: fingers.clamp(1, FINGERS),
             required: false,
@@ -52,7 +52,7 @@ impl Skin {
         };
         Self {
             intake: FrameIntake::new(Hand::LEFT, &wiring),
-            perception: Perception::new(&wiring, &HandModel::absent(Side::Left)),
+            perception: Perception::new(&wiring, &HandModel::absent(HandSide::Left)),
             settings,
             frame,
             elements,
@@ -61,7 +61,7 @@ impl Skin {
         }
     }
 
-    pub(super) fn feel(&mut self, step_s: f64, fingers: &[Reading]) -> &Percept {
+    pub(super) fn process(&mut self, step_s: f64, fingers: &[Reading]) -> &Percept {
         // Time stamps must increase; gaps are shortened to 1 s.
         let step_ns = (step_s.clamp(1.0 / RATE_MAX_HZ, 1.0) * 1e9) as u64;
         self.now_ns += step_ns;
@@ -81,7 +81,10 @@ impl Skin {
         };
         self.intake.begin();
         self.perception.begin();
-        if let Some(checked) = self.intake.check(&self.frame, tick, &self.settings.intake) {
+        if let Some(checked) = self
+            .intake
+            .validate(&self.frame, tick, &self.settings.intake)
+        {
             self.perception
                 .update(&checked, false, &self.settings.perception);
         }

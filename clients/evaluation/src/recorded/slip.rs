@@ -4,8 +4,8 @@ use anyhow::{Context, ensure};
 use atas_core::settings::Settings;
 
 use super::cases::{Case, Labels};
-use super::decision::{Fit, Fitter, decide, no_labels, one_class, truths};
-use super::kind::Judged;
+use super::decision::{Fit, Fitter, decide, no_labels_error, one_class_error, truths};
+use super::kind::Property;
 use super::model::{Model, Slip};
 use super::rates::{Rates, Scored};
 use super::sheet::Sheet;
@@ -25,7 +25,7 @@ const DEVIATION_MIN: f64 = 0.1;
 const SCORE_MIN: f64 = 1e-3;
 
 /// Limit of an element's reading, N: the setting's maximum, because counts have any size.
-const ANY_N: f64 = 100_000.0;
+const ELEMENT_FORCE_MAX_N: f64 = 100_000.0;
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Level {
@@ -42,7 +42,7 @@ pub(super) struct Sequence {
     pub(super) step_s: f64,
 }
 
-pub(super) fn feel(
+pub(super) fn measure(
     sheet: &Sheet,
     elements: &[[Option<usize>; 3]],
     rows: &[usize],
@@ -53,7 +53,7 @@ pub(super) fn feel(
     for (name, value) in [
         ("perception.motion_window_s", model.motion_window_s),
         ("perception.motion_at", model.motion_at),
-        ("intake.element_force_n", ANY_N),
+        ("intake.element_force_n", ELEMENT_FORCE_MAX_N),
     ] {
         settings
             .set(name, value)
@@ -70,8 +70,8 @@ pub(super) fn feel(
     for (&row, &step_s) in rows.iter().zip(steps_s) {
         at_s += step_s;
         let motion = skin
-            .feel(step_s, &[reading(sheet, elements, row, scale)])
-            .fingers[0]
+            .process(step_s, &[reading(sheet, elements, row, scale)])
+            .fingertips[0]
             .motion;
         if motion.comparisons != seen {
             seen = motion.comparisons;
@@ -132,7 +132,7 @@ pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
         .collect();
     ensure!(
         stable.len() >= 3,
-        "could not fit slip to {} stable touches, needs 3 or more",
+        "could not fit slip: the recording has {} stable contacts, but 3 or more are needed",
         stable.len()
     );
     let mean = stable.iter().sum::<f64>() / stable.len() as f64;
@@ -142,7 +142,7 @@ pub(super) fn fit(scores: &[(f64, bool)]) -> anyhow::Result<f64> {
     Ok(threshold.max(1.0))
 }
 
-pub(super) fn judge(
+pub(super) fn evaluate(
     cases: &[Case],
     sequences: &[Sequence],
     labels: &Labels,
@@ -151,7 +151,7 @@ pub(super) fn judge(
 ) -> anyhow::Result<Verdict> {
     let truths = truths(cases, labels, &[], &model.slip.negative);
     let across = (how == Fit::Across).then_some(fit as Fitter);
-    let threshold = model.slip.motion_at(rate_hz(sequences, &model.slip));
+    let threshold = model.slip.motion_threshold(rate_hz(sequences, &model.slip));
     let until = |until_s: f64| -> anyhow::Result<Vec<Scored>> {
         let scores: Vec<f64> = sequences
             .iter()
@@ -159,26 +159,27 @@ pub(super) fn judge(
             .collect();
         decide(cases, &scores, &truths, threshold, across)
     };
-    let mut verdict = Verdict::of(Judged::Slip, cases, &truths, how);
-    ensure!(verdict.n > 0, "{}", no_labels());
-    let rates = Rates::of(&until(f64::INFINITY)?);
+    let mut verdict = Verdict::with_counts(Property::Slip, cases, &truths, how);
+    ensure!(verdict.n > 0, "{}", no_labels_error());
+    let rates = Rates::from_cases(&until(f64::INFINITY)?);
     ensure!(
         rates.is_some(),
         "{}",
-        one_class(&truths, ["slip", "stable"])
+        one_class_error(&truths, ["slip", "stable"])
     );
     let levels = || sequences.iter().map(|sequence| &sequence.levels);
     let short = levels().filter(|levels| levels.is_empty()).count();
     ensure!(
         short < sequences.len(),
-        "could not judge because no case is as long as two windows of {} s; which rows belong together is told by a column sequence, \
-         sample or trial",
+        "could not evaluate: no case is as long as two windows of {} s; a column sequence, sample \
+         or trial groups the rows into cases",
         model.slip.motion_window_s
     );
     let moves = levels().flatten().any(|level| level.level > 0.0);
     ensure!(
         moves,
-        "could not judge because the readings have no noise, by which motion is measured; was the recording smoothed or rounded?"
+        "could not evaluate: the readings have no noise, which is the unit of motion; use a \
+         recording that is not smoothed or rounded"
     );
     if short > 0 {
         verdict.warnings.push(format!(
@@ -190,7 +191,7 @@ pub(super) fn judge(
     verdict.rates = rates;
     verdict.threshold = Some(threshold);
     for s in AFTER_S {
-        if let Some(rates) = Rates::of(&until(s)?) {
+        if let Some(rates) = Rates::from_cases(&until(s)?) {
             verdict.after.push(After { s, rates });
         }
     }
@@ -207,7 +208,7 @@ pub fn greatest_motion(frames: &[Vec<[f64; 3]>], step_s: f64) -> f64 {
     let mut greatest: f64 = 0.0;
     for frame in frames {
         let reading: Reading = frame.iter().copied().map(Some).collect();
-        let motion = skin.feel(step_s, &[reading]).fingers[0].motion;
+        let motion = skin.process(step_s, &[reading]).fingertips[0].motion;
         greatest = greatest.max(motion.level);
     }
     greatest

@@ -4,8 +4,8 @@ use anyhow::{Context, ensure};
 use atas_core::settings::Settings;
 
 use super::cases::{Case, Labels};
-use super::decision::{Fit, no_labels, one_class, truths};
-use super::kind::Judged;
+use super::decision::{Fit, no_labels_error, one_class_error, truths};
+use super::kind::Property;
 use super::model::{Model, Touch};
 use super::rates::{Rates, Scored};
 use super::sheet::Sheet;
@@ -13,19 +13,19 @@ use super::skin::Skin;
 use super::steps::steps_s;
 use super::verdict::Verdict;
 
-pub(super) struct Felt {
+pub(super) struct Contacts {
     pub(super) begins: Vec<usize>,
     /// Row, normal force (N) and contact state per frame.
     pub(super) frames: Vec<(usize, f64, bool)>,
 }
 
-pub(super) fn feel(
+pub(super) fn measure(
     sheet: &Sheet,
     (axes, is_counts): ([usize; 3], bool),
     rows: &[usize],
     steps_s: &[f64],
     model: &Touch,
-) -> anyhow::Result<Felt> {
+) -> anyhow::Result<Contacts> {
     let mut settings = Settings::default();
     for (name, value) in [
         ("perception.touch_off_n", 0.0),
@@ -39,7 +39,7 @@ pub(super) fn feel(
             .map_err(|error| anyhow::anyhow!("{error}"))?;
     }
     let mut skin = Skin::new(1, 1, model.rate_hz, settings);
-    let mut felt = Felt {
+    let mut measured = Contacts {
         begins: Vec::new(),
         frames: Vec::with_capacity(rows.len()),
     };
@@ -55,17 +55,19 @@ pub(super) fn feel(
             (Some(n), Some(t1), Some(t2)) => Some([n, t1, t2]),
             _ => None,
         };
-        let finger = skin.feel(step_s, &[vec![reading]]).fingers[0];
+        let finger = skin.process(step_s, &[vec![reading]]).fingertips[0];
         if finger.touches != touches {
             touches = finger.touches;
-            felt.begins.push(row);
+            measured.begins.push(row);
         }
-        felt.frames.push((row, finger.normal_n, finger.in_contact));
+        measured
+            .frames
+            .push((row, finger.normal_n, finger.in_contact));
     }
-    Ok(felt)
+    Ok(measured)
 }
 
-pub(super) fn judge(
+pub(super) fn evaluate(
     sheet: &Sheet,
     labels: &Labels,
     model: &Model,
@@ -73,12 +75,12 @@ pub(super) fn judge(
 ) -> anyhow::Result<Verdict> {
     let rows: Vec<usize> = (0..sheet.len()).collect();
     let steps = steps_s(sheet, &rows, model.touch.rate_hz);
-    let felt = feel(sheet, columns, &rows, &steps, &model.touch)?;
+    let measured = measure(sheet, columns, &rows, &steps, &model.touch)?;
     let truth = match &labels.column {
         None => None,
         Some(name) => Some(sheet.column(name).with_context(|| {
             format!(
-                "could not find the column {name:?}; there are {:?}",
+                "could not find the column {name:?}; the columns are {:?}",
                 sheet.columns()
             )
         })?),
@@ -88,32 +90,36 @@ pub(super) fn judge(
         .map(|&row| Case {
             rows: vec![row],
             object: String::new(),
-            sort: String::new(),
+            category: String::new(),
             label: truth.map_or_else(String::new, |column| sheet.text(row, column).to_owned()),
         })
         .collect();
     let truths = truths(&cases, labels, &["touch".to_owned()], &["none".to_owned()]);
-    let scored: Vec<Scored> = felt
+    let scored: Vec<Scored> = measured
         .frames
         .iter()
         .zip(&truths)
-        .filter_map(|(&(_, score, said), truth)| {
+        .filter_map(|(&(_, score, message), truth)| {
             let is = (*truth)?;
-            Some(Scored { score, said, is })
+            Some(Scored {
+                score,
+                decision: message,
+                truth: is,
+            })
         })
         .collect();
-    let mut verdict = Verdict::of(Judged::Touch, &cases, &truths, Fit::Given);
+    let mut verdict = Verdict::with_counts(Property::Touch, &cases, &truths, Fit::Given);
     if truth.is_none() {
         (verdict.n, verdict.skipped) = (rows.len(), 0);
     }
-    verdict.rates = Rates::of(&scored);
-    ensure!(verdict.n > 0, "{}", no_labels());
+    verdict.rates = Rates::from_cases(&scored);
+    ensure!(verdict.n > 0, "{}", no_labels_error());
     ensure!(
         truth.is_none() || verdict.rates.is_some(),
         "{}",
-        one_class(&truths, ["touch", "none"])
+        one_class_error(&truths, ["touch", "none"])
     );
     verdict.threshold = Some(model.touch.touch_on_n);
-    verdict.touches = Some(felt.begins);
+    verdict.touches = Some(measured.begins);
     Ok(verdict)
 }

@@ -6,14 +6,14 @@ use serde::Serialize;
 
 use super::cases::Case;
 use super::decision::{Fit, objects};
-use super::kind::Judged;
+use super::kind::Property;
 use super::rates::Rates;
 
 /// Evaluation result of a recording.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
     /// Evaluated property.
-    pub judged: Judged,
+    pub judged: Property,
     /// Number of evaluated cases, or frames.
     pub n: usize,
     /// Number of cases without a usable label.
@@ -71,7 +71,12 @@ pub struct Errors {
 }
 
 impl Verdict {
-    pub(super) fn of(judged: Judged, cases: &[Case], truths: &[Option<bool>], fit: Fit) -> Self {
+    pub(super) fn with_counts(
+        judged: Property,
+        cases: &[Case],
+        truths: &[Option<bool>],
+        fit: Fit,
+    ) -> Self {
         let n = truths.iter().flatten().count();
         Self {
             judged,

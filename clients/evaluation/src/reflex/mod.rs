@@ -12,8 +12,8 @@
 //! * **Not included:** objects that are infeasible under the paper's rule; the external policy
 //!   chooses the object.
 
+mod coarse_policy;
 mod onset;
-mod script;
 mod trial;
 
 use std::collections::BTreeMap;
@@ -27,9 +27,9 @@ use serde::Serialize;
 use crate::Task;
 use crate::seeds;
 use crate::statistics::{median, wilson};
-use trial::{Trial, numb, run};
+use trial::{Trial, run, without_reflex};
 
-pub use script::Script;
+pub use coarse_policy::CoarsePolicy;
 
 /// Plan of a reflex evaluation.
 #[derive(Clone, Debug)]
@@ -54,16 +54,16 @@ pub struct ReflexReport {
     /// `tuning` or `judging`.
     pub purpose: &'static str,
     /// With the reflex modules.
-    pub with: Side,
+    pub with: ReflexResults,
     /// Without the reflex modules.
-    pub without: Side,
+    pub without: ReflexResults,
     /// With the reflex modules: time from slip onset to the first command for more force, ms.
     pub slip_to_command_ms: Latency,
 }
 
 /// Results with or without the reflex modules.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Side {
+pub struct ReflexResults {
     /// Trials.
     pub trials: u64,
     /// Share of trials with the object lifted, stable and in the hand at the end.
@@ -113,7 +113,7 @@ impl ReflexPlan {
     ) -> anyhow::Result<Option<ReflexReport>> {
         anyhow::ensure!(
             self.trials > 0,
-            "could not evaluate because there is no trial, needs at least one; ask for it with --trials"
+            "could not evaluate: the plan has no trial; request at least one with --trials"
         );
         let robot =
             RobotModel::two_hand_arm().context("could not load the built-in robot model")?;
@@ -129,7 +129,7 @@ impl ReflexPlan {
             let number = self.first_seed + k / objects.len() as u64;
             let pair = [
                 run(&robot, object, number, &self.settings)?,
-                run(&robot, object, number, &numb(&self.settings))?,
+                run(&robot, object, number, &without_reflex(&self.settings))?,
             ];
             done();
             Ok(Some(pair))
@@ -143,20 +143,20 @@ impl ReflexPlan {
 
     fn report(&self, pairs: &[[Trial; 2]]) -> ReflexReport {
         let objects = Task::PickPlace.objects().map_or(1, |objects| objects.len()) as u64;
-        let side = |index: usize| Side::of(pairs.iter().map(|pair| &pair[index]));
+        let side = |index: usize| ReflexResults::from_trials(pairs.iter().map(|pair| &pair[index]));
         ReflexReport {
             task: "reflex",
             first_seed: self.first_seed,
             purpose: seeds::purpose(self.first_seed, self.trials.div_ceil(objects)),
             with: side(0),
             without: side(1),
-            slip_to_command_ms: Latency::of(pairs.iter().map(|pair| &pair[0])),
+            slip_to_command_ms: Latency::from_trials(pairs.iter().map(|pair| &pair[0])),
         }
     }
 }
 
-impl Side {
-    fn of<'a>(trials: impl Iterator<Item = &'a Trial> + Clone) -> Self {
+impl ReflexResults {
+    fn from_trials<'a>(trials: impl Iterator<Item = &'a Trial> + Clone) -> Self {
         let count = |is: &dyn Fn(&Trial) -> bool| trials.clone().filter(|t| is(t)).count() as u64;
         let (all, successes) = (count(&|_| true), count(&|t| t.failure.is_none()));
         let mut failures = BTreeMap::new();
@@ -183,7 +183,7 @@ impl Side {
 }
 
 impl Latency {
-    fn of<'a>(trials: impl Iterator<Item = &'a Trial> + Clone) -> Self {
+    fn from_trials<'a>(trials: impl Iterator<Item = &'a Trial> + Clone) -> Self {
         let sorted = |of: fn(&Trial) -> &[f64]| {
             let mut ms: Vec<f64> = trials.clone().flat_map(of).copied().collect();
             ms.sort_by(f64::total_cmp);

@@ -3,30 +3,30 @@
 use std::collections::VecDeque;
 
 use anyhow::Context;
-use atas_core::{Goal, Order, Settings};
-use robot_model::{RobotModel, VIRTUAL_FINGERS};
+use atas_core::{Goal, OperatorRequest, Settings};
+use robot_model::{GRASP_SIDES, RobotModel};
 use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, Hand, Stamp};
 use sim_backend::random::Random;
 use sim_backend::{Object, Scene};
 
+use super::coarse_policy::{CoarsePolicy, LATENCY_TICKS, LIFT_M};
 use super::onset::Onsets;
-use super::script::{LATENCY_TICKS, LIFT_M, Script};
 use crate::judge::{SLIP_MAX_M, TURN_MAX_RAD};
 use crate::offline::OfflineRun;
 use crate::task::SIDE;
 use crate::trial_seed;
 
 /// Writer epoch of the policy. Any value different from a sensor's.
-const POLICY: u64 = 0x706f_6c69_6379;
+const POLICY_EPOCH: u64 = 0x706f_6c69_6379;
 /// Random stream of the policy.
 const POLICY_STREAM: u64 = 0x6a65_726b;
 /// Minimum share of the lift, and normal force (N) of a fingertip in contact; as for the grasp.
 const LIFTED_SHARE: f64 = 0.5;
-const PRESSED_N: f64 = 0.03;
+const CONTACT_N: f64 = 0.03;
 /// Touch threshold that no force reaches, N: the hand executes commanded widths.
-const NEVER_N: f64 = 10_000.0;
+const UNREACHABLE_TOUCH_N: f64 = 10_000.0;
 /// Step of a teleoperated hand that carries an object.
-const CARRIES: &str = "carry";
+const CARRY_STEP: &str = "carry";
 
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
@@ -39,10 +39,10 @@ pub(super) struct Trial {
     pub(super) over_grip: Option<f64>,
 }
 
-pub(super) fn numb(settings: &Settings) -> Settings {
+pub(super) fn without_reflex(settings: &Settings) -> Settings {
     let mut settings = *settings;
-    settings.perception.touch_on_n = NEVER_N;
-    settings.perception.touch_off_n = NEVER_N;
+    settings.perception.touch_on_n = UNREACHABLE_TOUCH_N;
+    settings.perception.touch_off_n = UNREACHABLE_TOUCH_N;
     settings
 }
 
@@ -58,33 +58,33 @@ pub(super) fn run(
     let mut run = OfflineRun::new(robot, &scene, seed, *settings)?;
     let hand = Hand::BOTH[SIDE.index()];
     let random = Random::new(seed, POLICY_STREAM);
-    let mut script = Script::new(hint, hand, number.is_multiple_of(2), random);
-    let mut order = Some(follow(&run, robot, hand)?);
+    let mut script = CoarsePolicy::new(hint, hand, number.is_multiple_of(2), random);
+    let mut order = Some(teleop_request(&run, robot, hand)?);
     let mut late = VecDeque::new();
     let mut onsets = Onsets::default();
     let mut ended = None;
-    for tick in 0..Script::ticks() {
-        let made = script.make(tick, run.world().now_ns(), POLICY);
+    for tick in 0..CoarsePolicy::ticks() {
+        let made = script.target(tick, run.world().now_ns(), POLICY_EPOCH);
         late.extend(made.map(|target| (tick + LATENCY_TICKS, target)));
         while late.front().is_some_and(|(due, _)| *due <= tick) {
             late.pop_front()
                 .into_iter()
-                .for_each(|(_, target)| run.lead(target));
+                .for_each(|(_, target)| run.push_target(target));
         }
         let outputs = *run.step(order.take().as_ref());
         let ends = outputs.goal_update.filter(|update| update.state.is_final());
         ended = ended.or(ends);
-        let carries = run.controller().step_name() == CARRIES;
+        let carries = run.controller().step_name() == CARRY_STEP;
         let report = &outputs.report.hands[SIDE.index()];
-        onsets.watch(tick, run.world(), SIDE.index(), report, carries);
+        onsets.update(tick, run.world(), SIDE.index(), report, carries);
     }
     if let Some(fault) = run.world().fault() {
         return Err(fault).with_context(|| format!("object {:?}, seed {number}", object.name));
     }
     let truth = run.world().truth();
     let object = &truth.objects[0];
-    let sides_n = &truth.normal_n[SIDE.index()][..VIRTUAL_FINGERS];
-    let pressed = sides_n.iter().all(|n| *n > PRESSED_N);
+    let sides_n = &truth.normal_n[SIDE.index()][..GRASP_SIDES];
+    let pressed = sides_n.iter().all(|n| *n > CONTACT_N);
     let failure = match () {
         () if object.crushed != 0 => Some("crushed".to_owned()),
         () if object.dropped != 0 => Some("dropped".to_owned()),
@@ -96,8 +96,8 @@ pub(super) fn run(
         () if object.turn_in_hand_rad > TURN_MAX_RAD => Some("turned in the hand".to_owned()),
         () => None,
     };
-    let mean_n = sides_n.iter().sum::<f64>() / VIRTUAL_FINGERS as f64;
-    let over_grip = mean_n / scene.objects[0].object.needed_n();
+    let mean_n = sides_n.iter().sum::<f64>() / GRASP_SIDES as f64;
+    let over_grip = mean_n / scene.objects[0].object.required_normal_n();
     Ok(Trial {
         over_grip: failure.is_none().then_some(over_grip),
         failure,
@@ -107,22 +107,26 @@ pub(super) fn run(
     })
 }
 
-fn follow(run: &OfflineRun, robot: &RobotModel, hand: Hand) -> anyhow::Result<Order> {
+fn teleop_request(
+    run: &OfflineRun,
+    robot: &RobotModel,
+    hand: Hand,
+) -> anyhow::Result<OperatorRequest> {
     let request = GoalRequest {
         stamp: Stamp {
             captured_ns: run.world().now_ns(),
-            writer_epoch: POLICY,
+            writer_epoch: POLICY_EPOCH,
             ..Stamp::default()
         },
         goal_id: 1,
-        kind: GoalKind::FOLLOW,
+        kind: GoalKind::TELEOP,
         hand,
         policy: GoalPolicy::ATTACHED,
         ..GoalRequest::default()
     };
-    let now = run.controller().circumstances(robot, &[]);
+    let now = run.controller().goal_context(robot, &[]);
     let goal: Result<Goal, _> = atas_core::check::check(&request, &now);
-    Ok(Order::Start(goal.map_err(|reason| {
-        anyhow::anyhow!("could not follow because {reason}")
+    Ok(OperatorRequest::Start(goal.map_err(|reason| {
+        anyhow::anyhow!("could not start the teleoperation: {reason}")
     })?))
 }

@@ -42,7 +42,7 @@ pub(super) fn measure(
     let awake = bare.keeps_awake.then(hold_awake).transpose();
     let Ok(_awake) = awake.map_err(|error| {
         notes.add(format!(
-            "loops that keep the cores awake were not measured: {IDLE_LATENCY}: {error}"
+            "loops with cores kept awake were not measured: {IDLE_LATENCY}: {error}"
         ));
     }) else {
         return Ok(None);
@@ -51,8 +51,8 @@ pub(super) fn measure(
     let early_ns = if bare.spins { SPIN_NS } else { 0 };
     let looped = std::thread::spawn(move || run(core, window, early_ns, &interrupt)).join();
     let late_ns = looped.unwrap_or_else(|_| Err(anyhow::anyhow!("the bare loop panicked")))?;
-    plan.interrupt.check("the bare loop was running")?;
-    Ok(Some(percentiles::of(late_ns)))
+    plan.interrupt.check("the bare loop was being measured")?;
+    Ok(Some(percentiles::from_unsorted(late_ns)))
 }
 
 fn hold_awake() -> std::io::Result<File> {

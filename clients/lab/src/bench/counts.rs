@@ -12,17 +12,17 @@ use super::Plan;
 use super::pair::Pair;
 use super::site::Site;
 use super::tool::{self, Notes};
-use crate::demo::child::{Child, beside_this_program};
+use crate::demo::child::{Child, sibling_program};
 
 /// Program that runs the production tick and a simulated world in one thread.
 const HELPER: &str = "atas-bench";
-const HELPER_CURE: &str = "build everything with `cargo build --workspace`; without it tick_us, allocs_per_tick and \
+const HELPER_HINT: &str = "build everything with `cargo build --workspace`; without it tick_us, allocs_per_tick and \
     instructions_per_tick are null";
 const TICKS: &str = "8000";
 /// Number of ticks under callgrind, which is fifty times slower.
 const TICKS_COUNTED: u32 = 3000;
 /// Longest run time, valid for callgrind on a loaded machine.
-const WITHIN: Duration = Duration::from_secs(120);
+const TIMEOUT: Duration = Duration::from_secs(120);
 /// Option that restricts instruction counting to the tick function.
 const TICK_FUNCTION: &str = "--toggle-collect=*production_tick*";
 /// Settings slow enough for a traced process on a loaded machine.
@@ -61,8 +61,8 @@ pub(super) struct Ticks {
 
 impl Counts {
     pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
-        let Ok(helper) = beside_this_program(HELPER) else {
-            notes.add(format!("{HELPER} is not there; {HELPER_CURE}"));
+        let Ok(helper) = sibling_program(HELPER) else {
+            notes.add(format!("{HELPER} was not found; {HELPER_HINT}"));
             return Ok(Self {
                 ticks: None,
                 instructions_per_tick: None,
@@ -82,10 +82,10 @@ fn ticks(helper: &Path, plan: &Plan<'_>) -> anyhow::Result<Ticks> {
     let repeats = plan.repeats.to_string();
     let arguments = ["figures", TICKS, &repeats];
     let mut child = Child::start_program(helper, HELPER, &arguments, site.folder())?;
-    let status = tool::wait(&mut child, WITHIN * plan.repeats, plan.interrupt)?;
+    let status = tool::wait(&mut child, TIMEOUT * plan.repeats, plan.interrupt)?;
     let line = child.results().pop().unwrap_or_default();
     anyhow::ensure!(status.success(), "{HELPER} failed: {}", child.tail());
-    serde_json::from_str(&line).with_context(|| format!("could not read what {HELPER} says"))
+    serde_json::from_str(&line).with_context(|| format!("could not parse the output of {HELPER}"))
 }
 
 /// Counts instructions of the tick with callgrind (Debian package valgrind).
@@ -108,7 +108,7 @@ fn instructions(helper: &Path, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Re
     let Some(mut child) = started else {
         return Ok(None);
     };
-    let status = tool::wait(&mut child, WITHIN, plan.interrupt)?;
+    let status = tool::wait(&mut child, TIMEOUT, plan.interrupt)?;
     let counted = std::fs::read_to_string(&out).unwrap_or_default();
     let total = counted.lines().find_map(|line| {
         let rest = line
@@ -118,7 +118,7 @@ fn instructions(helper: &Path, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Re
     });
     if !status.success() || total.is_none_or(|total| total == 0.0) {
         notes.add(format!(
-            "callgrind did not count: {}; instructions_per_tick is null",
+            "callgrind failed: {}; instructions_per_tick is null",
             child.tail().trim()
         ));
         return Ok(None);
@@ -131,7 +131,7 @@ fn syscalls(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
     if !can_trace(plan, notes)? {
         return Ok(None);
     }
-    let atasd = beside_this_program("atasd")?.display().to_string();
+    let atasd = sibling_program("atasd")?.display().to_string();
     let start = |site: &Site, control: &[&str]| {
         let out = site.folder().join("trace").display().to_string();
         // With -D the daemon remains a child of this process; strace is its grandchild and ends
@@ -150,10 +150,10 @@ fn syscalls(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
         .to_string_lossy()
         .into_owned();
     let text = std::fs::read_to_string(pair.site().folder().join("trace"));
-    let text = text.context("could not read what strace wrote")?;
+    let text = text.context("could not read the output of strace")?;
     let per_tick = calls_per_sleep(&text, &thread);
     if per_tick.is_none() {
-        notes.add("strace saw too few ticks; syscalls_per_tick is null".to_owned());
+        notes.add("strace recorded too few ticks; syscalls_per_tick is null".to_owned());
     }
     Ok(per_tick)
 }
@@ -167,9 +167,9 @@ fn can_trace(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<bool> {
     let Some(mut tried) = tried else {
         return Ok(false);
     };
-    let status = tool::wait(&mut tried, WITHIN, plan.interrupt)?;
+    let status = tool::wait(&mut tried, TIMEOUT, plan.interrupt)?;
     if !status.success() {
-        notes.add("strace may not trace here; syscalls_per_tick is null".to_owned());
+        notes.add("strace is not permitted to trace here; syscalls_per_tick is null".to_owned());
     }
     Ok(status.success())
 }
@@ -195,7 +195,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn calls_between_sleeps_count() {
+    fn system_calls_between_sleeps_are_counted() {
         let check = |other: &str, expected| {
             let mut trace = "8 openat(AT_FDCWD) = 3\n".to_owned();
             for tick in 0..300 {

@@ -47,12 +47,12 @@ pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Opti
         .collect();
     if !status.success() || late_ns.is_empty() {
         notes.add(format!(
-            "cyclictest does not run here ({}); the wake ratios are null",
+            "cyclictest failed ({}); the wake ratios are null",
             child.tail().trim()
         ));
         return Ok(None);
     }
-    Ok(Some(percentiles::of(late_ns)))
+    Ok(Some(percentiles::from_unsorted(late_ns)))
 }
 
 /// Parses a line `thread: cycle: latency`.
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn samples_are_told_from_talk() {
+    fn only_sample_lines_are_parsed() {
         let check = |line, expected| assert_eq!(sample(line), expected, "{line}");
         check("       0:       1:    3745", Some(3745));
         check("Thread 0 Interval: 1500", None);

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use atas_console::Interrupt;
-use atas_console::arguments::EchoBy;
+use atas_console::arguments::EchoTransport;
 use shm_bus::{Bus, BusName, Realtime};
 use shm_schemas::{HandFrame, JointCommand, JointState, service};
 
@@ -15,15 +15,15 @@ pub(super) const PAYLOAD_BYTES: usize = size_of::<HandFrame>();
 
 /// `atas bench echo`: answers until SIGTERM.
 pub(super) fn run(
-    by: EchoBy,
+    by: EchoTransport,
     bus: &BusName,
     socket: &Path,
     interrupt: &Interrupt,
 ) -> anyhow::Result<()> {
     match by {
-        EchoBy::Iceoryx2 => frames(bus, interrupt),
-        EchoBy::UnixSocket => bytes(socket, interrupt),
-        EchoBy::Words => words(bus, interrupt),
+        EchoTransport::Iceoryx2 => frames(bus, interrupt),
+        EchoTransport::UnixSocket => bytes(socket, interrupt),
+        EchoTransport::Words => words(bus, interrupt),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::demo::child::Child;
 
 /// Longest duration of a measurement beyond its windows.
 const GRACE: Duration = Duration::from_secs(40);
-const RISE: Duration = Duration::from_millis(300);
+const START_DELAY: Duration = Duration::from_millis(300);
 
 /// One computing and one memory-moving worker on the core of the ticks. Ends on drop.
 pub(super) struct Load {
@@ -43,10 +43,13 @@ impl Load {
         let Some(mut child) = child else {
             return Ok(None);
         };
-        std::thread::sleep(RISE);
-        if child.ended()?.is_some() {
-            let said = child.tail();
-            notes.add(format!("stress-ng does not run here ({})", said.trim()));
+        std::thread::sleep(START_DELAY);
+        if child.exit_status()?.is_some() {
+            let message = child.tail();
+            notes.add(format!(
+                "stress-ng failed ({}); nothing is measured under load",
+                message.trim()
+            ));
             return Ok(None);
         }
         Ok(Some(Self {

@@ -5,7 +5,7 @@ use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
 /// Returns the last core available to this process; it is the least likely to serve interrupts.
 pub(super) fn last_core() -> anyhow::Result<usize> {
-    let allowed = sched_getaffinity(None).context("could not ask for the allowed cores")?;
+    let allowed = sched_getaffinity(None).context("could not read the allowed cores")?;
     let last = (0..CpuSet::MAX_CPU)
         .rev()
         .find(|core| allowed.is_set(*core));

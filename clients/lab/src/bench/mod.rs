@@ -16,7 +16,6 @@
 //! * **Not included:** limits, as absolute times depend on the machine; `tests/benches` check
 //!   ratios and counts.
 
-mod answer;
 mod bare;
 mod body;
 mod counts;
@@ -28,6 +27,7 @@ mod observers;
 mod pair;
 mod punctual;
 mod report;
+mod response;
 mod site;
 mod stops;
 mod tables;

@@ -23,7 +23,7 @@ use shm_schemas::Percentiles;
 use super::Plan;
 use super::machine;
 use super::pair::Pair;
-use super::punctual::{Ticks, gather};
+use super::punctual::{Ticks, collect_reports};
 use super::site::Site;
 use crate::demo::child::Child;
 
@@ -34,7 +34,7 @@ const KINDS: [(&str, &str); 4] = [
     ("atas-live", "dashboard --port 0"),
     ("atas-live", "foxglove --port 0"),
 ];
-const LOOKS: Duration = Duration::from_millis(500);
+const OBSERVATION_TIME: Duration = Duration::from_millis(500);
 
 type Measure = (&'static str, fn(&Part) -> u64);
 
@@ -54,11 +54,11 @@ pub(super) fn observers(
     let [mut alone, mut observed, mut elsewhere] = [const { Vec::new() }; 3];
     for _ in 0..plan.repeats {
         alone.push(Part::measure(&mut pair, &plan, || Ok(()))?);
-        let mut crowd = Crowd::gather(pair.site())?;
-        observed.push(Part::measure(&mut pair, &plan, || crowd.change())?);
+        let mut crowd = Observers::start(pair.site())?;
+        observed.push(Part::measure(&mut pair, &plan, || crowd.restart())?);
         drop(crowd);
-        let mut crowd = Crowd::gather(other.site())?;
-        elsewhere.push(Part::measure(&mut pair, &plan, || crowd.change())?);
+        let mut crowd = Observers::start(other.site())?;
+        elsewhere.push(Part::measure(&mut pair, &plan, || crowd.restart())?);
     }
     print(&alone, &observed, &elsewhere, output)
 }
@@ -89,52 +89,52 @@ impl Part {
         let begin = Instant::now();
         while begin.elapsed() < plan.window {
             meanwhile()?;
-            missed_ticks += gather(pair, LOOKS, plan, &mut ticks)?.missed_ticks;
+            missed_ticks += collect_reports(pair, OBSERVATION_TIME, plan, &mut ticks)?.missed_ticks;
         }
         Ok(Self {
-            wake: percentiles::of(ticks.wake),
-            body: percentiles::of(ticks.body),
+            wake: percentiles::from_unsorted(ticks.wake),
+            body: percentiles::from_unsorted(ticks.body),
             missed_ticks,
         })
     }
 }
 
 /// Observers: of each kind one frozen and one restarted repeatedly.
-struct Crowd {
+struct Observers {
     bus: BusName,
     logs: PathBuf,
-    hanging: Vec<Child>,
-    coming_and_going: Vec<Child>,
+    frozen: Vec<Child>,
+    restarted: Vec<Child>,
 }
 
-impl Crowd {
-    fn gather(site: &Site) -> anyhow::Result<Self> {
+impl Observers {
+    fn start(site: &Site) -> anyhow::Result<Self> {
         let (bus, logs) = (site.bus().clone(), site.folder().to_owned());
         let hanging = start(&bus, &logs)?;
-        std::thread::sleep(LOOKS);
+        std::thread::sleep(OBSERVATION_TIME);
         for child in &hanging {
             child.signal(Signal::STOP)?;
         }
         Ok(Self {
-            coming_and_going: start(&bus, &logs)?,
-            hanging,
+            restarted: start(&bus, &logs)?,
+            frozen: hanging,
             bus,
             logs,
         })
     }
 
-    fn change(&mut self) -> anyhow::Result<()> {
-        for child in &self.coming_and_going {
+    fn restart(&mut self) -> anyhow::Result<()> {
+        for child in &self.restarted {
             child.signal(Signal::KILL)?;
         }
-        self.coming_and_going = start(&self.bus, &self.logs)?;
+        self.restarted = start(&self.bus, &self.logs)?;
         Ok(())
     }
 }
 
-impl Drop for Crowd {
+impl Drop for Observers {
     fn drop(&mut self) {
-        for child in &self.hanging {
+        for child in &self.frozen {
             // Fails only if it has ended.
             let _ = child.signal(Signal::CONT);
         }
@@ -197,8 +197,8 @@ fn print(
     }
     output.table(shown)?;
     output.line(format_args!(
-        "{} observers: one of each kind hangs, one is killed and comes back twice a second; elsewhere: they look at another daemon; \
-         ticks missed {} alone, {} observed, {} elsewhere",
+        "{} observers: of each kind one is frozen, one restarted twice a second; elsewhere: \
+         observers of another daemon; missed ticks {} alone, {} observed, {} elsewhere",
         2 * KINDS.len(),
         missed(alone),
         missed(observed),

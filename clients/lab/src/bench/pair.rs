@@ -12,7 +12,7 @@ use shm_schemas::{Mode, Status, TickReport, service};
 use super::site::Site;
 use crate::demo::child::Child;
 
-const READY_WITHIN: Duration = Duration::from_secs(15);
+const READY_TIMEOUT: Duration = Duration::from_secs(15);
 /// Delay between simulator and daemon start, so that the simulator's start does not affect the
 /// measured start of the daemon.
 const HEAD_START: Duration = Duration::from_millis(200);
@@ -70,7 +70,7 @@ impl Pair {
     ) -> anyhow::Result<bool> {
         let begin = Instant::now();
         while !wanted(&self.status) && begin.elapsed() < limit {
-            interrupt.check("the bench waited for the daemon")?;
+            interrupt.check("the bench was waiting for the daemon")?;
             self.check()?;
             self.refresh()?;
             std::thread::sleep(POLL);
@@ -80,11 +80,11 @@ impl Pair {
 
     pub(super) fn wait_until_ready(&mut self, interrupt: &Interrupt) -> anyhow::Result<()> {
         let is_ready = |status: &Status| status.mode == Mode::READY;
-        let ready = self.wait_until(READY_WITHIN, interrupt, is_ready)?;
+        let ready = self.wait_until(READY_TIMEOUT, interrupt, is_ready)?;
         let status = &self.status;
         anyhow::ensure!(
             ready,
-            "the daemon was not ready within {READY_WITHIN:?}: mode {} ({})",
+            "the daemon was not ready within {READY_TIMEOUT:?}: mode {} ({})",
             status.mode,
             status.reason
         );

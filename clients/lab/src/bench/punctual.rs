@@ -10,18 +10,18 @@ use atas_process::stat::Stat;
 use shm_schemas::capacity::STAGES;
 use shm_schemas::{Percentiles, StatusFlags, TickReport};
 
-use super::answer::{self, Answer};
 use super::bare::{self, BareLoop};
 use super::body::body_ns;
 use super::load::Load;
 use super::pair::Pair;
+use super::response::{self, ResponseTimes};
 use super::tool::Notes;
 use super::{Plan, cyclictest};
 use crate::demo::child::Child;
 
 /// Longest time to phase lock (design choice: 5 µs per tick need 200 ticks for a whole period; the
 /// filter lag needs longer).
-const LOCKED_WITHIN: Duration = Duration::from_secs(5);
+const LOCK_TIMEOUT: Duration = Duration::from_secs(5);
 const SETTLE: Duration = Duration::from_secs(1);
 /// Free-running daemons per repeat, which share its window: each has a different constant phase to
 /// the frames.
@@ -31,16 +31,16 @@ const AT_ONCE: usize = 256;
 
 /// One repeat on an otherwise idle machine.
 pub(super) struct Repeat {
-    pub(super) beside: Beside,
+    pub(super) references: References,
     pub(super) locked: Measured,
-    pub(super) drowsy: Measured,
+    pub(super) not_kept_awake: Measured,
     pub(super) free: Vec<Measured>,
-    pub(super) answer: Answer,
+    pub(super) answer: ResponseTimes,
 }
 
 /// References for the daemon's wake-up latency.
 #[derive(Clone, Copy)]
-pub(super) struct Beside {
+pub(super) struct References {
     pub(super) cyclictest: Option<Percentiles>,
     /// Without spinning, cores not kept awake.
     pub(super) bare: Option<Percentiles>,
@@ -50,7 +50,7 @@ pub(super) struct Beside {
     pub(super) bare_spinning: Option<Percentiles>,
 }
 
-impl Beside {
+impl References {
     fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
         let mut bare = |spins, keeps_awake| {
             let bare = BareLoop { spins, keeps_awake };
@@ -68,18 +68,18 @@ impl Beside {
 impl Repeat {
     pub(super) fn measure(plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Self> {
         Ok(Self {
-            beside: Beside::measure(plan, notes)?,
-            locked: daemon(plan, plan.window, Variant::USUAL, notes)?,
-            drowsy: daemon(plan, plan.window, Variant::DROWSY, notes)?,
+            references: References::measure(plan, notes)?,
+            locked: daemon(plan, plan.window, Variant::DEFAULT, notes)?,
+            not_kept_awake: daemon(plan, plan.window, Variant::NOT_KEPT_AWAKE, notes)?,
             free: free(plan, notes)?,
-            answer: answer::measure(plan)?,
+            answer: response::measure(plan)?,
         })
     }
 }
 
 /// One repeat with other load on the core.
 pub(super) struct Loaded {
-    pub(super) beside: Beside,
+    pub(super) references: References,
     pub(super) locked: Measured,
 }
 
@@ -90,8 +90,8 @@ impl Loaded {
             return Ok(None);
         };
         Ok(Some(Self {
-            beside: Beside::measure(plan, notes)?,
-            locked: daemon(plan, plan.window, Variant::USUAL, notes)?,
+            references: References::measure(plan, notes)?,
+            locked: daemon(plan, plan.window, Variant::DEFAULT, notes)?,
         }))
     }
 }
@@ -122,17 +122,17 @@ struct Variant {
 }
 
 impl Variant {
-    const USUAL: Self = Self {
+    const DEFAULT: Self = Self {
         phase_lock: true,
         keep_awake: true,
     };
-    const DROWSY: Self = Self {
+    const NOT_KEPT_AWAKE: Self = Self {
         keep_awake: false,
-        ..Self::USUAL
+        ..Self::DEFAULT
     };
     const FREE: Self = Self {
         phase_lock: false,
-        ..Self::USUAL
+        ..Self::DEFAULT
     };
 }
 
@@ -162,20 +162,20 @@ fn daemon(
     pair.wait_until_ready(plan.interrupt)?;
     let first_tick_ns = pair.first_tick_ns()?;
     let is_locked = |status: &shm_schemas::Status| status.flags & StatusFlags::PHASE_LOCKED != 0;
-    if phase_lock && !pair.wait_until(LOCKED_WITHIN, plan.interrupt, is_locked)? {
+    if phase_lock && !pair.wait_until(LOCK_TIMEOUT, plan.interrupt, is_locked)? {
         notes.add(format!(
-            "the phase lock took longer than {LOCKED_WITHIN:?}; frame_age_us.locked is not what it should be"
+            "the phase lock took longer than {LOCK_TIMEOUT:?}; frame_age_us.locked is not valid"
         ));
     }
     let mut ticks = Ticks::default();
     let settle = if phase_lock { SETTLE } else { SETTLE / 4 };
-    let _settled = gather(&mut pair, settle, plan, &mut Ticks::default())?;
-    let used = gather(&mut pair, window, plan, &mut ticks)?;
+    let _settled = collect_reports(&mut pair, settle, plan, &mut Ticks::default())?;
+    let used = collect_reports(&mut pair, window, plan, &mut ticks)?;
     Ok(Measured {
-        wake: percentiles::of(ticks.wake),
-        body: percentiles::of(ticks.body),
-        stages: ticks.stages.map(percentiles::of),
-        sensor_to_command: percentiles::of(ticks.sensor_to_command),
+        wake: percentiles::from_unsorted(ticks.wake),
+        body: percentiles::from_unsorted(ticks.body),
+        stages: ticks.stages.map(percentiles::from_unsorted),
+        sensor_to_command: percentiles::from_unsorted(ticks.sensor_to_command),
         frame_age_ns: ticks.frame_age,
         tick_cpu_percent: used.tick_cpu_percent,
         cpu_percent: used.cpu_percent,
@@ -217,7 +217,7 @@ pub(super) struct Used {
     pub(super) missed_ticks: u64,
 }
 
-pub(super) fn gather(
+pub(super) fn collect_reports(
     pair: &mut Pair,
     window: Duration,
     plan: &Plan<'_>,
@@ -260,7 +260,7 @@ fn thread_cpu_s(thread: &Path) -> anyhow::Result<f64> {
     let text = read(&thread.join("schedstat"))?;
     let first = text.split_whitespace().next();
     let ns = first.and_then(|word| word.parse::<u64>().ok());
-    let ns = ns.with_context(|| format!("could not read a time from {text:?}"))?;
+    let ns = ns.with_context(|| format!("could not parse a time from {text:?}"))?;
     Ok(ns as f64 * 1e-9)
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use shm_schemas::{Percentiles, TickReport};
 
 use super::counts::Counts;
-use super::punctual::{Beside, Loaded, Measured, Repeat};
+use super::punctual::{Loaded, Measured, References, Repeat};
 use super::tool::Notes;
 use super::transport::Transports;
 use super::{Plan, echo, machine, tables};
@@ -24,7 +24,7 @@ impl Report {
     /// Formats the figures as JSON; `null` if not measured.
     pub(super) fn json(&self, plan: &Plan<'_>) -> Value {
         let locked = || self.idle.iter().map(|repeat| &repeat.locked);
-        let age = |measured: &Measured| percentiles::of(measured.frame_age_ns.clone());
+        let age = |measured: &Measured| percentiles::from_unsorted(measured.frame_age_ns.clone());
         let of_locked = |value: fn(&Measured) -> f64| median(locked().map(value).collect());
         let of_answer = |value: fn(&Repeat) -> f64| median(self.idle.iter().map(value).collect());
         let ticks = self.counts.ticks.as_ref();
@@ -35,7 +35,7 @@ impl Report {
                 "p999_ratio": self.wake_ratio(P999),
                 "cpu_percent": of_locked(|m| m.tick_cpu_percent),
                 "idle": wake(&self.idle.iter().map(Compared::from).collect::<Vec<_>>()),
-                "not_kept_awake_us": over(self.idle.iter().map(|r| r.drowsy.wake)),
+                "not_kept_awake_us": over(self.idle.iter().map(|r| r.not_kept_awake.wake)),
                 "loaded": wake(&self.loaded.iter().map(Compared::from).collect::<Vec<_>>()),
             },
             "tick_us": ticks.map(|ticks| &ticks.body_us),
@@ -94,7 +94,7 @@ impl Report {
 
     fn wake_ratio(&self, which: Rank) -> Option<f64> {
         ratio(self.idle.iter().map(Compared::from), which, |c| {
-            c.beside.cyclictest
+            c.references.cyclictest
         })
     }
 
@@ -105,21 +105,21 @@ impl Report {
     /// Returns the frame ages of all free-running daemons together, as each has a different phase.
     fn free_frame_age(&self) -> Value {
         let ages = self.free().flat_map(|measured| &measured.frame_age_ns);
-        microseconds(&percentiles::of(ages.copied().collect()))
+        microseconds(&percentiles::from_unsorted(ages.copied().collect()))
     }
 }
 
 #[derive(Clone, Copy)]
 struct Compared {
     daemon: Percentiles,
-    beside: Beside,
+    references: References,
 }
 
 impl From<&Repeat> for Compared {
     fn from(repeat: &Repeat) -> Self {
         Self {
             daemon: repeat.locked.wake,
-            beside: repeat.beside,
+            references: repeat.references,
         }
     }
 }
@@ -128,7 +128,7 @@ impl From<&Loaded> for Compared {
     fn from(repeat: &Loaded) -> Self {
         Self {
             daemon: repeat.locked.wake,
-            beside: repeat.beside,
+            references: repeat.references,
         }
     }
 }
@@ -156,11 +156,11 @@ fn wake(repeats: &[Compared]) -> Value {
     if repeats.is_empty() {
         return Value::Null;
     }
-    let of = |other: fn(&Beside) -> Option<Percentiles>| {
-        over(repeats.iter().filter_map(|r| other(&r.beside)))
+    let of = |other: fn(&References) -> Option<Percentiles>| {
+        over(repeats.iter().filter_map(|r| other(&r.references)))
     };
-    let to = |other: fn(&Beside) -> Option<Percentiles>| {
-        let of = |rank| ratio(repeats.iter().copied(), rank, |c| other(&c.beside));
+    let to = |other: fn(&References) -> Option<Percentiles>| {
+        let of = |rank| ratio(repeats.iter().copied(), rank, |c| other(&c.references));
         json!({"p50": of(P50), "p99": of(P99), "p999": of(P999)})
     };
     json!({

@@ -14,7 +14,7 @@ pub(super) struct Site {
 
 impl Site {
     pub(super) fn new() -> anyhow::Result<Self> {
-        logs::sweep();
+        logs::remove_stale();
         let bus = FreshBus::new("bench");
         let logs = Logs::new(&bus)?;
         Ok(Self { bus, logs })

@@ -31,14 +31,14 @@ use crate::demo::child::Child;
 const CLIENTS: usize = 6;
 const PENDING: usize = 2;
 /// Longest time until a stop is acknowledged and reaches the commands.
-const WITHIN: Duration = Duration::from_secs(1);
+const STOP_TIMEOUT: Duration = Duration::from_secs(1);
 /// Timeouts of a control request and of the return to READY.
-const ANSWER_WITHIN: Duration = Duration::from_millis(500);
-const READY_WITHIN: Duration = Duration::from_secs(30);
+const REPLY_TIMEOUT: Duration = Duration::from_millis(500);
+const READY_TIMEOUT: Duration = Duration::from_secs(30);
 /// Most reports read at once: the queue length.
 const AT_ONCE: usize = 256;
 /// Specified limit, ticks.
-const PROMISED: u64 = 3;
+const LIMIT_TICKS: u64 = 3;
 /// Steps per hand of the task with the longest validation: the limit of a task minus the final
 /// release.
 const STEPS: usize = 31;
@@ -91,20 +91,20 @@ fn endless_task() -> String {
     format!("[tasks.endless]\nacting = [{track}]\nhelping = [{track}]\n")
 }
 
-struct Seen {
+struct StopResult {
     /// Ticks until the command in SAFE_STOP; `None` if it did not come.
     ticks: Option<u64>,
     answered_ns: u64,
 }
 
-fn stop_once(pair: &mut Pair) -> anyhow::Result<Seen> {
+fn stop_once(pair: &mut Pair) -> anyhow::Result<StopResult> {
     pair.reports.drain(AT_ONCE, |_| {})?;
     let asked_ns = now_ns();
-    let answer = stop::request(pair.site().bus(), "bench", WITHIN);
+    let answer = stop::request(pair.site().bus(), "bench", STOP_TIMEOUT);
     let answered_ns = now_ns() - asked_ns;
     let has_stopped = answer.is_ok_and(|answer| answer.outcome == StopOutcome::STOPPED);
     let (mut before, mut stopped) = (0, false);
-    while has_stopped && !stopped && now_ns() - asked_ns < WITHIN.as_nanos() as u64 {
+    while has_stopped && !stopped && now_ns() - asked_ns < STOP_TIMEOUT.as_nanos() as u64 {
         pair.reports.drain(AT_ONCE, |report: &TickReport| {
             if stopped || report.stamp.captured_ns <= asked_ns {
                 return;
@@ -114,7 +114,7 @@ fn stop_once(pair: &mut Pair) -> anyhow::Result<Seen> {
         })?;
         std::thread::sleep(POLL);
     }
-    Ok(Seen {
+    Ok(StopResult {
         ticks: stopped.then_some(before),
         answered_ns,
     })
@@ -129,16 +129,16 @@ fn recover(pair: &mut Pair, control: &Bus, interrupt: &Interrupt) -> anyhow::Res
     let begin_ns = now_ns();
     loop {
         if let Ok(client) = control.control_client() {
-            let _asked = client.call(&request, ANSWER_WITHIN);
+            let _asked = client.call(&request, REPLY_TIMEOUT);
         }
         let is_armed = |status: &Status| matches!(status.mode, Mode::READY | Mode::RUN);
-        if pair.wait_until(ANSWER_WITHIN, interrupt, is_armed)? {
+        if pair.wait_until(REPLY_TIMEOUT, interrupt, is_armed)? {
             return Ok(());
         }
-        let limit_ns = READY_WITHIN.as_nanos() as u64;
+        let limit_ns = READY_TIMEOUT.as_nanos() as u64;
         anyhow::ensure!(
             now_ns() - begin_ns < limit_ns,
-            "the daemon did not recover: mode {} ({})",
+            "the daemon did not recover within {READY_TIMEOUT:?}: mode {} ({})",
             pair.status.mode,
             pair.status.reason
         );
@@ -160,7 +160,7 @@ fn freeze_a_client(pair: &Pair) -> anyhow::Result<Child> {
 
 struct Flood {
     threads: Vec<JoinHandle<()>>,
-    ends: Arc<AtomicBool>,
+    is_ending: Arc<AtomicBool>,
     sent: Arc<AtomicU64>,
 }
 
@@ -177,13 +177,13 @@ impl Flood {
         let threads = (0..CLIENTS).map(thread).collect();
         Self {
             threads,
-            ends,
+            is_ending: ends,
             sent,
         }
     }
 
     fn end(self) -> u64 {
-        self.ends.store(true, Ordering::Relaxed);
+        self.is_ending.store(true, Ordering::Relaxed);
         for thread in self.threads {
             // Goals sent before a panic still count.
             let _ended = thread.join();
@@ -192,12 +192,17 @@ impl Flood {
     }
 }
 
-fn flood(bus: &BusName, index: usize, ends: &AtomicBool, sent: &AtomicU64) -> anyhow::Result<()> {
+fn flood(
+    bus: &BusName,
+    index: usize,
+    is_ending: &AtomicBool,
+    sent: &AtomicU64,
+) -> anyhow::Result<()> {
     let bus = Bus::open(bus, "flood", Realtime::No)?;
     let client = bus.goal_client()?;
     let mut pending: Vec<PendingGoal> = Vec::new();
     let mut goal_id = (index as u64) << 32;
-    while !ends.load(Ordering::Relaxed) {
+    while !is_ending.load(Ordering::Relaxed) {
         while pending.len() < PENDING {
             goal_id += 1;
             match client.send(&goal(goal_id)) {
@@ -208,7 +213,7 @@ fn flood(bus: &BusName, index: usize, ends: &AtomicBool, sent: &AtomicU64) -> an
         }
         pending.retain_mut(|goal| match goal.next() {
             Ok(Some(update)) => !update.state.is_final(),
-            Ok(None) => !goal.ended(),
+            Ok(None) => !goal.has_ended(),
             Err(_) => false,
         });
         std::thread::sleep(POLL);
@@ -237,12 +242,12 @@ fn goal(goal_id: u64) -> GoalRequest {
     }
 }
 
-fn print(seen: &[Seen], goals: u64, output: &mut Output) -> anyhow::Result<()> {
+fn print(seen: &[StopResult], goals: u64, output: &mut Output) -> anyhow::Result<()> {
     let mut ticks: Vec<u64> = seen.iter().filter_map(|seen| seen.ticks).collect();
-    let within = ticks.iter().filter(|ticks| **ticks <= PROMISED).count();
+    let within = ticks.iter().filter(|ticks| **ticks <= LIMIT_TICKS).count();
     ticks.sort_unstable();
-    let tick = percentiles::of_sorted(&ticks);
-    let answered = percentiles::of(seen.iter().map(|seen| seen.answered_ns).collect());
+    let tick = percentiles::from_sorted(&ticks);
+    let answered = percentiles::from_unsorted(seen.iter().map(|seen| seen.answered_ns).collect());
     let us = |ns: u64| ns as f64 * 1e-3;
     if output.is_json() {
         output.json(&json!({
@@ -263,17 +268,18 @@ fn print(seen: &[Seen], goals: u64, output: &mut Output) -> anyhow::Result<()> {
         };
         let counts = [tick.p50_ns, tick.p99_ns, tick.max_ns].map(|ticks| ticks as f64);
         let times = [answered.p50_ns, answered.p99_ns, answered.max_ns].map(us);
-        rows.add_row(row("ticks until the commands stop", counts, 0));
-        rows.add_row(row("answered after, µs", times, 0));
+        rows.add_row(row("ticks until safe stop", counts, 0));
+        rows.add_row(row("acknowledged after, µs", times, 0));
         output.table(rows)?;
         output.line(format_args!(
-            "{within} of {} stops within {PROMISED} ticks, under {goals} goals of {CLIENTS} clients",
+            "{within} of {} stops within {LIMIT_TICKS} ticks, during {goals} goals of {CLIENTS} \
+             clients",
             seen.len()
         ))?;
     }
     anyhow::ensure!(
         within == seen.len(),
-        "{} stops came late or never",
+        "stop latency exceeded: {} stops took more than {LIMIT_TICKS} ticks or failed",
         seen.len() - within
     );
     Ok(())

@@ -26,11 +26,11 @@ fn wake(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
             ("daemon", "daemon_us", 2),
             ("bare loop", "bare_loop_us", 2),
             ("bare loop, cores awake", "bare_loop_awake_us", 2),
-            ("bare loop that spins", "bare_loop_spinning_us", 2),
+            ("bare loop, spinning", "bare_loop_spinning_us", 2),
             ("cyclictest", "cyclictest_us", 2),
             ("daemon / cyclictest", "to_cyclictest", 4),
             ("daemon / bare loop", "to_bare_loop", 4),
-            ("daemon / loop that spins", "to_bare_loop_spinning", 4),
+            ("daemon / spinning loop", "to_bare_loop_spinning", 4),
         ] {
             rows.add_row(row(format!("{name}: {what}"), &of[key], digits));
         }
@@ -94,7 +94,7 @@ fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
             3,
         ),
         (
-            "system calls per tick, the sleep".into(),
+            "system calls per tick, incl. sleep".into(),
             &figures["syscalls_per_tick"],
             3,
         ),
@@ -103,14 +103,14 @@ fn single(figures: &Value, output: &mut Output) -> anyhow::Result<()> {
             &figures["instructions_per_tick"],
             0,
         ),
-        ("page faults of all ticks".into(), &daemon["page_faults"], 0),
+        ("page faults in all ticks".into(), &daemon["page_faults"], 0),
         (
-            "whole tick recording / not".into(),
+            "tick time, recording / not".into(),
             &figures["recording"]["tick_ratio"],
             3,
         ),
         (
-            "  of this the tick body".into(),
+            "  of this, tick body".into(),
             &figures["recording"]["body_ratio"],
             3,
         ),

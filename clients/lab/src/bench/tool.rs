@@ -9,7 +9,7 @@ use atas_console::Interrupt;
 
 use crate::demo::child::Child;
 
-const LOOK: Duration = Duration::from_millis(10);
+const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Figures that were not measured with their reasons, without duplicates.
 #[derive(Debug, Default)]
@@ -33,7 +33,7 @@ impl Notes {
 pub(super) fn start(
     program: &Path,
     name: &'static str,
-    cure: &str,
+    hint: &str,
     arguments: &[&str],
     folder: &Path,
     notes: &mut Notes,
@@ -46,7 +46,7 @@ pub(super) fn start(
     match started {
         Ok(child) => Ok(Some(child)),
         Err(error) if is_missing(&error) => {
-            notes.add(format!("{name} is not there; {cure}"));
+            notes.add(format!("{name} was not found; {hint}"));
             Ok(None)
         }
         Err(error) => Err(error),
@@ -60,7 +60,7 @@ pub(super) fn wait(
 ) -> anyhow::Result<ExitStatus> {
     let begin = Instant::now();
     loop {
-        if let Some(status) = child.ended()? {
+        if let Some(status) = child.exit_status()? {
             return Ok(status);
         }
         interrupt.check("the bench was measuring")?;
@@ -69,6 +69,6 @@ pub(super) fn wait(
             "a program of the bench (pid {}) did not end within {limit:?}",
             child.pid()
         );
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
     }
 }

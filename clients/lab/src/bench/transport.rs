@@ -15,20 +15,20 @@ use super::Plan;
 use super::echo::{PAYLOAD_BYTES, read_polling};
 use super::site::Site;
 use super::tool::{self, Notes};
-use crate::demo::child::{Child, beside_this_program};
+use crate::demo::child::{Child, sibling_program};
 
 const ROUNDS: u64 = 5_000;
 /// Round trips before the measurement, for caches and connections.
 const WARM_UP: u64 = 500;
 /// Longest time for a reply, and for the other process to start.
-const ANSWER_WITHIN: Duration = Duration::from_secs(5);
+const REPLY_TIMEOUT: Duration = Duration::from_secs(5);
 /// Interval of the first requests until the echo process replies.
-const ASK_AGAIN: Duration = Duration::from_millis(20);
+const RETRY_INTERVAL: Duration = Duration::from_millis(20);
 /// Benchmark program for zenoh, not part of the workspace.
 const ZENOH: &str = "atas-bench-zenoh";
-const ZENOH_CURE: &str = "to compare with zenoh: cargo install --locked --path tests/zenoh; without it \
+const ZENOH_HINT: &str = "to compare with zenoh: cargo install --locked --path tests/zenoh; without it \
     transports_us.zenoh is null";
-const ZENOH_WITHIN: Duration = Duration::from_secs(60);
+const ZENOH_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Half round-trip time, µs: median over the repeats of p50.
 pub(super) struct Transports {
@@ -95,7 +95,7 @@ fn unix_socket(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
         echo.check()?;
         match UnixStream::connect(&path) {
             Ok(stream) => break stream,
-            Err(error) if begin.elapsed() > ANSWER_WITHIN => {
+            Err(error) if begin.elapsed() > REPLY_TIMEOUT => {
                 return Err(error).with_context(|| format!("could not reach {}", path.display()));
             }
             Err(_) => std::thread::sleep(Duration::from_millis(2)),
@@ -113,13 +113,13 @@ fn unix_socket(plan: &Plan<'_>) -> anyhow::Result<Percentiles> {
 /// which prints half of the round trip, p50, µs.
 fn middleware(by: &str, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Option<f64>> {
     let site = Site::new()?;
-    let program = beside_this_program(ZENOH).unwrap_or_else(|_| ZENOH.into());
+    let program = sibling_program(ZENOH).unwrap_or_else(|_| ZENOH.into());
     let place = site.folder().join("place").display().to_string();
     let arguments = ["echo", by, &place];
     let echo = tool::start(
         &program,
         ZENOH,
-        ZENOH_CURE,
+        ZENOH_HINT,
         &arguments,
         site.folder(),
         notes,
@@ -135,7 +135,7 @@ fn middleware(by: &str, plan: &Plan<'_>, notes: &mut Notes) -> anyhow::Result<Op
         &["ping", by, &place, &size],
         other.folder(),
     )?;
-    let ended = tool::wait(&mut ping, ZENOH_WITHIN, plan.interrupt);
+    let ended = tool::wait(&mut ping, ZENOH_TIMEOUT, plan.interrupt);
     plan.interrupt.check("the bench was measuring zenoh")?;
     let half = ping.results().first().and_then(|line| line.parse().ok());
     if !ended.is_ok_and(|status| status.success()) || half.is_none() {
@@ -155,26 +155,34 @@ pub(super) fn rounds(
 ) -> anyhow::Result<Percentiles> {
     let begin = Instant::now();
     let mut sequence = 0;
-    while !round(sequence, ASK_AGAIN)? {
-        plan.interrupt.check("the bench waited for the echo")?;
+    while !round(sequence, RETRY_INTERVAL)? {
+        plan.interrupt
+            .check("the bench was waiting for the echo process")?;
         echo.check()?;
-        anyhow::ensure!(begin.elapsed() < ANSWER_WITHIN, "the echo does not answer");
+        anyhow::ensure!(
+            begin.elapsed() < REPLY_TIMEOUT,
+            "the echo process did not start within \
+            {REPLY_TIMEOUT:?}"
+        );
         sequence += 1;
     }
     let mut durations_ns = Vec::new();
     for index in 0..WARM_UP + ROUNDS {
         sequence += 1;
         let begin_ns = now_ns();
-        let answered = round(sequence, ANSWER_WITHIN)?;
+        let answered = round(sequence, REPLY_TIMEOUT)?;
         let duration_ns = now_ns() - begin_ns;
         plan.interrupt
             .check("the bench was measuring a transport")?;
-        anyhow::ensure!(answered, "the echo did not answer within {ANSWER_WITHIN:?}");
+        anyhow::ensure!(
+            answered,
+            "the echo process did not reply within {REPLY_TIMEOUT:?}"
+        );
         if index >= WARM_UP {
             durations_ns.push(duration_ns);
         }
     }
-    Ok(percentiles::of(durations_ns))
+    Ok(percentiles::from_unsorted(durations_ns))
 }
 
 pub(super) fn poll(

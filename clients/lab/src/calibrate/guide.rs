@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Context, ensure};
 use atas_console::arguments::Guide;
-use atas_console::{Ended, Exit, Interrupt, Output};
+use atas_console::{Exit, ExitError, Interrupt, Output};
 use serde_json::json;
 
 const AXES: [&str; 3] = ["normal", "tangential1", "tangential2"];
@@ -21,33 +21,36 @@ pub(super) fn guide(
 ) -> anyhow::Result<()> {
     ensure!(
         guide.seconds > 0.0 && guide.seconds <= SECONDS_MAX,
-        "could not wait {} s, needs a time above 0 and up to {SECONDS_MAX} s",
+        "could not use {} s per step: needs more than 0 and at most {SECONDS_MAX} s; correct \
+         --seconds",
         guide.seconds
     );
     let loads = loads(guide);
     let path = guide.out.display();
     let mut file = std::fs::File::create_new(&guide.out).with_context(|| {
-        format!("could not write {path}; a table of steps never overwrites a file")
+        format!(
+            "could not create {path}: existing step tables are not overwritten; name a new file"
+        )
     })?;
     let mut write =
         |line: String| writeln!(file, "{line}").with_context(|| format!("could not write {path}"));
     write(STEPS.to_owned())?;
     let mut entered = std::io::stdin().lock();
     for (step, load) in loads.iter().enumerate() {
-        say(&format!(
-            "{} of {}: {}. Press Enter when it rests.",
+        print_prompt(&format!(
+            "{} of {}: {}. Press Enter when the load is steady.",
             step + 1,
             loads.len(),
-            sentence(load)
+            load_text(load)
         ))?;
         let mut line = String::new();
         let read = entered
             .read_line(&mut line)
             .context("could not read standard input")?;
         let interrupted = || {
-            Ended::with(
+            ExitError::with_code(
                 Exit::Interrupted,
-                format!("interrupted; {path} holds {step} steps"),
+                format!("interrupted; {path} contains {step} steps"),
             )
         };
         if read == 0 || interrupt.is_set() {
@@ -96,7 +99,7 @@ pub(crate) fn loads(guide: &Guide) -> Vec<[f64; 3]> {
         .collect()
 }
 
-fn sentence(load: &[f64; 3]) -> String {
+fn load_text(load: &[f64; 3]) -> String {
     let parts: Vec<String> = AXES
         .iter()
         .zip(load)
@@ -104,12 +107,12 @@ fn sentence(load: &[f64; 3]) -> String {
         .map(|(axis, n)| format!("{n} N along {axis}"))
         .collect();
     if parts.is_empty() {
-        "touch nothing".to_owned()
+        "do not touch the fingertip".to_owned()
     } else {
-        format!("load it with {}", parts.join(" and "))
+        format!("load the fingertip with {}", parts.join(" and "))
     }
 }
 
-fn say(line: &str) -> anyhow::Result<()> {
+fn print_prompt(line: &str) -> anyhow::Result<()> {
     writeln!(std::io::stderr(), "{line}").context("could not write to standard error")
 }

@@ -9,13 +9,13 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow, ensure};
 use atas_console::arguments::{Calibrate, CalibrateFit, CalibrationModel};
-use atas_console::{Ended, Exit, Interrupt, Output, table};
+use atas_console::{Exit, ExitError, Interrupt, Output, table};
 use atas_core::Settings;
 use atas_evaluation::recorded::{Sheet, greatest_motion};
 use atas_evaluation::{figures, median};
 use atas_sensors::calibration::{
-    Block, Calibration, Drift, Fitted, Model, Quiet, Thresholds, WARMING_MIN_K, fit, listen,
-    press_block,
+    Block, Calibration, Drift, FitResult, Model, Thresholds, UnloadedRecording, WARMING_MIN_K, fit,
+    fit_block, measure_silence,
 };
 use serde::Serialize;
 use shm_schemas::layout::NamedLayout;
@@ -63,7 +63,7 @@ pub(crate) fn calibrate(
         Calibrate::Guide(arguments) => guide::guide(arguments, interrupt, output),
         Calibrate::Fit(arguments) => {
             let report = fit_files(arguments)
-                .map_err(|error| Ended::with(Exit::Failed, format!("{error:#}")))?;
+                .map_err(|error| ExitError::with_code(Exit::Failed, format!("{error:#}")))?;
             if output.is_json() {
                 return output.json(&report);
             }
@@ -73,7 +73,7 @@ pub(crate) fn calibrate(
 }
 
 pub(crate) fn fit_files(arguments: &CalibrateFit) -> anyhow::Result<Report> {
-    let layout = Layout::named(&arguments.layout).with_context(|| {
+    let layout = Layout::from_name(&arguments.layout).with_context(|| {
         format!(
             "could not use the layout {:?}: needs {}",
             arguments.layout,
@@ -81,21 +81,29 @@ pub(crate) fn fit_files(arguments: &CalibrateFit) -> anyhow::Result<Report> {
         )
     })?;
     let (mut fitted, quiet, seconds, rate_hz) = fitted(arguments, &layout)?;
-    let motion_at = motion_at(&fitted.calibration, &quiet.frames, seconds);
-    let thresholds = Thresholds::of(&fitted.calibration, &quiet.frames, seconds, arguments.multiple)
-        .context("could not tell the noise; record the sensor for some seconds while nothing touches it, and name it with --silence")?;
+    let motion_at = motion_threshold(&fitted.calibration, &quiet.frames, seconds);
+    let thresholds = Thresholds::from_recording(
+        &fitted.calibration,
+        &quiet.frames,
+        seconds,
+        arguments.multiple,
+    )
+    .context(
+        "could not determine the noise: too little silence; record the untouched sensor \
+            for some seconds and name the file with --silence",
+    )?;
     fitted.calibration.quality.noise_n = thresholds.noise_n;
     fitted.calibration.quality.drift_n_min = thresholds.drift_n_min;
-    fitted.calibration.drift = Drift::of(&fitted.calibration, &quiet);
+    fitted.calibration.drift = Drift::from_recording(&fitted.calibration, &quiet);
     let block = match &arguments.block {
         Some(path) => Some(block(path, thresholds.touch_on_n, arguments.block_tips)?),
         None => None,
     };
-    let mut told = carried(arguments, rate_hz)?;
-    told += &daemon(&thresholds, motion_at, block.as_ref())?;
+    let mut reported = sensor_config(arguments, rate_hz)?;
+    reported += &perception_config(&thresholds, motion_at, block.as_ref())?;
     fitted.calibration.save(&arguments.out)?;
     if let Some(path) = &arguments.daemon {
-        write_new(path, &told)?;
+        write_new(path, &reported)?;
     }
     if let Some(path) = &arguments.figure {
         let title = format!("errors of {}", arguments.out.display());
@@ -123,7 +131,7 @@ pub(crate) fn fit_files(arguments: &CalibrateFit) -> anyhow::Result<Report> {
 fn fitted(
     arguments: &CalibrateFit,
     layout: &Layout,
-) -> anyhow::Result<(Fitted, Quiet, f64, Option<f64>)> {
+) -> anyhow::Result<(FitResult, UnloadedRecording, f64, Option<f64>)> {
     let sheet = Sheet::open(&arguments.presses)?;
     let recording = rows::recording(&sheet)?;
     let reference = arguments
@@ -132,7 +140,7 @@ fn fitted(
         .map(Sheet::open)
         .transpose()?;
     let (presses, mut quiet) = rows::presses(&sheet, &recording, reference.as_ref())?;
-    let mut seconds = lasted(
+    let mut seconds = duration_s(
         recording.times_ns.as_deref(),
         quiet.frames.len(),
         recording.frames.len(),
@@ -140,11 +148,15 @@ fn fitted(
     if let Some(path) = &arguments.silence {
         let silence = rows::recording(&Sheet::open(path)?)?;
         let frames = silence.frames.len();
-        seconds = lasted(silence.times_ns.as_deref(), frames, frames);
+        seconds = duration_s(silence.times_ns.as_deref(), frames, frames);
         quiet = silence.quiet(0..frames);
     }
-    let silence = listen(&quiet.frames).with_context(|| {
-        format!("could not tell zero and noise from {} silent frames, needs some seconds; name a recording with --silence", quiet.frames.len())
+    let silence = measure_silence(&quiet.frames).with_context(|| {
+        format!(
+            "could not determine zero and noise: {} silent frames, needs some seconds; name a \
+            recording with --silence",
+            quiet.frames.len()
+        )
     })?;
     let model = match arguments.model {
         Some(CalibrationModel::Matrix) => Model::Matrix,
@@ -158,25 +170,25 @@ fn fitted(
         fit(&presses, &silence, model, layout, &source)?,
         quiet,
         seconds,
-        recording.times_ns.as_deref().and_then(frames_a_second),
+        recording.times_ns.as_deref().and_then(frame_rate_hz),
     ))
 }
 
-fn frames_a_second(times_ns: &[f64]) -> Option<f64> {
+fn frame_rate_hz(times_ns: &[f64]) -> Option<f64> {
     let steps_ns = times_ns.windows(2).map(|pair| pair[1] - pair[0]);
     let step_ns = median(steps_ns.filter(|step_ns| *step_ns > 0.0).collect())?;
     Some(1e9 / step_ns)
 }
 
-fn lasted(times_ns: Option<&[f64]>, some: usize, all: usize) -> f64 {
+fn duration_s(times_ns: Option<&[f64]>, some: usize, all: usize) -> f64 {
     let span_ns = times_ns.and_then(|times| Some(times.last()? - times.first()?));
     match span_ns {
         Some(span_ns) if span_ns > 0.0 => span_ns * 1e-9 * some as f64 / all.max(1) as f64,
-        _ => some as f64 / rows::USUAL_HZ,
+        _ => some as f64 / rows::DEFAULT_RATE_HZ,
     }
 }
 
-fn motion_at(calibration: &Calibration, quiet: &[Vec<f64>], seconds: f64) -> f64 {
+fn motion_threshold(calibration: &Calibration, quiet: &[Vec<f64>], seconds: f64) -> f64 {
     let frames: Vec<Vec<[f64; 3]>> = quiet
         .iter()
         .map(|values| {
@@ -196,10 +208,10 @@ fn block(path: &Path, from_n: f64, tips: u32) -> anyhow::Result<Block> {
     let (closing, force) = (sheet.column("closing_m"), sheet.column("normal_n"));
     let point = |row: usize| Some((sheet.number(row, closing?)?, sheet.number(row, force?)?));
     let points: Vec<(f64, f64)> = (0..sheet.len()).filter_map(point).collect();
-    press_block(&points, from_n, tips).with_context(|| {
+    fit_block(&points, from_n, tips).with_context(|| {
         format!(
-            "could not tell how the fingertips compress from {} rows of {}: needs closing_m and normal_n of presses on something \
-             rigid, 10 rows or more above {from_n:.3} N",
+            "could not fit the fingertip compression to {} rows of {}: needs closing_m and \
+             normal_n of presses on a rigid object, at least 10 rows above {from_n:.3} N",
             points.len(),
             path.display()
         )
@@ -208,9 +220,10 @@ fn block(path: &Path, from_n: f64, tips: u32) -> anyhow::Result<Block> {
 
 /// Returns the daemon's sensor settings: largest frame age, and for a named hand its layout and
 /// rate.
-fn carried(arguments: &CalibrateFit, rate_hz: Option<f64>) -> anyhow::Result<String> {
+fn sensor_config(arguments: &CalibrateFit, rate_hz: Option<f64>) -> anyhow::Result<String> {
     let mut text =
-        "# Made by atas calibrate. atasd --config THIS, after your own configuration.\n".to_owned();
+        "# Made by atas calibrate. Use: atasd --config THIS, after your own configuration.\n"
+            .to_owned();
     let rate_hz = rate_hz.map(|rate_hz| rate_hz.clamp(RATES_HZ[0], RATES_HZ[1]));
     if let Some(hand) = arguments.hand {
         let (hand, layout) = (Hand::from(hand).name(), &arguments.layout);
@@ -236,14 +249,14 @@ fn carried(arguments: &CalibrateFit, rate_hz: Option<f64>) -> anyhow::Result<Str
 }
 
 /// Returns the daemon's perception settings, clamped to their ranges.
-fn daemon(
+fn perception_config(
     thresholds: &Thresholds,
     motion_at: f64,
     block: Option<&Block>,
 ) -> anyhow::Result<String> {
     let mut settings = Settings::default();
     // Set the lower threshold to 0 first: every order of the two thresholds is then valid.
-    let mut told = vec![
+    let mut reported = vec![
         ("touch_off_n", 0.0),
         ("touch_on_n", thresholds.touch_on_n),
         ("touch_off_n", thresholds.touch_off_n),
@@ -251,29 +264,34 @@ fn daemon(
         ("motion_at", motion_at),
     ];
     if let Some(block) = block {
-        told.push(("tip_compression_m", block.tip_compression_m));
-        told.push(("tip_exponent", block.tip_exponent));
+        reported.push(("tip_compression_m", block.tip_compression_m));
+        reported.push(("tip_exponent", block.tip_exponent));
     }
-    for &(key, value) in &told {
+    for &(key, value) in &reported {
         let name = format!("perception.{key}");
         let known = atas_core::settings::find(&name);
-        let known = known.with_context(|| format!("{name} is no parameter"))?;
+        let known = known.with_context(|| format!("{name} is not a parameter"))?;
         let value = value.clamp(known.lower, known.upper);
         settings
             .set(&name, value)
             .map_err(|error| anyhow!("{error}"))?;
     }
     let mut text = "[perception]\n".to_owned();
-    for (key, _) in &told[1..] {
+    for (key, _) in &reported[1..] {
         let name = format!("perception.{key}");
         let value = atas_core::settings::find(&name).map(|known| (known.get)(&settings));
-        let value = value.with_context(|| format!("{name} is no parameter"))?;
+        let value = value.with_context(|| format!("{name} is not a parameter"))?;
         writeln!(text, "{key} = {value:?}").context("could not write")?;
     }
     Ok(text)
 }
 
-fn warnings(fitted: &Fitted, thresholds: &Thresholds, quiet: &Quiet, seconds: f64) -> Vec<String> {
+fn warnings(
+    fitted: &FitResult,
+    thresholds: &Thresholds,
+    quiet: &UnloadedRecording,
+    seconds: f64,
+) -> Vec<String> {
     let quality = &fitted.calibration.quality;
     let mut warnings = Vec::new();
     for (axis, share) in ["normal", "tangential1", "tangential2"]
@@ -282,14 +300,16 @@ fn warnings(fitted: &Fitted, thresholds: &Thresholds, quiet: &Quiet, seconds: f6
     {
         if share > 0.1 {
             warnings.push(format!(
-                "the error along {axis} is {:.0} % of what was pressed; press more often, or check the reference",
+                "the error along {axis} is {:.0} % of the pressed force; record more presses, or \
+                 check the reference",
                 100.0 * share
             ));
         }
     }
     if thresholds.drift_n_min > thresholds.touch_off_n - thresholds.drift_n_min {
         warnings.push(format!(
-            "the zero drifts by {:.3} N a minute, more than its noise: let the sensor warm up, and take its zero before each use",
+            "the zero drifts by {:.3} N/min, more than the noise: let the sensor warm up, and take \
+             its zero before each use",
             thresholds.drift_n_min
         ));
     }
@@ -298,36 +318,41 @@ fn warnings(fitted: &Fitted, thresholds: &Thresholds, quiet: &Quiet, seconds: f6
     }
     if seconds < 10.0 {
         warnings.push(format!(
-            "drift was watched for {seconds:.0} s only; a minute of silence tells it better"
+            "drift was measured for {seconds:.0} s only; record a minute of silence for a better \
+             estimate"
         ));
     }
     warnings
 }
 
 /// Returns warnings about drift that could be mistaken for contact.
-fn drift_warnings(drift: &Drift, thresholds: &Thresholds, quiet: &Quiet) -> Vec<String> {
+fn drift_warnings(
+    drift: &Drift,
+    thresholds: &Thresholds,
+    quiet: &UnloadedRecording,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let floor_n = thresholds.element_floor_n;
     let (worst, most_n) = drift.worst();
     let moving = drift.element_n_min.iter().filter(|n| **n > floor_n).count();
     if moving > 0 {
         warnings.push(format!(
-            "{moving} of {} elements move by more than {floor_n:.4} N a minute, from which an element takes part; element {worst} most, \
-             by {most_n:.4} N",
+            "{moving} of {} elements drift by more than {floor_n:.4} N/min, the element threshold; \
+             worst is element {worst} with {most_n:.4} N/min",
             drift.element_n_min.len()
         ));
     }
     // The contact threshold already includes noise and drift.
     let felt_n = thresholds.touch_on_n - thresholds.drift_n_min;
     match &drift.warmth {
-        Some(warmth) if warmth.total_most_n_k() > felt_n => warnings.push(format!(
-            "a kelvin moves the force by {:.4} N, more than the {felt_n:.4} N that are a touch: take the zero when the sensor is as warm \
-             as in use",
-            warmth.total_most_n_k()
+        Some(warmth) if warmth.largest_total_n_k() > felt_n => warnings.push(format!(
+            "a temperature change of 1 K changes the force by {:.4} N, more than the contact \
+             threshold of {felt_n:.4} N: take the zero at operating temperature",
+            warmth.largest_total_n_k()
         )),
         None if !quiet.temperatures_c.is_empty() => warnings.push(format!(
-            "the temperature moved by less than {WARMING_MIN_K} K: what warmth does cannot be told; record silence while the sensor \
-             warms up"
+            "the temperature changed by less than {WARMING_MIN_K} K: its effect is unknown; record \
+             silence while the sensor warms up"
         )),
         _ => {}
     }
@@ -336,14 +361,18 @@ fn drift_warnings(drift: &Drift, thresholds: &Thresholds, quiet: &Quiet) -> Vec<
 
 fn write_new(path: &Path, text: &str) -> anyhow::Result<()> {
     let name = path.display();
-    let mut file = std::fs::File::create_new(path)
-        .with_context(|| format!("could not write {name}; it is never overwritten"))?;
+    let mut file = std::fs::File::create_new(path).with_context(|| {
+        format!(
+            "could not create {name}: existing files are not overwritten; \
+            name a new file"
+        )
+    })?;
     std::io::Write::write_all(&mut file, text.as_bytes())
         .with_context(|| format!("could not write {name}"))
 }
 
 fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
-    let mut rows = table(&["axis", "error N", "of what was pressed", "noise N"]);
+    let mut rows = table(&["axis", "error N", "relative error", "noise N"]);
     for (axis, name) in ["normal", "tangential1", "tangential2"].iter().enumerate() {
         rows.add_row([
             (*name).to_owned(),
@@ -355,42 +384,47 @@ fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
     output.table(rows)?;
     let thresholds = &report.thresholds;
     output.line(format_args!(
-        "touch from {:.4} N, until {:.4} N; motion from {:.2} times the noise; drift {:.4} N a minute",
+        "contact from {:.4} N, until {:.4} N; motion from {:.2} times the noise; drift {:.4} N/min",
         thresholds.touch_on_n, thresholds.touch_off_n, report.motion_at, thresholds.drift_n_min
     ))?;
     if let Some(ridge) = report.ridge {
         output.line(format_args!(
-            "ridge {ridge:e} of what was seen of each term: of several it told presses best that were left out"
+            "ridge {ridge:e}, relative to the variance of each term: best value on held-out presses"
         ))?;
     }
     if let Some(drift) = &report.drift {
         let (worst, most_n) = drift.worst();
         output.line(format_args!(
-            "element {worst} drifts most: {most_n:.4} N a minute, watched for {:.0} s",
+            "largest drift: element {worst}, {most_n:.4} N/min, measured for {:.0} s",
             drift.watched_s
         ))?;
         if let Some(warmth) = &drift.warmth {
             let [n, a, b] = warmth.total_n_k;
             output.line(format_args!(
-                "a kelvin moves the total force by {n:.4} {a:.4} {b:.4} N; the temperature moved by {:.1} K",
+                "1 K changes the total force by {n:.4} {a:.4} {b:.4} N; the temperature changed by \
+                 {:.1} K",
                 warmth.span_k
             ))?;
         }
     }
     if let Some(block) = &report.block {
         output.line(format_args!(
-            "each tip compresses by {:.0} µm at 1 N, exponent {:.2}, error {:.1} µm",
+            "compression of each fingertip: {:.0} µm at 1 N, exponent {:.2}, error {:.1} µm",
             1e6 * block.tip_compression_m,
             block.tip_exponent,
             1e6 * block.error_m
         ))?;
     }
     for warning in &report.warnings {
-        output.line(format_args!("beware: {warning}"))?;
+        output.line(format_args!("warning: {warning}"))?;
     }
-    ensure!(report.presses > 0, "nothing was pressed");
+    ensure!(
+        report.presses > 0,
+        "no calibration result: the recording contains no press; record \
+        presses with known forces"
+    );
     output.line(format_args!(
-        "wrote {}: {} elements, judged on presses that were left out of {}",
+        "wrote {}: {} elements, errors from held-out presses, {} in total",
         report.calibration, report.elements, report.presses
     ))
 }

@@ -2,15 +2,15 @@
 
 use anyhow::{Context, bail, ensure};
 use atas_evaluation::recorded::Sheet;
-use atas_sensors::calibration::{AXES, Point, Press, Quiet};
+use atas_sensors::calibration::{AXES, Point, Press, UnloadedRecording};
 
 const FORCE: [&str; AXES] = ["normal_n", "tangential1_n", "tangential2_n"];
 /// Temperature columns, each with the offset to °C.
 const TEMPERATURE: [(&str, f64); 2] = [("temperature_c", 0.0), ("temperature_k", -273.15)];
 /// Assumed frame rate of a table without times, Hz.
-pub(super) const USUAL_HZ: f64 = 100.0;
+pub(super) const DEFAULT_RATE_HZ: f64 = 100.0;
 /// Rows per press in a stream without press numbers (design choice).
-const ROWS_OF_PRESS: usize = 100;
+const ROWS_PER_PRESS: usize = 100;
 
 pub(super) struct Recording {
     /// Values per frame, three per element.
@@ -29,7 +29,8 @@ pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
     let path = sheet.path.display();
     let (Some(status), Some(arrival)) = (sheet.column("status"), sheet.column("arrival")) else {
         bail!(
-            "could not find a device's values in {path}: needs the table that `atas-sensor SENSOR --dry-run` prints"
+            "could not find sensor values in {path}: needs the table that `atas-sensor SENSOR \
+             --dry-run` prints"
         );
     };
     let is_temperature = |column: &usize| {
@@ -53,12 +54,12 @@ pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
         }
         Some('f' | 'b') => AXES,
         _ => bail!(
-            "could not calibrate the values {first:?} of {path}; needs forces, pressures or flux"
+            "could not calibrate the values {first:?} of {path}: needs forces, pressures or flux"
         ),
     };
     ensure!(
         !columns.is_empty() && columns.len().is_multiple_of(group),
-        "could not calibrate {} values per row of {path}, needs {group} per element",
+        "could not calibrate {} values per row of {path}: needs {group} per element",
         columns.len()
     );
     let mut frames = Vec::with_capacity(sheet.len());
@@ -66,7 +67,11 @@ pub(super) fn recording(sheet: &Sheet) -> anyhow::Result<Recording> {
         let value = |column: usize| {
             sheet.number(row, column).with_context(|| {
                 let name = &sheet.columns()[column];
-                format!("could not calibrate with row {} of {path}: {name} is no number; leave the row out", row + 1)
+                format!(
+                    "could not calibrate with row {} of {path}: {name} is not a number; remove \
+                    the row",
+                    row + 1
+                )
             })
         };
         let mut frame = Vec::new();
@@ -106,13 +111,13 @@ fn temperatures_c(sheet: &Sheet) -> Option<Vec<f64>> {
 }
 
 impl Recording {
-    pub(super) fn quiet(&self, frames: impl Iterator<Item = usize> + Clone) -> Quiet {
+    pub(super) fn quiet(&self, frames: impl Iterator<Item = usize> + Clone) -> UnloadedRecording {
         let time_s = |frame: usize| match &self.times_ns {
             Some(times_ns) => (times_ns[frame] - times_ns[0]) * 1e-9,
-            None => frame as f64 / USUAL_HZ,
+            None => frame as f64 / DEFAULT_RATE_HZ,
         };
         let temperatures_c = self.temperatures_c.iter();
-        Quiet {
+        UnloadedRecording {
             frames: frames
                 .clone()
                 .map(|frame| self.frames[frame].clone())
@@ -130,11 +135,11 @@ pub(super) fn presses(
     sheet: &Sheet,
     recording: &Recording,
     reference: Option<&Sheet>,
-) -> anyhow::Result<(Vec<Press>, Quiet)> {
+) -> anyhow::Result<(Vec<Press>, UnloadedRecording)> {
     let known: Vec<Option<(usize, [f64; AXES])>> = match reference {
-        None => own(sheet)?,
-        Some(steps) if steps.column("from_ns").is_some() => by_steps(sheet, recording, steps)?,
-        Some(stream) => by_stream(sheet, recording, stream)?,
+        None => from_recording(sheet)?,
+        Some(steps) if steps.column("from_ns").is_some() => from_steps(sheet, recording, steps)?,
+        Some(stream) => from_stream(sheet, recording, stream)?,
     };
     let (mut presses, mut silence) = (Vec::<Press>::new(), Vec::new());
     let mut last = None;
@@ -162,7 +167,7 @@ fn columns(sheet: &Sheet) -> anyhow::Result<[usize; AXES]> {
     let path = sheet.path.display();
     let of = |name: &str| {
         sheet.column(name).with_context(|| {
-            format!("could not find the known force in {path}: it has no column {name}")
+            format!("could not find the reference force in {path}: it has no column {name}")
         })
     };
     Ok([of(FORCE[0])?, of(FORCE[1])?, of(FORCE[2])?])
@@ -180,20 +185,24 @@ fn force(sheet: &Sheet, row: usize, columns: [usize; AXES]) -> Option<[f64; AXES
 type Reference = Option<(usize, [f64; AXES])>;
 
 /// Reads forces from the recording itself; presses are numbered by its column `press`, else every
-/// [`ROWS_OF_PRESS`] rows.
-fn own(sheet: &Sheet) -> anyhow::Result<Vec<Reference>> {
+/// [`ROWS_PER_PRESS`] rows.
+fn from_recording(sheet: &Sheet) -> anyhow::Result<Vec<Reference>> {
     let columns = columns(sheet)?;
     let press = sheet.column("press");
     let number = |row: usize| match press {
         Some(column) => sheet.number(row, column).map(|number| number as usize),
-        None => Some(row / ROWS_OF_PRESS),
+        None => Some(row / ROWS_PER_PRESS),
     };
     let of = |row: usize| Some((number(row)?, force(sheet, row, columns)?));
     Ok((0..sheet.len()).map(of).collect())
 }
 
 /// Takes forces from a table of guided steps; each step is a press.
-fn by_steps(sheet: &Sheet, recording: &Recording, steps: &Sheet) -> anyhow::Result<Vec<Reference>> {
+fn from_steps(
+    sheet: &Sheet,
+    recording: &Recording,
+    steps: &Sheet,
+) -> anyhow::Result<Vec<Reference>> {
     let (from, to) = (steps.column("from_ns"), steps.column("to_ns"));
     let columns = columns(steps)?;
     let step = |row: usize| {
@@ -212,7 +221,7 @@ fn by_steps(sheet: &Sheet, recording: &Recording, steps: &Sheet) -> anyhow::Resu
 }
 
 /// Takes forces from another sensor's recording by linear interpolation in time.
-fn by_stream(
+fn from_stream(
     sheet: &Sheet,
     recording: &Recording,
     stream: &Sheet,
@@ -220,7 +229,7 @@ fn by_stream(
     let columns = columns(stream)?;
     let path = stream.path.display();
     let when = stream.column("captured_ns").with_context(|| {
-        format!("could not find captured_ns in {path}, needs the time of the known force")
+        format!("could not find captured_ns in {path}: needs the times of the reference force")
     })?;
     let mut known: Vec<(f64, [f64; AXES])> = (0..stream.len())
         .filter_map(|row| Some((stream.number(row, when)?, force(stream, row, columns)?)))
@@ -236,7 +245,7 @@ fn by_stream(
         force_n
             .iter()
             .all(|n| n.is_finite())
-            .then_some((row / ROWS_OF_PRESS, force_n))
+            .then_some((row / ROWS_PER_PRESS, force_n))
     };
     Ok(times.iter().enumerate().map(of).collect())
 }
@@ -244,6 +253,9 @@ fn by_stream(
 fn needed_times<'a>(sheet: &Sheet, recording: &'a Recording) -> anyhow::Result<&'a [f64]> {
     recording.times_ns.as_deref().with_context(|| {
         let path = sheet.path.display();
-        format!("could not find captured_ns in every row of {path}, needs it to know which force belongs to which frame")
+        format!(
+            "could not find captured_ns in every row of {path}: needs it to assign forces to \
+            frames"
+        )
     })
 }

@@ -1,15 +1,15 @@
 //! Assembly demo: one hand holds the bottle, the other screws the cap tight; the bottle remains
 //! upright.
 
-use atas_console::arguments::Running;
+use atas_console::arguments::DemoOptions;
 use atas_evaluation::Task;
 use atas_evaluation::judge;
 use shm_schemas::{GoalRequest, WorldTruth};
 
 use super::Setting;
-use super::scenario::{Figure, Judged, Scenario};
-use super::screw::{turned, turning};
-use super::seen::Seen;
+use super::observed::ObservedRun;
+use super::scenario::{Evaluation, Figure, Scenario};
+use super::screw::{angle_text, screw_figures};
 
 pub(super) struct Assembly {
     argument: String,
@@ -17,10 +17,10 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+    pub(super) fn new(argument: &str, running: &DemoOptions) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::Assembly, running, super::cap(argument)?)?,
+            set: Setting::from_task(Task::Assembly, running, super::cap(argument)?)?,
         })
     }
 }
@@ -30,7 +30,7 @@ impl Scenario for Assembly {
         &self.set.object().name
     }
 
-    fn setting(&self) -> Vec<String> {
+    fn scene_arguments(&self) -> Vec<String> {
         ["--scene", "assembly", "--cap", &self.argument]
             .map(str::to_owned)
             .to_vec()
@@ -40,34 +40,35 @@ impl Scenario for Assembly {
         self.set.goal
     }
 
-    fn live(&self, truth: &WorldTruth) -> String {
-        format!("{}, {}", super::lifted(truth), turned(truth))
+    fn progress_text(&self, truth: &WorldTruth) -> String {
+        format!("{}, {}", super::lifted(truth), angle_text(truth))
     }
 
-    fn judge(&self, seen: &Seen) -> Judged {
-        let assembly = judge::Assembly::of(seen.progress.last(), &seen.start, &seen.truth);
-        let mut figures = turning(seen, assembly.tightness);
-        let [cap, bottle, ..] = &seen.truth.objects;
+    fn evaluate(&self, observed: &ObservedRun) -> Evaluation {
+        let assembly =
+            judge::Assembly::evaluate(observed.progress.last(), &observed.start, &observed.truth);
+        let mut figures = screw_figures(observed, assembly.tightness);
+        let [cap, bottle, ..] = &observed.truth.objects;
         figures.push(Figure::new(
             "tilt °",
             "bottle_tilt_deg",
             assembly.tilt_rad.to_degrees(),
             2,
         ));
-        figures.push(Figure::took(seen));
-        figures.push(Figure::hidden("cap_closed", cap.cap_closed != 0));
-        figures.push(Figure::hidden(
+        figures.push(Figure::duration(observed));
+        figures.push(Figure::json_only("cap_closed", cap.cap_closed != 0));
+        figures.push(Figure::json_only(
             "bottle_stands",
             bottle.table_n > 0.0 && bottle.tipped == 0,
         ));
-        Judged {
+        Evaluation {
             figures,
             cause: None,
             as_expected: assembly.failure.is_none(),
             outcome: assembly
                 .failure
                 .unwrap_or_else(|| "closed, standing".to_owned()),
-            should: "closed, standing",
+            expected: "closed, standing",
         }
     }
 }

@@ -12,7 +12,7 @@ use rustix::process::{
 };
 
 /// Time until a terminated process is killed (design choice: the daemon ends within 200 ms).
-const END_WITHIN: Duration = Duration::from_secs(3);
+const TERMINATION_TIMEOUT: Duration = Duration::from_secs(3);
 const TAIL_LINES: usize = 12;
 
 /// Running program with its log. It ends when this value is dropped or when this process dies for
@@ -34,7 +34,7 @@ impl Child {
         arguments: &[&str],
         folder: &Path,
     ) -> anyhow::Result<Self> {
-        Self::start_program(&beside_this_program(name)?, name, arguments, folder)
+        Self::start_program(&sibling_program(name)?, name, arguments, folder)
     }
 
     /// Starts a program by path or by name, searched in `PATH`.
@@ -80,7 +80,7 @@ impl Child {
         Ok(kill_process(Pid::from_child(&self.process), signal)?)
     }
 
-    pub(crate) fn ended(&mut self) -> std::io::Result<Option<ExitStatus>> {
+    pub(crate) fn exit_status(&mut self) -> std::io::Result<Option<ExitStatus>> {
         self.process.try_wait()
     }
 
@@ -124,13 +124,13 @@ impl Drop for Child {
         if running {
             let _ = kill_process(pid, Signal::TERM);
         }
-        while running && begin.elapsed() < END_WITHIN {
+        while running && begin.elapsed() < TERMINATION_TIMEOUT {
             std::thread::sleep(Duration::from_millis(2));
             running = !matches!(self.process.try_wait(), Ok(Some(_)));
         }
         if running {
             tracing::warn!(
-                "{} did not end within {END_WITHIN:?} of SIGTERM; killed it",
+                "{} did not end within {TERMINATION_TIMEOUT:?} of SIGTERM; it was killed",
                 self.name
             );
             let _ = self.process.kill();
@@ -164,8 +164,8 @@ fn end_with_this_process(command: &mut Command) {
 }
 
 /// Returns the path of a program in the folder of this one.
-pub(crate) fn beside_this_program(name: &str) -> anyhow::Result<PathBuf> {
-    let this = std::env::current_exe().context("could not find out where this program lies")?;
+pub(crate) fn sibling_program(name: &str) -> anyhow::Result<PathBuf> {
+    let this = std::env::current_exe().context("could not find the folder of this program")?;
     let folder = this.parent().unwrap_or(Path::new("."));
     let program = folder.join(name);
     if program.is_file() {
@@ -177,7 +177,8 @@ pub(crate) fn beside_this_program(name: &str) -> anyhow::Result<PathBuf> {
         ""
     };
     anyhow::bail!(
-        "could not find {name} in {}, where this program lies; build everything with `cargo build --workspace{release}`",
+        "could not find {name} in {}, the folder of this program; build everything with `cargo \
+         build --workspace{release}`",
         folder.display()
     )
 }

@@ -1,17 +1,17 @@
 //! Grasp demo: the object is held if physically possible, otherwise put back undamaged.
 
 use atas_client::goal::LIFT_M;
-use atas_console::arguments::Running;
+use atas_console::arguments::DemoOptions;
 use atas_evaluation::Task;
 use atas_evaluation::judge::Outcome;
-use robot_model::VIRTUAL_FINGERS;
+use robot_model::GRASP_SIDES;
 use serde_json::Value;
 use shm_schemas::{Cause, GoalRequest, GraspFigures, WorldTruth};
 use sim_backend::Object;
 
 use super::Setting;
-use super::scenario::{Figure, Judged, Scenario, finite};
-use super::seen::Seen;
+use super::observed::ObservedRun;
+use super::scenario::{Evaluation, Figure, Scenario, finite};
 
 pub(super) struct Grasp {
     argument: String,
@@ -19,10 +19,10 @@ pub(super) struct Grasp {
 }
 
 impl Grasp {
-    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+    pub(super) fn new(argument: &str, running: &DemoOptions) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::Grasp, running, super::object(argument)?)?,
+            set: Setting::from_task(Task::Grasp, running, super::object(argument)?)?,
         })
     }
 
@@ -36,7 +36,7 @@ impl Scenario for Grasp {
         &self.object().name
     }
 
-    fn setting(&self) -> Vec<String> {
+    fn scene_arguments(&self) -> Vec<String> {
         vec!["--object".into(), self.argument.clone()]
     }
 
@@ -44,21 +44,21 @@ impl Scenario for Grasp {
         self.set.goal
     }
 
-    fn live(&self, truth: &WorldTruth) -> String {
+    fn progress_text(&self, truth: &WorldTruth) -> String {
         super::lifted(truth)
     }
 
-    fn judge(&self, seen: &Seen) -> Judged {
+    fn evaluate(&self, observed: &ObservedRun) -> Evaluation {
         let hand = self.set.hand();
         let load = self.set.load();
-        let outcome = Outcome::of(seen.progress.last(), &seen.truth, hand, LIFT_M);
-        let object = &seen.truth.objects[0];
+        let outcome = Outcome::evaluate(observed.progress.last(), &observed.truth, hand, LIFT_M);
+        let object = &observed.truth.objects[0];
         let mut figures = vec![
             Figure::new("needed N", "needed_n", load.needed_n, 2),
-            Figure::hidden("crush_n", finite(load.crush_n)),
-            Figure::hidden("feasible", load.is_feasible()),
+            Figure::json_only("crush_n", finite(load.crush_n)),
+            Figure::json_only("feasible", load.is_feasible()),
         ];
-        figures.extend(gripped(seen.progress.figures(), self.set.fingers));
+        figures.extend(grip_figures(observed.progress.figures(), self.set.fingers));
         figures.push(Figure::new(
             "slip mm",
             "slip_mm",
@@ -72,12 +72,12 @@ impl Scenario for Grasp {
             1,
         ));
         // Not in the table: all grasps take a similar time, and the table is full.
-        figures.push(Figure::hidden("took_s", seen.progress.took_s()));
-        Judged {
+        figures.push(Figure::json_only("took_s", observed.progress.took_s()));
+        Evaluation {
             figures,
             outcome: outcome.name().to_owned(),
-            cause: refused_for(outcome),
-            should: if load.is_feasible() {
+            cause: refusal_cause(outcome),
+            expected: if load.is_feasible() {
                 "held"
             } else {
                 "refused"
@@ -87,7 +87,7 @@ impl Scenario for Grasp {
     }
 }
 
-pub(super) fn refused_for(outcome: Outcome) -> Option<Cause> {
+pub(super) fn refusal_cause(outcome: Outcome) -> Option<Cause> {
     match outcome {
         Outcome::Refused(cause) => Some(cause),
         _ => None,
@@ -95,10 +95,10 @@ pub(super) fn refused_for(outcome: Outcome) -> Option<Cause> {
 }
 
 /// Returns the controller's estimates and the normal forces of the first `fingers` fingertips.
-pub(super) fn gripped(figures: &GraspFigures, fingers: usize) -> Vec<Figure> {
+pub(super) fn grip_figures(figures: &GraspFigures, fingers: usize) -> Vec<Figure> {
     let pressed_n = &figures.normal_n[..fingers];
     // Mean over the two grasp sides; a side may have several fingertips.
-    let mean_n = pressed_n.iter().sum::<f32>() / VIRTUAL_FINGERS as f32;
+    let mean_n = pressed_n.iter().sum::<f32>() / GRASP_SIDES as f32;
     let shown = |head, key, value: f32, digits| Figure::new(head, key, value.into(), digits);
     vec![
         Figure {
@@ -108,7 +108,7 @@ pub(super) fn gripped(figures: &GraspFigures, fingers: usize) -> Vec<Figure> {
                 .collect(),
             ..shown("F_n N", "normal_n", mean_n, 2)
         },
-        Figure::hidden("f1_n", figures.f1_n),
+        Figure::json_only("f1_n", figures.f1_n),
         shown("F_2 N", "f2_n", figures.f2_n, 2),
         shown("stiffness N/m", "stiffness_n_m", figures.stiffness_n_m, 0),
     ]

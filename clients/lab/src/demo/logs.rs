@@ -45,14 +45,14 @@ impl Drop for Logs {
 
 /// Removes buses and logs of this user's killed demos. Failures are ignored; the next demo tries
 /// again.
-pub(crate) fn sweep() {
+pub(crate) fn remove_stale() {
     let entries = fs::read_dir(std::env::temp_dir())
         .into_iter()
         .flatten()
         .flatten();
     for folder in entries.map(|entry| entry.path()) {
         let Some(bus) = bus_of(&folder) else { continue };
-        if is_ours(&folder) && was_killed(&folder) && Bus::wipe(&bus).is_ok() {
+        if is_owned_by_user(&folder) && was_killed(&folder) && Bus::wipe(&bus).is_ok() {
             let _ = fs::remove_dir_all(&folder);
         }
     }
@@ -63,7 +63,7 @@ fn bus_of(folder: &Path) -> Option<BusName> {
     name.strip_prefix(PREFIX)?.parse().ok()
 }
 
-fn is_ours(folder: &Path) -> bool {
+fn is_owned_by_user(folder: &Path) -> bool {
     fs::symlink_metadata(folder).is_ok_and(|meta| meta.is_dir() && meta.uid() == geteuid().as_raw())
 }
 

@@ -6,7 +6,7 @@
 //!   │
 //!   └─▶ run ─┬─ processes ── child: atas-sim, atasd     (terminated on drop, bus removed)
 //!            ├─ page ── child: atas-live                with --dashboard
-//!            ├─ Pursuit: sends the goal like any client
+//!            ├─ GoalExecution: sends the goal like any client
 //!            ├─ ground truth and daemon status ─▶ punctuality
 //!            └─▶ evaluation ─▶ table
 //!  swarm ─ one evolved table ─▶ child: atas-sim field, ebts agents ─▶ outcome per goal
@@ -21,6 +21,7 @@ pub(crate) mod child;
 mod grasp;
 mod hybrid;
 pub(crate) mod logs;
+mod observed;
 mod page;
 mod pick_place;
 mod processes;
@@ -28,13 +29,12 @@ mod punctuality;
 mod run;
 mod scenario;
 mod screw;
-mod seen;
 mod swarm;
 mod table;
 mod turns;
 
-use atas_console::arguments::{Demo, Running};
-use atas_console::{Ended, Exit, Interrupt, Output, number};
+use atas_console::arguments::{Demo, DemoOptions};
+use atas_console::{Exit, ExitError, Interrupt, Output, number};
 use atas_core::Settings;
 use atas_evaluation::Task;
 use atas_evaluation::judge::Load;
@@ -85,7 +85,7 @@ pub(crate) fn demo(task: &Demo, interrupt: &Interrupt, output: &mut Output) -> a
 fn show(
     task: &str,
     scenarios: &[impl Scenario],
-    running: &Running,
+    running: &DemoOptions,
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
@@ -93,7 +93,7 @@ fn show(
     let mut ended = Ok(());
     for scenario in scenarios {
         match run::run(scenario, running, interrupt) {
-            Ok(seen) => rows.push(Row::new(scenario.name(), scenario.judge(&seen), &seen)),
+            Ok(seen) => rows.push(Row::new(scenario.name(), scenario.evaluate(&seen), &seen)),
             Err(error) => {
                 ended = Err(error);
                 break;
@@ -107,7 +107,8 @@ fn show(
 }
 
 fn object(argument: &str) -> anyhow::Result<Object> {
-    Object::named_or_file(argument).map_err(|error| Ended::with(Exit::Usage, error.to_string()))
+    Object::from_name_or_file(argument)
+        .map_err(|error| ExitError::with_code(Exit::Usage, error.to_string()))
 }
 
 fn cap(argument: &str) -> anyhow::Result<Object> {
@@ -115,10 +116,9 @@ fn cap(argument: &str) -> anyhow::Result<Object> {
     if cap.thread.is_some() {
         return Ok(cap);
     }
-    let sentence = format!(
-        "could not screw {argument:?} because it has no thread; name an object that has one"
-    );
-    Err(Ended::with(Exit::Usage, sentence))
+    let sentence =
+        format!("could not screw {argument:?}: it has no thread; name an object with a thread");
+    Err(ExitError::with_code(Exit::Usage, sentence))
 }
 
 /// Simulated scene of a task, and the goal for it.
@@ -132,8 +132,8 @@ struct Setting {
 
 impl Setting {
     /// Makes the default scene around an object; fails if the robot does not support the task.
-    fn of(task: Task, running: &Running, object: Object) -> anyhow::Result<Self> {
-        let usage = |error: String| Ended::with(Exit::Usage, error);
+    fn from_task(task: Task, running: &DemoOptions, object: Object) -> anyhow::Result<Self> {
+        let usage = |error: String| ExitError::with_code(Exit::Usage, error);
         let robot = RobotModel::find(&running.robot).map_err(|error| usage(error.to_string()))?;
         task.check(&robot)
             .map_err(|error| usage(error.to_string()))?;
@@ -145,7 +145,7 @@ impl Setting {
         };
         Ok(Self {
             goal: task.goal(&scene, side)?,
-            fingers: robot.hand(side).finger_count(),
+            fingers: robot.hand(side).fingertip_count(),
             opposed_tips: robot.hand(side).opposed_tips(),
             scene,
         })
@@ -162,7 +162,7 @@ impl Setting {
 
     /// Returns the force required by the object and the force it tolerates in this hand.
     fn load(&self) -> Load {
-        Load::of(self.object(), &Settings::default().grasp, self.opposed_tips)
+        Load::from_object(self.object(), &Settings::default().grasp, self.opposed_tips)
     }
 }
 

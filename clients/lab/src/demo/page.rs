@@ -10,7 +10,7 @@ use shm_bus::BusName;
 use super::child::Child;
 
 /// Poll interval (design choice: imperceptible to a person).
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 pub(super) struct Page {
     server: Child,
@@ -38,25 +38,27 @@ impl Page {
         live: &mut Progress,
         interrupt: &Interrupt,
     ) -> anyhow::Result<()> {
-        let url = self.wait_for(interrupt, |said| Some(said["url"].as_str()?.to_owned()))?;
-        live.say(&format!("open {url} in a browser"));
-        live.note("waits for the page to open");
-        self.wait_for(interrupt, |said| {
-            said["pages"].as_u64().filter(|pages| *pages > 0)
+        let url = self.wait_for(interrupt, |message| {
+            Some(message["url"].as_str()?.to_owned())
+        })?;
+        live.print(&format!("open {url} in a browser"));
+        live.show_activity("waiting for the page to open");
+        self.wait_for(interrupt, |message| {
+            message["pages"].as_u64().filter(|pages| *pages > 0)
         })?;
         Ok(())
     }
 
     /// Waits for a signal; processes keep running.
-    pub(super) fn stay(
+    pub(super) fn keep_running(
         &mut self,
         live: &mut Progress,
         interrupt: &Interrupt,
     ) -> anyhow::Result<()> {
-        live.note("done; everything stays as it is until Ctrl-C");
+        live.show_activity("done; processes keep running until Ctrl-C");
         while !interrupt.is_set() {
             self.server.check()?;
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
         Ok(())
     }
@@ -69,15 +71,15 @@ impl Page {
     ) -> anyhow::Result<T> {
         loop {
             self.server.check()?;
-            interrupt.check("the demo ended its processes and wiped its bus")?;
+            interrupt.check("the demo terminated its processes and removed its bus")?;
             let lines = self.server.results();
-            let said = lines
+            let message = lines
                 .iter()
                 .filter_map(|line| serde_json::from_str(line).ok());
-            if let Some(found) = said.into_iter().find_map(|said| find(&said)) {
+            if let Some(found) = message.into_iter().find_map(|message| find(&message)) {
                 return Ok(found);
             }
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
 }

@@ -2,16 +2,16 @@
 //! heavy is put back.
 
 use atas_client::goal::LIFT_M;
-use atas_console::arguments::Running;
+use atas_console::arguments::DemoOptions;
 use atas_evaluation::Task;
 use atas_evaluation::judge::{Outcome, Placing};
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Object;
 
 use super::Setting;
-use super::grasp::{gripped, refused_for};
-use super::scenario::{Figure, Judged, Scenario};
-use super::seen::Seen;
+use super::grasp::{grip_figures, refusal_cause};
+use super::observed::ObservedRun;
+use super::scenario::{Evaluation, Figure, Scenario};
 
 pub(super) struct PickPlace {
     argument: String,
@@ -19,10 +19,10 @@ pub(super) struct PickPlace {
 }
 
 impl PickPlace {
-    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+    pub(super) fn new(argument: &str, running: &DemoOptions) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::PickPlace, running, super::object(argument)?)?,
+            set: Setting::from_task(Task::PickPlace, running, super::object(argument)?)?,
         })
     }
 
@@ -36,7 +36,7 @@ impl Scenario for PickPlace {
         &self.object().name
     }
 
-    fn setting(&self) -> Vec<String> {
+    fn scene_arguments(&self) -> Vec<String> {
         ["--scene", "pick-place", "--object", &self.argument]
             .map(str::to_owned)
             .to_vec()
@@ -46,18 +46,23 @@ impl Scenario for PickPlace {
         self.set.goal
     }
 
-    fn live(&self, truth: &WorldTruth) -> String {
+    fn progress_text(&self, truth: &WorldTruth) -> String {
         super::lifted(truth)
     }
 
-    fn judge(&self, seen: &Seen) -> Judged {
+    fn evaluate(&self, observed: &ObservedRun) -> Evaluation {
         let [x_m, y_m, _] = self.set.goal.to_m;
-        let end = seen.progress.last();
-        let placing = Placing::of(end, &seen.truth, [x_m, y_m], seen.progress.let_go_ns());
+        let result = observed.progress.last();
+        let placing = Placing::evaluate(
+            result,
+            &observed.truth,
+            [x_m, y_m],
+            observed.progress.released_ns(),
+        );
         let feasible = self.set.load().is_feasible();
-        let outcome = Outcome::of(end, &seen.truth, self.set.hand(), LIFT_M);
+        let outcome = Outcome::evaluate(result, &observed.truth, self.set.hand(), LIFT_M);
         let refused = !feasible && outcome.is_expected(feasible);
-        let mut figures = gripped(seen.progress.figures(), self.set.fingers);
+        let mut figures = grip_figures(observed.progress.figures(), self.set.fingers);
         figures.extend([
             Figure::new("off mm", "off_mm", placing.off_m * 1e3, 1),
             Figure::new(
@@ -67,7 +72,7 @@ impl Scenario for PickPlace {
                 1,
             ),
             Figure::new(
-                "fingers off ms",
+                "parted after ms",
                 "parted_after_ms",
                 placing.parting_s * 1e3,
                 1,
@@ -78,18 +83,18 @@ impl Scenario for PickPlace {
                 placing.released_above_m * 1e3,
                 2,
             ),
-            Figure::took(seen),
+            Figure::duration(observed),
         ]);
         let word = match &placing.failure {
             Some(_) if refused => "refused".to_owned(),
             Some(failure) => failure.clone(),
             None => "placed".to_owned(),
         };
-        Judged {
+        Evaluation {
             figures,
             outcome: word,
-            cause: refused_for(outcome).filter(|_| refused),
-            should: if feasible { "placed" } else { "refused" },
+            cause: refusal_cause(outcome).filter(|_| refused),
+            expected: if feasible { "placed" } else { "refused" },
             as_expected: refused || (feasible && placing.failure.is_none()),
         }
     }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Session};
 use atas_console::Interrupt;
-use atas_console::arguments::Running;
+use atas_console::arguments::DemoOptions;
 use shm_bus::{BusName, FreshBus};
 use shm_schemas::{Mode, Status, service};
 
@@ -17,7 +17,7 @@ use super::logs::{self, Logs};
 
 /// Longest time until the daemon is ready (design choice: usually 150 ms; a loaded machine takes
 /// longer).
-const READY_WITHIN: Duration = Duration::from_secs(15);
+const READY_TIMEOUT: Duration = Duration::from_secs(15);
 /// Time that the daemon must be ready without interruption (design choice: ten status messages).
 /// While two processes start, the clock advances unevenly and the daemon may hold in between.
 const STEADY_FOR: Duration = Duration::from_millis(200);
@@ -33,8 +33,8 @@ pub(super) struct Processes {
 }
 
 impl Processes {
-    pub(super) fn set(scene: &[String], running: &Running) -> anyhow::Result<Self> {
-        logs::sweep();
+    pub(super) fn start(scene: &[String], running: &DemoOptions) -> anyhow::Result<Self> {
+        logs::remove_stale();
         let bus = FreshBus::new("demo");
         let logs = Logs::new(&bus)?;
         let (name, seed) = (bus.as_str(), running.seed.to_string());
@@ -87,11 +87,11 @@ impl Processes {
         let mut unready = begin;
         while unready.elapsed() < STEADY_FOR {
             self.check()?;
-            interrupt.check("the demo was starting")?;
-            if begin.elapsed() > READY_WITHIN {
+            interrupt.check("the demo was interrupted during start-up")?;
+            if begin.elapsed() > READY_TIMEOUT {
                 self.logs.keep = true;
                 anyhow::bail!(
-                    "the daemon was not ready within {READY_WITHIN:?}: mode {} ({}); its log is in {}",
+                    "the daemon was not ready within {READY_TIMEOUT:?}: mode {} ({}); its log is in {}",
                     status.mode,
                     status.reason,
                     self.logs.folder.display()

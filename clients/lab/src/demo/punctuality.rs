@@ -6,7 +6,7 @@ use shm_schemas::{Status, StatusFlags, WorldTruth};
 /// Share of missed ticks above which machine load may have affected the outcome (design choice: a
 /// bare loop at the highest priority misses up to 0.05 % on a shared virtual machine, 0 on an idle
 /// machine).
-const STARVED_SHARE: f64 = 0.002;
+const OVERLOAD_SHARE: f64 = 0.002;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Punctuality {
@@ -38,7 +38,7 @@ impl Punctuality {
         self.daemon_missed + self.simulator_missed
     }
 
-    fn starved(&self) -> f64 {
+    fn missed_share(&self) -> f64 {
         self.missed() as f64 / self.ticks.max(1) as f64
     }
 
@@ -53,7 +53,7 @@ impl Punctuality {
     }
 
     /// Describes the counts; `None` in lock-step, where no tick can be missed.
-    pub(super) fn sentence(&self) -> Option<String> {
+    pub(super) fn text(&self) -> Option<String> {
         let has = |flag| self.flags & flag != 0;
         if has(StatusFlags::LOCKSTEP) {
             return None;
@@ -76,13 +76,14 @@ impl Punctuality {
                 "not phase-locked"
             },
         );
-        if self.starved() > STARVED_SHARE {
-            text += " This machine was too busy, and what is held may slip: end other programs, or use --lockstep.";
+        if self.missed_share() > OVERLOAD_SHARE {
+            text += " The machine was overloaded, and held objects may slip: end other programs, \
+                or use --lockstep.";
         } else if self.missed() > 0 {
-            text += " `atas bench latency` shows how punctual this machine is at all.";
+            text += " Measure the timing of this machine with `atas bench latency`.";
         }
         if has(StatusFlags::DEGRADED) {
-            text += " The daemon is DEGRADED: `atas doctor` says what to do.";
+            text += " The daemon is DEGRADED: run `atas doctor`.";
         }
         Some(text)
     }
@@ -91,7 +92,7 @@ impl Punctuality {
         json!({
             "ticks": self.ticks,
             "missed_ticks": self.missed(),
-            "starved": self.starved(),
+            "starved": self.missed_share(),
             "missed_by_atasd": self.daemon_missed,
             "missed_by_atas_sim": self.simulator_missed,
             "expired_commands": self.expired,
@@ -107,7 +108,7 @@ impl Punctuality {
 mod tests {
     use super::*;
 
-    fn look(by_daemon: u64, by_simulator: u64) -> (WorldTruth, Status) {
+    fn snapshot(by_daemon: u64, by_simulator: u64) -> (WorldTruth, Status) {
         let truth = WorldTruth {
             missed_ticks: by_simulator,
             ..WorldTruth::default()
@@ -120,9 +121,9 @@ mod tests {
     }
 
     #[test]
-    fn both_processes_are_counted() {
+    fn missed_ticks_of_both_processes_are_counted() {
         let check = |to: (WorldTruth, Status), expected: [u64; 3]| {
-            let from = look(7, 5);
+            let from = snapshot(7, 5);
             let counts = Punctuality::between([(&from.0, &from.1), (&to.0, &to.1)], 1000);
             let found = [
                 counts.missed(),
@@ -131,13 +132,13 @@ mod tests {
             ];
             assert_eq!(found, expected);
         };
-        check(look(7, 5), [0, 0, 0]);
-        check(look(10, 7), [5, 3, 2]);
-        check(look(0, 0), [0, 0, 0]);
+        check(snapshot(7, 5), [0, 0, 0]);
+        check(snapshot(10, 7), [5, 3, 2]);
+        check(snapshot(0, 0), [0, 0, 0]);
     }
 
     #[test]
-    fn lock_step_misses_nothing_and_says_nothing() {
+    fn lock_step_has_no_punctuality_text() {
         let sentence = |flags, daemon_missed| {
             Punctuality {
                 ticks: 9,
@@ -145,21 +146,21 @@ mod tests {
                 flags,
                 ..Punctuality::default()
             }
-            .sentence()
+            .text()
         };
         assert_eq!(sentence(StatusFlags::LOCKSTEP, 0), None);
-        let told =
+        let reported =
             sentence(StatusFlags::REALTIME | StatusFlags::PHASE_LOCKED, 0).expect("a sentence");
         assert_eq!(
-            told,
+            reported,
             "Real time: missed 0 of 9 ticks (atasd 0, atas-sim 0), 0 commands expired; real-time scheduling, phase-locked."
         );
-        let told = sentence(StatusFlags::DEGRADED, 2).expect("a sentence");
+        let reported = sentence(StatusFlags::DEGRADED, 2).expect("a sentence");
         assert!(
-            told.contains("missed 2 of 9")
-                && told.contains("--lockstep")
-                && told.contains("DEGRADED"),
-            "{told}"
+            reported.contains("missed 2 of 9")
+                && reported.contains("--lockstep")
+                && reported.contains("DEGRADED"),
+            "{reported}"
         );
     }
 }

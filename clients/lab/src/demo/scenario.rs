@@ -4,27 +4,27 @@ use atas_console::number;
 use serde_json::Value;
 use shm_schemas::{Cause, GoalRequest, WorldTruth};
 
-use super::seen::Seen;
+use super::observed::ObservedRun;
 
 /// Scene, goal, and evaluation by the simulator's ground truth.
 pub(super) trait Scenario {
     fn name(&self) -> &str;
     /// Returns the scene arguments of `atas-sim run`, without seed and pace.
-    fn setting(&self) -> Vec<String>;
+    fn scene_arguments(&self) -> Vec<String>;
     /// Returns the goal for the nominal scene, as a client sends it.
     fn goal(&self) -> GoalRequest;
     /// Formats the ground truth for the progress line.
-    fn live(&self, truth: &WorldTruth) -> String;
-    fn judge(&self, seen: &Seen) -> Judged;
+    fn progress_text(&self, truth: &WorldTruth) -> String;
+    fn evaluate(&self, seen: &ObservedRun) -> Evaluation;
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Judged {
+pub(super) struct Evaluation {
     pub(super) figures: Vec<Figure>,
     pub(super) outcome: String,
     /// Cause if the hand refused the object.
     pub(super) cause: Option<Cause>,
-    pub(super) should: &'static str,
+    pub(super) expected: &'static str,
     pub(super) as_expected: bool,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Judged {
 #[derive(Clone, Debug)]
 pub(super) struct Figure {
     /// Column heading; `None` if the figure is in JSON only.
-    pub(super) head: Option<&'static str>,
+    pub(super) heading: Option<&'static str>,
     pub(super) text: String,
     pub(super) key: &'static str,
     /// JSON value; `null` if not finite.
@@ -44,7 +44,7 @@ impl Figure {
     /// "does not apply".
     pub(super) fn new(head: &'static str, key: &'static str, value: f64, digits: usize) -> Self {
         Self {
-            head: Some(head),
+            heading: Some(head),
             text: if value.is_finite() {
                 number(value, digits)
             } else {
@@ -55,22 +55,22 @@ impl Figure {
         }
     }
 
-    pub(super) fn took(seen: &Seen) -> Self {
+    pub(super) fn duration(seen: &ObservedRun) -> Self {
         Self::new("took s", "took_s", seen.progress.took_s(), 1)
     }
 
     pub(super) fn count(head: &'static str, key: &'static str, value: u32) -> Self {
         Self {
-            head: Some(head),
+            heading: Some(head),
             text: value.to_string(),
             key,
             value: value.into(),
         }
     }
 
-    pub(super) fn hidden(key: &'static str, value: impl Into<Value>) -> Self {
+    pub(super) fn json_only(key: &'static str, value: impl Into<Value>) -> Self {
         Self {
-            head: None,
+            heading: None,
             text: String::new(),
             key,
             value: value.into(),

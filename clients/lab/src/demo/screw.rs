@@ -1,13 +1,13 @@
 //! Screw demo: the cap is closed and tightened as far as Module 4 requires.
 
-use atas_console::arguments::Running;
+use atas_console::arguments::DemoOptions;
 use atas_evaluation::Task;
 use atas_evaluation::judge::Screwing;
 use shm_schemas::{GoalRequest, WorldTruth};
 
 use super::Setting;
-use super::scenario::{Figure, Judged, Scenario};
-use super::seen::Seen;
+use super::observed::ObservedRun;
+use super::scenario::{Evaluation, Figure, Scenario};
 
 pub(super) struct Screw {
     argument: String,
@@ -15,10 +15,10 @@ pub(super) struct Screw {
 }
 
 impl Screw {
-    pub(super) fn new(argument: &str, running: &Running) -> anyhow::Result<Self> {
+    pub(super) fn new(argument: &str, running: &DemoOptions) -> anyhow::Result<Self> {
         Ok(Self {
             argument: argument.to_owned(),
-            set: Setting::of(Task::Screw, running, super::cap(argument)?)?,
+            set: Setting::from_task(Task::Screw, running, super::cap(argument)?)?,
         })
     }
 }
@@ -28,7 +28,7 @@ impl Scenario for Screw {
         &self.set.object().name
     }
 
-    fn setting(&self) -> Vec<String> {
+    fn scene_arguments(&self) -> Vec<String> {
         ["--scene", "screw", "--cap", &self.argument]
             .map(str::to_owned)
             .to_vec()
@@ -38,30 +38,30 @@ impl Scenario for Screw {
         self.set.goal
     }
 
-    fn live(&self, truth: &WorldTruth) -> String {
-        turned(truth)
+    fn progress_text(&self, truth: &WorldTruth) -> String {
+        angle_text(truth)
     }
 
-    fn judge(&self, seen: &Seen) -> Judged {
-        let screwing = Screwing::of(seen.progress.last(), &seen.truth);
-        let mut figures = turning(seen, screwing.tightness);
-        figures.push(Figure::took(seen));
-        Judged {
+    fn evaluate(&self, observed: &ObservedRun) -> Evaluation {
+        let screwing = Screwing::evaluate(observed.progress.last(), &observed.truth);
+        let mut figures = screw_figures(observed, screwing.tightness);
+        figures.push(Figure::duration(observed));
+        Evaluation {
             figures,
             cause: None,
             as_expected: screwing.failure.is_none(),
             outcome: screwing.failure.unwrap_or_else(|| "tight".to_owned()),
-            should: "tight",
+            expected: "tight",
         }
     }
 }
 
-pub(super) fn turned(truth: &WorldTruth) -> String {
+pub(super) fn angle_text(truth: &WorldTruth) -> String {
     let angle_deg = truth.objects[0].cap_angle_rad.to_degrees();
     format!("turned {}°", atas_console::number(angle_deg, 0))
 }
 
-pub(super) fn turning(seen: &Seen, tightness: f64) -> Vec<Figure> {
+pub(super) fn screw_figures(seen: &ObservedRun, tightness: f64) -> Vec<Figure> {
     let cap = &seen.truth.objects[0];
     let friction_mn_m = cap.cap_friction_n_m * 1e3;
     vec![

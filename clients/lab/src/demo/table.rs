@@ -1,25 +1,25 @@
 //! Results of a demo as table or JSON.
 
-use atas_console::{Ended, Exit, Output, table, whole};
+use atas_console::{Exit, ExitError, Output, no_break, table};
 use comfy_table::{Cell, Table};
 use serde_json::{Map, Value};
 
+use super::observed::ObservedRun;
 use super::punctuality::Punctuality;
-use super::scenario::{Figure, Judged};
-use super::seen::Seen;
+use super::scenario::{Evaluation, Figure};
 
 pub(super) struct Row {
     name: String,
-    judged: Judged,
+    judged: Evaluation,
     /// Reason of the failure; empty on success.
     reason: String,
     punctuality: Punctuality,
 }
 
 impl Row {
-    pub(super) fn new(name: &str, judged: Judged, seen: &Seen) -> Self {
+    pub(super) fn new(name: &str, judged: Evaluation, seen: &ObservedRun) -> Self {
         let reason = if seen.progress.last().reason.is_some() {
-            seen.progress.sentence()
+            seen.progress.text()
         } else {
             String::new()
         };
@@ -50,7 +50,7 @@ impl Row {
     fn outcome(&self) -> String {
         let outcome = &self.judged.outcome;
         match self.judged.cause {
-            Some(cause) => format!("{outcome}: {}", whole(&cause.name().replace('-', " "))),
+            Some(cause) => format!("{outcome}: {}", no_break(&cause.name().replace('-', " "))),
             None => outcome.clone(),
         }
     }
@@ -71,7 +71,7 @@ pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Re
     for row in rows.iter().filter(|row| !row.reason.is_empty()) {
         output.line(format_args!("{}: {}", row.name, row.reason))?;
     }
-    match Punctuality::sum(rows.iter().map(|row| row.punctuality)).sentence() {
+    match Punctuality::sum(rows.iter().map(|row| row.punctuality)).text() {
         Some(sentence) => output.line(sentence),
         None => Ok(()),
     }
@@ -79,7 +79,11 @@ pub(super) fn print(task: &str, rows: &[Row], output: &mut Output) -> anyhow::Re
 
 /// Makes the table; reasons are printed below it because they are long.
 fn lines(first: &Row, rows: &[Row], output: &Output) -> Table {
-    let heads = first.judged.figures.iter().filter_map(|figure| figure.head);
+    let heads = first
+        .judged
+        .figures
+        .iter()
+        .filter_map(|figure| figure.heading);
     let header: Vec<&str> = ["object"]
         .into_iter()
         .chain(heads)
@@ -88,10 +92,10 @@ fn lines(first: &Row, rows: &[Row], output: &Output) -> Table {
     let mut lines = table(&header);
     for row in rows {
         let figures = row.judged.figures.iter();
-        let shown = figures.filter(|figure| figure.head.is_some());
+        let shown = figures.filter(|figure| figure.heading.is_some());
         let mut cells: Vec<Cell> = vec![row.name.as_str().into()];
         cells.extend(shown.map(|figure| figure.text.as_str().into()));
-        cells.push(output.verdict(&row.outcome(), row.judged.as_expected.into()));
+        cells.push(output.rated_cell(&row.outcome(), row.judged.as_expected.into()));
         lines.add_row(cells);
     }
     lines
@@ -102,13 +106,13 @@ pub(super) fn verdict(rows: &[Row]) -> anyhow::Result<()> {
     let sentences: Vec<String> = unexpected
         .map(|row| {
             format!(
-                "{}: {}, should be {}",
-                row.name, row.judged.outcome, row.judged.should
+                "{}: {}, expected {}",
+                row.name, row.judged.outcome, row.judged.expected
             )
         })
         .collect();
     if sentences.is_empty() {
         return Ok(());
     }
-    Err(Ended::with(Exit::Unexpected, sentences.join("; ")))
+    Err(ExitError::with_code(Exit::Unexpected, sentences.join("; ")))
 }

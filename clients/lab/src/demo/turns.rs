@@ -1,11 +1,11 @@
 //! Counter of cap turns: a turn is one grip during which the cap rotates.
 
-use robot_model::VIRTUAL_FINGERS;
+use robot_model::GRASP_SIDES;
 use shm_schemas::WorldTruth;
 
 /// Normal force of a fingertip in contact, N (design choice: half of the controller's touch
 /// threshold).
-const PRESSED_N: f64 = 0.03;
+const CONTACT_N: f64 = 0.03;
 /// Smallest rotation of a turn, rad (design choice: 5°, a tenth of a typical turn).
 const TURN_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
 
@@ -24,11 +24,11 @@ struct Grip {
 impl Turns {
     /// Updates with the first object, a cap, and the hand of this index. A turn takes about 1 s, so
     /// slow polling suffices.
-    pub(super) fn look(&mut self, truth: &WorldTruth, hand: usize) {
+    pub(super) fn update(&mut self, truth: &WorldTruth, hand: usize) {
         let cap = &truth.objects[0];
-        let pressed = truth.normal_n[hand][..VIRTUAL_FINGERS]
+        let pressed = truth.normal_n[hand][..GRASP_SIDES]
             .iter()
-            .all(|force_n| *force_n > PRESSED_N);
+            .all(|force_n| *force_n > CONTACT_N);
         if !pressed || cap.cap_engaged == 0 {
             self.grip = None;
             return;
@@ -57,7 +57,7 @@ mod tests {
                 truth.normal_n[1] = [*normal_n; 4];
                 truth.objects[0].cap_engaged = (*engaged).into();
                 truth.objects[0].cap_angle_rad = angle_deg.to_radians();
-                turns.look(&truth, 1);
+                turns.update(&truth, 1);
             }
             assert_eq!(turns.count, count, "{looks:?}");
         };

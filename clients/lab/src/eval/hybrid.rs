@@ -1,7 +1,7 @@
 //! `atas eval hybrid`: evaluates courses of mobile robots with hands.
 
 use atas_console::arguments::HybridEvaluation;
-use atas_console::{Ended, Exit, Interrupt, Output, number, table};
+use atas_console::{Exit, ExitError, Interrupt, Output, number, table};
 use atas_evaluation::hybrid::{HybridPlan, HybridReport, Reflexes};
 use atas_evaluation::{Task, seeds};
 use comfy_table::Cell;
@@ -13,28 +13,29 @@ pub(super) fn hybrid(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let (_, table) = CourseFile::named(&arguments.table)
-        .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
+    let (_, table) = CourseFile::from_name(&arguments.table)
+        .map_err(|error| ExitError::with_code(Exit::Usage, error.to_string()))?;
     let objects: Result<Vec<Object>, ObjectError> = if arguments.objects.is_empty() {
         Task::PickPlace.objects()
     } else {
         let named = arguments.objects.iter();
-        named.map(|name| Object::named_or_file(name)).collect()
+        named.map(|name| Object::from_name_or_file(name)).collect()
     };
     let plan = HybridPlan {
         robots: arguments.robots.into(),
         trials: arguments.seeds,
-        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        first_seed: arguments.first_seed.unwrap_or(seeds::EVALUATION_START),
         table,
         reflexes: match arguments.frozen {
             true => Reflexes::Frozen,
             false => Reflexes::On,
         },
-        objects: objects.map_err(|error| Ended::with(Exit::Usage, error.to_string()))?,
+        objects: objects.map_err(|error| ExitError::with_code(Exit::Usage, error.to_string()))?,
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     };
-    let (report, _) = super::behind_a_bar(plan.trials, |done| plan.run(interrupt.flag(), done))?;
+    let (report, _) =
+        super::with_progress_bar(plan.trials, |done| plan.run(interrupt.flag(), done))?;
     if output.is_json() {
         return output.json(&report);
     }
@@ -42,7 +43,7 @@ pub(super) fn hybrid(
 }
 
 fn print(report: &HybridReport, output: &mut Output) -> anyhow::Result<()> {
-    let mut lines = table(&["robots", "trials", "success", "95 %", "otherwise"]);
+    let mut lines = table(&["robots", "trials", "success", "95 %", "failures"]);
     let failures = report.failures.iter();
     let otherwise: Vec<String> = failures
         .map(|(key, count)| format!("{count} {key}"))
@@ -65,8 +66,9 @@ fn print(report: &HybridReport, output: &mut Output) -> anyhow::Result<()> {
     let [median_mm, most_mm] = drive.slip_mm;
     let [up_n, down_n] = drive.grip_change_n;
     output.line(format!(
-        "on the way, reflexes {}: slip {} mm median, {} mm most, more than 0.1 mm on {} of {} drives; grip +{} N, -{} N \
-         median; shaken by {} m/s² along the floor, {} m/s² upwards",
+        "while driving, reflexes {}: slip median {} mm, max {} mm, above 0.1 mm on {} of {} \
+         drives; grip change median +{} N, -{} N; base acceleration {} m/s² horizontal, {} m/s² \
+         vertical",
         match report.reflexes {
             Reflexes::On => "on",
             Reflexes::Frozen => "frozen",
@@ -81,7 +83,7 @@ fn print(report: &HybridReport, output: &mut Output) -> anyhow::Result<()> {
         number(drive.shake.vertical_m_s2, 2),
     ))?;
     output.line(format!(
-        "{} s simulated per trial, median; seeds from {}: {}",
+        "simulated time per trial {} s, median; seeds from {}: {}",
         number(report.simulated_s, 0),
         report.first_seed,
         report.purpose

@@ -14,7 +14,7 @@ mod variants;
 use std::io::IsTerminal;
 
 use atas_console::arguments::{Eval, Evaluation, TaskName};
-use atas_console::{Ended, Exit, Interrupt, Output};
+use atas_console::{Exit, ExitError, Interrupt, Output};
 use atas_evaluation::{Condition, Evaluated, GripPolicy, Noise, Plan, Task, seeds};
 use indicatif::{ProgressBar, ProgressStyle};
 use robot_model::RobotFiles;
@@ -30,11 +30,11 @@ pub(crate) fn evaluate(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     match eval {
-        Eval::Grasp(arguments) => one(Task::Grasp, arguments, interrupt, output),
-        Eval::PickPlace(arguments) => one(Task::PickPlace, arguments, interrupt, output),
-        Eval::Screw(arguments) => one(Task::Screw, arguments, interrupt, output),
-        Eval::Assembly(arguments) => one(Task::Assembly, arguments, interrupt, output),
-        Eval::Recording(arguments) => recording::judge_recording(arguments, output),
+        Eval::Grasp(arguments) => evaluate_task(Task::Grasp, arguments, interrupt, output),
+        Eval::PickPlace(arguments) => evaluate_task(Task::PickPlace, arguments, interrupt, output),
+        Eval::Screw(arguments) => evaluate_task(Task::Screw, arguments, interrupt, output),
+        Eval::Assembly(arguments) => evaluate_task(Task::Assembly, arguments, interrupt, output),
+        Eval::Recording(arguments) => recording::evaluate_recording(arguments, output),
         Eval::All(summary) => summary::all(summary, interrupt, output),
         Eval::Errors(summary) => summary::errors(summary, interrupt, output),
         Eval::Robots(arguments) => variants::robots(arguments, interrupt, output),
@@ -47,7 +47,7 @@ pub(crate) fn evaluate(
     }
 }
 
-fn one(
+fn evaluate_task(
     task: Task,
     arguments: &Evaluation,
     interrupt: &Interrupt,
@@ -67,12 +67,12 @@ fn one(
 }
 
 fn run(plan: &Plan, interrupt: &Interrupt) -> anyhow::Result<Evaluated> {
-    behind_a_bar(plan.jobs(), |done| plan.run(interrupt.flag(), done))
+    with_progress_bar(plan.jobs(), |done| plan.run(interrupt.flag(), done))
 }
 
 /// Runs trials with a progress bar. `run` receives a callback for each finished trial and returns
 /// `None` if it was interrupted.
-fn behind_a_bar<T>(
+fn with_progress_bar<T>(
     trials: u64,
     run: impl FnOnce(&(dyn Fn() + Sync)) -> anyhow::Result<Option<T>>,
 ) -> anyhow::Result<T> {
@@ -81,8 +81,9 @@ fn behind_a_bar<T>(
     let done = bar.position();
     bar.finish_and_clear();
     evaluated.ok_or_else(|| {
-        let sentence = format!("interrupted after {done} of {trials} trials; nothing was reported");
-        Ended::with(Exit::Interrupted, sentence)
+        let sentence =
+            format!("interrupted after {done} of {trials} trials; no report was written");
+        ExitError::with_code(Exit::Interrupted, sentence)
     })
 }
 
@@ -91,19 +92,19 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
         task.objects()
     } else {
         let named = arguments.objects.iter();
-        named.map(|name| Object::named_or_file(name)).collect()
+        named.map(|name| Object::from_name_or_file(name)).collect()
     };
-    let objects = objects.map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
+    let objects = objects.map_err(|error| ExitError::with_code(Exit::Usage, error.to_string()))?;
     let of_each = |seeds: u64| seeds.saturating_mul(objects.len() as u64);
     let baselines = match arguments.no_baselines {
         true => Vec::new(),
         false => GripPolicy::baselines(task, arguments.fixed_force).to_vec(),
     };
     let robot = RobotFiles::find(&arguments.robot)
-        .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
+        .map_err(|error| ExitError::with_code(Exit::Usage, error.to_string()))?;
     let skin = arguments.skin.as_deref().map(str::parse).transpose();
     let skin = skin.map_err(|error: UnknownLayout| {
-        Ended::with(Exit::Usage, format!("could not use --skin because {error}"))
+        ExitError::with_code(Exit::Usage, format!("could not use --skin: {error}"))
     })?;
     Ok(Plan {
         robot,
@@ -111,7 +112,7 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
         task,
         trials: arguments.seeds.map_or(arguments.trials, of_each),
         objects,
-        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        first_seed: arguments.first_seed.unwrap_or(seeds::EVALUATION_START),
         conditions: conditions(task, arguments)?,
         baselines,
         compare_everywhere: arguments.errors.as_deref() == Some(EACH),
@@ -127,10 +128,7 @@ fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Conditio
         Some(EACH) => task.error_conditions(),
         Some(text) => {
             let named = text.parse().map_err(|error| {
-                Ended::with(
-                    Exit::Usage,
-                    format!("could not use --errors because {error}"),
-                )
+                ExitError::with_code(Exit::Usage, format!("could not use --errors: {error}"))
             })?;
             let under = |condition| Condition {
                 errors: Clone::clone(&named),
@@ -164,7 +162,7 @@ fn bar(trials: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let template = "{bar:40} {pos}/{len} trials, {elapsed} passed, {eta} left";
+    let template = "{bar:40} {pos}/{len} trials, {elapsed} elapsed, {eta} left";
     let style = ProgressStyle::with_template(template);
     ProgressBar::new(trials).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

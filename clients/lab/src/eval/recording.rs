@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use atas_console::arguments::RecordedEvaluation;
-use atas_console::{Ended, Exit, Output, table};
-use atas_evaluation::recorded::{Fit, Labels, Model, Rates, Verdict, judge, open, train};
+use atas_console::{Exit, ExitError, Output, table};
+use atas_evaluation::recorded::{Fit, Labels, Model, Rates, Verdict, evaluate, open, train};
 use comfy_table::Cell;
 
-pub(super) fn judge_recording(
+pub(super) fn evaluate_recording(
     arguments: &RecordedEvaluation,
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let verdict =
-        run(arguments).map_err(|error| Ended::with(Exit::Failed, format!("{error:#}")))?;
+        run(arguments).map_err(|error| ExitError::with_code(Exit::Failed, format!("{error:#}")))?;
     if output.is_json() {
         return output.json(&verdict);
     }
@@ -29,10 +29,10 @@ fn run(arguments: &RecordedEvaluation) -> anyhow::Result<Verdict> {
     };
     let mut model = match &arguments.model {
         Some(path) => Model::open(path)?,
-        None => Model::shipped()?,
+        None => Model::built_in()?,
     };
     if let Some(rate_hz) = arguments.rate_hz {
-        model = model.at_rate(rate_hz);
+        model = model.with_rate(rate_hz);
     }
     if let Some(path) = &arguments.train {
         // Row numbers of the label file are valid for one recording only.
@@ -52,7 +52,7 @@ fn run(arguments: &RecordedEvaluation) -> anyhow::Result<Verdict> {
         Fit::Given
     };
     let (sheet, labels) = open(&arguments.file, &labels)?;
-    judge(&sheet, &labels, &model, fit)
+    evaluate(&sheet, &labels, &model, fit)
 }
 
 fn print(file: &Path, verdict: &Verdict, output: &mut Output) -> anyhow::Result<()> {
@@ -65,10 +65,10 @@ fn print(file: &Path, verdict: &Verdict, output: &mut Output) -> anyhow::Result<
         rows += 1;
     };
     if let Some(of) = &verdict.rates {
-        add("whole".to_owned(), of);
+        add("all".to_owned(), of);
     }
     if let Some(of) = &verdict.first_step {
-        add("first step after touch".to_owned(), of);
+        add("first step after contact".to_owned(), of);
     }
     for after in &verdict.after {
         add(format!("after {} s", after.s), &after.rates);
@@ -81,8 +81,8 @@ fn print(file: &Path, verdict: &Verdict, output: &mut Output) -> anyhow::Result<
             "",
             "presses",
             "error N",
-            "of the mean N",
-            "known beyond it by N",
+            "error of mean N",
+            "known, excess N",
         ]);
         for (sort, of) in &verdict.sorts {
             errors.add_row([
@@ -97,19 +97,19 @@ fn print(file: &Path, verdict: &Verdict, output: &mut Output) -> anyhow::Result<
     }
     if let Some(touches) = &verdict.touches {
         output.line(format_args!(
-            "{} touches, beginning in rows {touches:?}",
+            "{} contacts, starting in rows {touches:?}",
             touches.len()
         ))?;
     }
     for warning in &verdict.warnings {
-        output.line(format_args!("beware: {warning}"))?;
+        output.line(format_args!("warning: {warning}"))?;
     }
     let constants = match verdict.fit {
         Fit::Given => "constants of the model",
         Fit::Across => "constants fitted to the other objects",
     };
     output.line(format_args!(
-        "{}: {} judged of {} objects, {} without a label of use; {constants}",
+        "{}: {} evaluated, {} objects, {} without a usable label; {constants}",
         file.display(),
         verdict.n,
         verdict.objects,

@@ -12,11 +12,11 @@ pub(super) fn reflex(
 ) -> anyhow::Result<()> {
     let plan = ReflexPlan {
         trials: arguments.trials,
-        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        first_seed: arguments.first_seed.unwrap_or(seeds::EVALUATION_START),
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     };
-    let report = super::behind_a_bar(plan.trials, |done| plan.run(interrupt.flag(), done))?;
+    let report = super::with_progress_bar(plan.trials, |done| plan.run(interrupt.flag(), done))?;
     if output.is_json() {
         return output.json(&report);
     }
@@ -28,10 +28,10 @@ fn print(report: &ReflexReport, output: &mut Output) -> anyhow::Result<()> {
         "policy",
         "trials",
         "success",
-        "closing weakly",
-        "closing hard",
+        "weak closing",
+        "hard closing",
         "crushed",
-        "otherwise",
+        "other failures",
     ]);
     for (name, side) in [("with reflex", &report.with), ("without", &report.without)] {
         let of = |[trials, successes]: [u64; 2]| format!("{successes} of {trials}");
@@ -52,14 +52,15 @@ fn print(report: &ReflexReport, output: &mut Output) -> anyhow::Result<()> {
     output.table(lines)?;
     let over_grip = |median: Option<f64>| median.map_or("-".to_owned(), |m| number(m, 2));
     output.line(format!(
-        "over-grip of what was held, median: {} with reflex, {} without",
+        "median over-grip of held objects: {} with reflex, {} without",
         over_grip(report.with.over_grip_median),
         over_grip(report.without.over_grip_median),
     ))?;
     let slip = &report.slip_to_command_ms;
     let ms = |ms: Option<f64>| ms.map_or("-".to_owned(), |ms| number(ms, 0));
     output.line(format!(
-        "slip onset to command: p50 {} ms, p99 {} ms, max {} ms over {} slips; {} more at F_2, p99 with them {} ms; {} ended unanswered",
+        "slip onset to command: p50 {} ms, p99 {} ms, max {} ms over {} slips; {} more at F_2, p99 \
+         including them {} ms; {} without a response",
         ms(slip.p50),
         ms(slip.p99),
         ms(slip.max),
@@ -69,7 +70,7 @@ fn print(report: &ReflexReport, output: &mut Output) -> anyhow::Result<()> {
         slip.unanswered,
     ))?;
     output.line(format!(
-        "seeds from {} on of each object, for {}",
+        "seeds from {} for each object, purpose: {}",
         report.first_seed, report.purpose
     ))
 }

@@ -5,7 +5,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use atas_console::{Ended, Exit};
+use atas_console::{Exit, ExitError};
 use atas_evaluation::TrialRow;
 use atas_process::file_name::suffix;
 
@@ -31,13 +31,14 @@ impl File {
             "jsonl" => Kind::Jsonl,
             _ => {
                 let sentence = format!(
-                    "could not write rows to {} because its suffix says no format, needs .csv or .jsonl; rename it",
+                    "could not write rows to {}: unknown suffix, needs .csv or .jsonl; rename the \
+                     file",
                     path.display()
                 );
-                return Err(Ended::with(Exit::Usage, sentence));
+                return Err(ExitError::with_code(Exit::Usage, sentence));
             }
         };
-        let file = fs::File::create(path).with_context(|| sentence(path))?;
+        let file = fs::File::create(path).with_context(|| write_error(path))?;
         Ok(Self {
             path: path.to_owned(),
             kind,
@@ -50,13 +51,13 @@ impl File {
             Kind::Csv => csv(self.file, rows),
             Kind::Jsonl => jsonl(self.file, rows),
         };
-        written.with_context(|| sentence(&self.path))
+        written.with_context(|| write_error(&self.path))
     }
 }
 
-fn sentence(path: &Path) -> String {
+fn write_error(path: &Path) -> String {
     format!(
-        "could not write {}; name a file in a folder that exists and may be written",
+        "could not write {}; name a file in a writable folder",
         path.display()
     )
 }

@@ -3,18 +3,18 @@
 use std::path::Path;
 
 use anyhow::Context as _;
-use atas_console::arguments::{Evaluation, Merging};
-use atas_console::{Ended, Exit, Interrupt, Output};
+use atas_console::arguments::{Evaluation, MergeParts};
+use atas_console::{Exit, ExitError, Interrupt, Output};
 use atas_evaluation::parts::{Header, Part, header};
 use atas_evaluation::{Shard, Task};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::{behind_a_bar, plan, rows, table};
+use super::{plan, rows, table, with_progress_bar};
 
 /// Arguments of an evaluation, as stored in a part file.
 #[derive(Debug, Serialize, Deserialize)]
-struct Told {
+struct StoredArguments {
     task: String,
     evaluation: Evaluation,
 }
@@ -27,13 +27,10 @@ pub(super) fn part(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let shard: Shard = shard.parse().map_err(|error| {
-        Ended::with(
-            Exit::Usage,
-            format!("could not use --shard because {error}"),
-        )
+        ExitError::with_code(Exit::Usage, format!("could not use --shard: {error}"))
     })?;
     let plan = plan(task, arguments)?;
-    let told = Told {
+    let reported = StoredArguments {
         task: task.name().to_owned(),
         evaluation: Evaluation {
             shard: None,
@@ -45,7 +42,7 @@ pub(super) fn part(
     let header = Header {
         plan_hash: plan.hash(),
         shard,
-        arguments: serde_json::to_string(&told)?,
+        arguments: serde_json::to_string(&reported)?,
     };
     let part = Part::open(out, &header)?;
     if let Some(warning) = part.warning() {
@@ -53,7 +50,7 @@ pub(super) fn part(
     }
     let before = part.ended().len() as u64;
     let own = plan.jobs_of(shard);
-    behind_a_bar(own - before, |done| {
+    with_progress_bar(own - before, |done| {
         plan.run_shard(shard, part, interrupt.flag(), done)
     })?;
     if output.is_json() {
@@ -62,22 +59,31 @@ pub(super) fn part(
         }));
     }
     output.line(format_args!(
-        "part {}/{} has its {own} trials, {before} of them from before; `atas eval merge` takes all parts together",
+        "part {}/{} is complete: {own} trials, {before} of them from earlier runs; combine all \
+         parts with `atas eval merge`",
         shard.number, shard.of
     ))
 }
 
-pub(super) fn merge(arguments: &Merging, output: &mut Output) -> anyhow::Result<()> {
-    let first = arguments.parts.first().context("no part was named")?;
-    let told: Told = serde_json::from_str(&header(first)?.arguments)
-        .with_context(|| format!("could not read what {} is a part of", first.display()))?;
+pub(super) fn merge(arguments: &MergeParts, output: &mut Output) -> anyhow::Result<()> {
+    let first = arguments
+        .parts
+        .first()
+        .context("no part given; name the part files")?;
+    let reported: StoredArguments =
+        serde_json::from_str(&header(first)?.arguments).with_context(|| {
+            format!(
+                "could not read the evaluation arguments in {}",
+                first.display()
+            )
+        })?;
     let tasks = [Task::Grasp, Task::PickPlace, Task::Screw, Task::Assembly];
-    let task = tasks.into_iter().find(|task| task.name() == told.task);
+    let task = tasks.into_iter().find(|task| task.name() == reported.task);
     let task =
-        task.with_context(|| format!("could not merge because no task is called {:?}", told.task))?;
+        task.with_context(|| format!("could not merge: unknown task {:?}", reported.task))?;
     let file = arguments.rows.as_deref().map(rows::File::create);
     let file = file.transpose()?;
-    let merged = plan(task, &told.evaluation)?.merge(&arguments.parts)?;
+    let merged = plan(task, &reported.evaluation)?.merge(&arguments.parts)?;
     if let Some(file) = file {
         file.write(merged.rows.iter().flatten())?;
     }

@@ -48,7 +48,7 @@ pub(super) fn errors(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let abouts = Errors::KINDS.iter().map(|kind| (kind.name, kind.about));
-    let abouts: BTreeMap<&str, &str> = abouts.chain([("all", "all at once")]).collect();
+    let abouts: BTreeMap<&str, &str> = abouts.chain([("all", "all errors together")]).collect();
     let text = |reports: &[Report]| errors_table(reports, &abouts);
     report(&ERRORS, summary, text, interrupt, output)
 }
@@ -66,7 +66,7 @@ fn report(
     let text = text(&reports);
     print(summary.markdown, &evaluated, &text, output)?;
     match &summary.golden {
-        Some(folder) => keep(folder, kind.name, &text, &evaluated),
+        Some(folder) => save(folder, kind.name, &text, &evaluated),
         None => Ok(()),
     }
 }
@@ -93,7 +93,7 @@ fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<
             task: *task,
             objects: task.objects()?,
             trials: summary.trials.unwrap_or(kind.trials),
-            first_seed: summary.first_seed.unwrap_or(seeds::JUDGED_FROM),
+            first_seed: summary.first_seed.unwrap_or(seeds::EVALUATION_START),
             conditions: (kind.conditions)(*task),
             baselines,
             compare_everywhere: kind.compare_everywhere,
@@ -136,7 +136,7 @@ pub(super) fn print(
 }
 
 /// Writes the table and some of its trials; a test repeats these trials.
-pub(super) fn keep(
+pub(super) fn save(
     folder: &Path,
     name: &str,
     text: &str,
@@ -145,10 +145,10 @@ pub(super) fn keep(
     let path = folder.join(format!("{name}.md"));
     std::fs::write(&path, text).with_context(|| format!("could not write {}", path.display()))?;
     let series = evaluated.iter().flat_map(|e| &e.rows);
-    let samples: Vec<&TrialRow> = series.flat_map(|rows| sampled(rows)).collect();
+    let samples: Vec<&TrialRow> = series.flat_map(|rows| sample_rows(rows)).collect();
     File::create(&folder.join(format!("{name}.csv")))?.write(samples.into_iter())
 }
 
-fn sampled(rows: &[TrialRow]) -> impl Iterator<Item = &TrialRow> {
+fn sample_rows(rows: &[TrialRow]) -> impl Iterator<Item = &TrialRow> {
     rows.iter().step_by(rows.len().div_ceil(SAMPLES).max(1))
 }

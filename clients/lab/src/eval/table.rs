@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use atas_console::{Mood, Output, table, whole};
+use atas_console::{Output, Rating, no_break, table};
 use atas_evaluation::{Noise, Physics, Report, Tally};
 use comfy_table::Cell;
 
@@ -22,9 +22,9 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
     let mut add = |name: String, tally: &Tally, physics: Option<&Physics>| {
         let mut cells: Vec<Cell> = vec![name.into(), tally.trials.into()];
         cells.push(percent(tally.success).into());
-        cells.extend(physics.map(counts).into_iter().flatten());
-        cells.extend(measures.iter().map(|name| figure(tally, name)));
-        cells.push(otherwise(&tally.failures, output));
+        cells.extend(physics.map(physics_cells).into_iter().flatten());
+        cells.extend(measures.iter().map(|name| measure_cell(tally, name)));
+        cells.push(failures_cell(&tally.failures, output));
         rows.add_row(cells);
     };
     for family in &report.families {
@@ -57,10 +57,10 @@ fn errors(name: &str) -> String {
 fn heading(name: &str) -> &str {
     match name {
         "over_grip" => "over-grip",
-        "over_steady" => "over what turns",
+        "over_steady" => "torsion margin",
         "slip_mm" => "slip mm",
         "turn_deg" => "turn °",
-        "bottle_turn_deg" => "bottle turns °",
+        "bottle_turn_deg" => "bottle turn °",
         "off_mm" => "off mm",
         "latency_ms" => "latency ms",
         "parting_ms" => "parting ms",
@@ -70,11 +70,11 @@ fn heading(name: &str) -> &str {
     }
 }
 
-fn counts(physics: &Physics) -> [Cell; 5] {
+fn physics_cells(physics: &Physics) -> [Cell; 5] {
     let (feasible, infeasible) = (&physics.feasible, &physics.infeasible);
     let of = |count: u64, trials: u64| match trials {
         0 => "-".to_owned(),
-        trials => whole(&format!("{count} of {trials}")),
+        trials => no_break(&format!("{count} of {trials}")),
     };
     [
         of(feasible.held, feasible.trials).into(),
@@ -85,21 +85,21 @@ fn counts(physics: &Physics) -> [Cell; 5] {
     ]
 }
 
-fn figure(tally: &Tally, name: &str) -> Cell {
+fn measure_cell(tally: &Tally, name: &str) -> Cell {
     match (tally.medians.get(name), tally.largest.get(name)) {
-        (Some(median), Some(largest)) => whole(&format!("{median:.2} to {largest:.2}")).into(),
+        (Some(median), Some(largest)) => no_break(&format!("{median:.2} to {largest:.2}")).into(),
         _ => "-".into(),
     }
 }
 
-fn otherwise(failures: &BTreeMap<String, u64>, output: &Output) -> Cell {
+fn failures_cell(failures: &BTreeMap<String, u64>, output: &Output) -> Cell {
     let failures: Vec<String> = failures
         .iter()
         .map(|(key, count)| format!("{count} {key}"))
         .collect();
     match failures.as_slice() {
-        [] => output.verdict("none", Mood::Good),
-        failures => output.verdict(&failures.join(", "), Mood::Bad),
+        [] => output.rated_cell("none", Rating::Good),
+        failures => output.rated_cell(&failures.join(", "), Rating::Bad),
     }
 }
 
@@ -113,8 +113,8 @@ fn summary(report: &Report) -> String {
         )
     });
     format!(
-        "{}: {} of {} trials (95 % confidence {} to {}){borderline}; figures are median to largest\n\
-         {}; {:.1} × real time per core, {:.1} s",
+        "{}: {} of {} trials (95 % confidence {} to {}){borderline}; figures are median to \
+         maximum\n{}; {:.1} × real time per core, {:.1} s",
         report.task,
         percent(tally.success),
         tally.trials,
@@ -132,7 +132,7 @@ pub(super) fn seeds(report: &Report) -> String {
         .saturating_add(report.seeds.saturating_sub(1));
     let warning = match report.seeds_for {
         "judging" => "",
-        _ => "; figures to quote come from seeds beyond",
+        _ => "; quote only results of later seeds",
     };
     let end = atas_evaluation::seeds::TUNING.end();
     format!(

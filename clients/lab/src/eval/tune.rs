@@ -1,7 +1,7 @@
 //! `atas eval tune`: finds the best force of each baseline on the tuning seeds.
 
 use atas_console::arguments::Tuning;
-use atas_console::{Interrupt, Mood, Output, table};
+use atas_console::{Interrupt, Output, Rating, table};
 use atas_evaluation::{Baseline, GripPolicy, Plan, Report};
 use comfy_table::Cell;
 
@@ -32,7 +32,7 @@ pub(super) fn tune(
 }
 
 fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
-    let mut lines = table(&["baseline", "force", "by physics", "under the rule", ""]);
+    let mut lines = table(&["baseline", "force", "by physics", "success", ""]);
     let best = ["fixed_force", "slip_reactive"].map(|name| best(&report.baseline_rows, name));
     for (index, of) in report.baseline_rows.iter().enumerate() {
         let is_best = best.contains(&Some(index));
@@ -42,7 +42,7 @@ fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
             Cell::new(&of.setting),
             Cell::new(super::table::percent(by_physics(of))),
             Cell::new(super::table::percent(of.row.tally.success)),
-            output.verdict(verdict, Mood::Good),
+            output.rated_cell(verdict, Rating::Good),
         ]);
     }
     output.table(lines)?;

@@ -3,12 +3,12 @@
 
 use atas_console::arguments::Variants;
 use atas_console::{Interrupt, Output};
-use atas_evaluation::{Condition, Evaluated, Named, Noise, Plan, Report, Task, seeds};
-use atas_evaluation::{RobotTried, SkinTried, robots_table, skins_table};
+use atas_evaluation::{Condition, Evaluated, NamedErrors, Noise, Plan, Report, Task, seeds};
+use atas_evaluation::{RobotResults, SkinResults, robots_table, skins_table};
 use robot_model::{RobotFiles, SHIPPED, TWO_HAND_ARM};
 use shm_schemas::layout::NamedLayout;
 
-use super::summary::{keep, make_folder, print};
+use super::summary::{make_folder, print, save};
 
 const TASKS: [Task; 3] = [Task::Grasp, Task::PickPlace, Task::Screw];
 /// Fingertips of the two-hand arm with a remark: the paper's first, then those that cannot sense
@@ -35,7 +35,7 @@ pub(super) fn robots(
         let model = robot.load()?;
         let mut reports = Vec::new();
         for task in TASKS {
-            let report = match task.is_within(&model) {
+            let report = match task.is_supported_by(&model) {
                 true => Some(run(
                     &robot,
                     None,
@@ -49,9 +49,9 @@ pub(super) fn robots(
             reports.push((task, report));
         }
         let hand = model.hand(model.acting_side());
-        tried.push(RobotTried {
+        tried.push(RobotResults {
             robot: robot.name.to_string(),
-            turns_by_wrist: hand.abilities().turns_by_wrist,
+            turns_by_wrist: hand.capabilities().cap_turning_by_wrist,
             reports,
         });
     }
@@ -81,7 +81,7 @@ pub(super) fn skins(
             interrupt,
             &mut evaluated,
         )?;
-        tried.push(SkinTried {
+        tried.push(SkinResults {
             name: format!("`{name}`{about}"),
             report,
         });
@@ -105,11 +105,11 @@ fn run(
         task,
         objects: task.objects()?,
         trials: arguments.trials,
-        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        first_seed: arguments.first_seed.unwrap_or(seeds::EVALUATION_START),
         conditions: vec![Condition {
             noise: Noise::Scale(1.0),
             rate_hz: 1000,
-            errors: Named::none(),
+            errors: NamedErrors::none(),
         }],
         baselines: Vec::new(),
         compare_everywhere: false,
@@ -131,7 +131,7 @@ fn finish(
 ) -> anyhow::Result<()> {
     print(arguments.markdown, evaluated, text, output)?;
     match &arguments.golden {
-        Some(folder) => keep(folder, name, text, evaluated),
+        Some(folder) => save(folder, name, text, evaluated),
         None => Ok(()),
     }
 }

@@ -15,10 +15,10 @@ mod views;
 use std::path::Path;
 
 use atas_console::arguments::RobotAction;
-use atas_console::{Ended, Exit, Output, number, table};
+use atas_console::{Exit, ExitError, Output, number, table};
 use atas_evaluation::Task;
 use robot_model::{
-    HandModel, Joint, JointKind, RobotFiles, RobotModel, SHIPPED, Side, VIRTUAL_FINGERS,
+    GRASP_SIDES, HandModel, HandSide, Joint, JointKind, RobotFiles, RobotModel, SHIPPED,
 };
 use serde_json::{Value, json};
 
@@ -38,19 +38,20 @@ pub(crate) fn robot(action: &RobotAction, output: &mut Output) -> anyhow::Result
 }
 
 fn list(output: &mut Output) -> anyhow::Result<()> {
-    let mut rows = table(&["robot", "joints", "fingers", "tasks"]);
+    let mut rows = table(&["robot", "joints", "fingertips", "tasks"]);
     let mut robots = Vec::new();
     for files in SHIPPED {
         let robot = files.load()?;
-        let (joints, fingers, tasks) = (robot.joint_count(), fingers(&robot), tasks(&robot));
+        let (joints, fingertip_count, tasks) =
+            (robot.joint_count(), fingertip_count(&robot), tasks(&robot));
         rows.add_row([
             files.name.to_string(),
             joints.to_string(),
-            fingers.to_string(),
+            fingertip_count.to_string(),
             tasks.join(", "),
         ]);
         robots.push(
-            json!({ "name": files.name, "joints": joints, "fingers": fingers, "tasks": tasks }),
+            json!({ "name": files.name, "joints": joints, "fingers": fingertip_count, "tasks": tasks }),
         );
     }
     if output.is_json() {
@@ -60,7 +61,8 @@ fn list(output: &mut Output) -> anyhow::Result<()> {
 }
 
 fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<()> {
-    let unusable = |error: robot_model::ModelError| Ended::with(Exit::Usage, error.to_string());
+    let unusable =
+        |error: robot_model::ModelError| ExitError::with_code(Exit::Usage, error.to_string());
     let files = RobotFiles::find(name).map_err(unusable)?;
     let robot = files.load().map_err(unusable)?;
     if let Some(out) = out {
@@ -74,7 +76,7 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
         return output.json(&json!({
             "name": files.name,
             "joints": robot.joint_count(),
-            "fingers": fingers(&robot),
+            "fingers": fingertip_count(&robot),
             "tasks": tasks(&robot),
             "hands": hands,
             "remarks": remarks,
@@ -84,7 +86,7 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
         "{}: {} joints, {} fingertips",
         files.name,
         robot.joint_count(),
-        fingers(&robot)
+        fingertip_count(&robot)
     ))?;
     for side in robot.sides() {
         print_hand(robot.hand(side), output)?;
@@ -94,7 +96,7 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
     }
     let (can, cannot): (Vec<Task>, Vec<Task>) = Task::ALL
         .into_iter()
-        .partition(|task| task.is_within(&robot));
+        .partition(|task| task.is_supported_by(&robot));
     let names = |tasks: &[Task]| {
         tasks
             .iter()
@@ -112,15 +114,17 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
     }
 }
 
-fn fingers(robot: &RobotModel) -> usize {
+fn fingertip_count(robot: &RobotModel) -> usize {
     robot
         .sides()
-        .map(|side| robot.hand(side).finger_count())
+        .map(|side| robot.hand(side).fingertip_count())
         .sum()
 }
 
 fn tasks(robot: &RobotModel) -> Vec<&'static str> {
-    let within = Task::ALL.into_iter().filter(|task| task.is_within(robot));
+    let within = Task::ALL
+        .into_iter()
+        .filter(|task| task.is_supported_by(robot));
     within.map(Task::name).collect()
 }
 
@@ -132,12 +136,12 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         "moves",
         "from",
         "to",
-        "rests at",
-        "per s",
+        "rest",
+        "speed per s",
         "stiffness",
     ]);
     for (index, joint) in hand.joints().iter().enumerate() {
-        let shown = |value: f64| shown(joint, value);
+        let shown = |value: f64| format_position(joint, value);
         rows.add_row([
             joint.name.to_string(),
             moves(hand, index),
@@ -151,32 +155,35 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
     output.table(rows)?;
     for (finger, link) in hand.tip_links().enumerate() {
         let (side, radius_mm) = (
-            hand.virtual_finger(finger) + 1,
+            hand.grasp_side(finger) + 1,
             hand.tip_radius_m()[finger] * 1e3,
         );
         let layout = hand.skin().layout;
         output.line(format_args!(
-            "fingertip {link}: presses from side {side}, {layout}, its face {radius_mm:.1} mm from its frame's origin"
+            "fingertip {link}: grasp side {side}, {layout}, contact surface {radius_mm:.1} mm from \
+             the frame origin"
         ))?;
     }
-    for link in turned_away(hand) {
+    for link in misaligned_fingertips(hand) {
         output.line(format_args!(
-            "fingertip {link} does not face the other side where the hand rests: say `facing`, or mend `side` or `rest_deg`"
+            "fingertip {link} does not face the opposite grasp side in the rest pose: set \
+             `facing`, or correct `side` or `rest_deg`"
         ))?;
     }
-    for (side, apart_m) in apart_m(hand) {
+    for (side, apart_m) in fingertip_spread_m(hand) {
         let apart_mm = apart_m * 1e3;
         output.line(format_args!(
-            "fingertips of side {} stand {apart_mm:.0} mm apart: what is shorter across than that meets them with its edges",
+            "fingertips of grasp side {} are {apart_mm:.0} mm apart: their edges touch objects \
+             that are narrower than that",
             side + 1
         ))?;
     }
-    for line in Facing::of(hand).lines() {
+    for line in Facing::from_hand(hand).lines() {
         output.line(line)?;
     }
     let home_m = hand.home_m();
     output.line(format_args!(
-        "rests at {:.3},{:.3},{:.3} m, {:.0} mm open, closing axis {:.0}°",
+        "rest pose: {:.3},{:.3},{:.3} m, opening {:.0} mm, closing axis {:.0}°",
         home_m.x,
         home_m.y,
         home_m.z,
@@ -184,17 +191,17 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         hand.home_yaw_rad().to_degrees()
     ))?;
     print_reach(hand, output)?;
-    let able = hand.abilities();
-    let turn = if able.turns_by_wrist {
-        "turn a cap by its wrist"
+    let able = hand.capabilities();
+    let turn = if able.cap_turning_by_wrist {
+        "turn a cap with the wrist"
     } else {
-        "turn a cap between its fingertips"
+        "turn a cap with the fingertips"
     };
     let words = [
-        (able.lifts, "lift"),
-        (able.carries, "carry aside"),
-        (able.turns_caps, turn),
-        (able.slants, "grasp slanting from the side"),
+        (able.lift, "lift"),
+        (able.carry, "carry sideways"),
+        (able.cap_turning, turn),
+        (able.side_grasp, "grasp at an angle from the side"),
     ];
     for (can, what) in words {
         output.line(format_args!(
@@ -208,44 +215,45 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
 /// Prints the workspace of the robot file, or the one found by inverse kinematics.
 fn print_reach(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
     if let Some(space) = hand.workspace() {
-        let space = reach::entry(space);
-        return output.line(format_args!("workspace of its robot file: {space}"));
+        let space = reach::workspace_entry(space);
+        return output.line(format_args!("workspace in the robot file: {space}"));
     }
-    match Reach::of(hand) {
+    match Reach::from_hand(hand) {
         Some(reach) => output.line(format_args!(
-            "reaches with this closing axis, on a grid of {:.0} mm; as an entry of its robot file:\n  workspace = {}",
+            "reachable with this closing axis, on a grid of {:.0} mm; entry for the robot file:\n  \
+             workspace = {}",
             reach::STEP_M * 1e3,
-            reach::entry(&reach.space)
+            reach::workspace_entry(&reach.space)
         )),
         None => output.line(format_args!(
-            "reaches nothing about where it rests: {}; see `rest_deg`, `down` and `home_m`",
-            reach::why_nothing(hand)
+            "no reachable pose around the rest pose: {}; see `rest_deg`, `down` and `home_m`",
+            reach::unreachable_reason(hand)
         )),
     }
 }
 
 /// Returns grasp sides with several fingertips, each with the largest distance between two of them
 /// in the reference posture, m.
-fn apart_m(hand: &HandModel) -> Vec<(usize, f64)> {
+fn fingertip_spread_m(hand: &HandModel) -> Vec<(usize, f64)> {
     let pose = hand.forward(hand.reference_rad());
     let apart_m = |side: usize| {
-        let tips = || hand.fingers_of(side).map(|finger| pose.tip_m(finger));
+        let tips = || hand.fingertips_of(side).map(|finger| pose.tip_m(finger));
         let pairs = tips().flat_map(|a| tips().map(move |b| (a - b).norm()));
         pairs.fold(0.0_f64, f64::max)
     };
-    (0..VIRTUAL_FINGERS)
-        .filter(|side| hand.fingers_of(*side).count() > 1)
+    (0..GRASP_SIDES)
+        .filter(|side| hand.fingertips_of(*side).count() > 1)
         .map(|side| (side, apart_m(side)))
         .collect()
 }
 
 /// Returns fingertips that do not face the opposite grasp side in the reference posture; such a
 /// hand cannot hold an object.
-fn turned_away(hand: &HandModel) -> Vec<&str> {
+fn misaligned_fingertips(hand: &HandModel) -> Vec<&str> {
     let pose = hand.forward(hand.reference_rad());
     let faces = |finger: usize| {
         let across =
-            pose.side_m(1 - hand.virtual_finger(finger)) - pose.side_m(hand.virtual_finger(finger));
+            pose.side_m(1 - hand.grasp_side(finger)) - pose.side_m(hand.grasp_side(finger));
         // A NaN counts as not facing.
         across
             .try_normalize(1e-9)
@@ -274,15 +282,15 @@ fn hand_json(hand: &HandModel) -> Value {
     let tip = |(finger, link): (usize, &str)| {
         json!({
             "link": link,
-            "side": hand.virtual_finger(finger) + 1,
+            "side": hand.grasp_side(finger) + 1,
             "radius_m": hand.tip_radius_m()[finger],
         })
     };
     let space = hand
         .workspace()
         .copied()
-        .or_else(|| Reach::of(hand).map(|reach| reach.space));
-    let able = hand.abilities();
+        .or_else(|| Reach::from_hand(hand).map(|reach| reach.space));
+    let able = hand.capabilities();
     json!({
         "side": side_name(hand),
         "skin": {
@@ -297,16 +305,16 @@ fn hand_json(hand: &HandModel) -> Value {
         "workspace": space.map(|space| json!({
             "x_m": space.x_m, "y_m": space.y_m, "z_m": space.z_m, "opening_m": space.opening_m,
         })),
-        "turned_away": turned_away(hand),
-        "facing": Facing::of(hand).json(),
-        "abilities": { "lifts": able.lifts, "carries": able.carries, "turns_caps": able.turns_caps, "turns_by_wrist": able.turns_by_wrist },
+        "turned_away": misaligned_fingertips(hand),
+        "facing": Facing::from_hand(hand).json(),
+        "capabilities": { "lift": able.lift, "carry": able.carry, "cap_turning": able.cap_turning, "cap_turning_by_wrist": able.cap_turning_by_wrist },
     })
 }
 
 fn side_name(hand: &HandModel) -> &'static str {
     match hand.side() {
-        Side::Left => "left",
-        Side::Right => "right",
+        HandSide::Left => "left",
+        HandSide::Right => "right",
     }
 }
 
@@ -315,14 +323,14 @@ fn moves(hand: &HandModel, joint: usize) -> String {
     if hand.arm_joints().contains(&joint) {
         return "hand".into();
     }
-    let moved = (0..hand.finger_count())
+    let moved = (0..hand.fingertip_count())
         .filter(|finger| hand.movers(*finger).any(|mover| mover.joint == joint))
         .map(|finger| (finger + 1).to_string());
     format!("tip {}", moved.collect::<Vec<_>>().join(", "))
 }
 
 /// Formats a joint position in mm or degrees.
-fn shown(joint: &Joint, value: f64) -> String {
+fn format_position(joint: &Joint, value: f64) -> String {
     match joint.kind {
         JointKind::Prismatic => format!("{} mm", number(value * 1e3, 1)),
         JointKind::Revolute => format!("{}°", number(value.to_degrees(), 1)),

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use atas_console::Progress;
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandModel, Workspace};
+use robot_model::{GraspPose, HandModel, Workspace};
 
 pub(super) const STEP_M: f64 = 0.02;
 /// Largest growth of the box from the rest pose, steps.
@@ -31,7 +31,7 @@ struct Grid<'a> {
 
 impl Reach {
     /// Grows the box; returns `None` if the rest pose itself is unreachable.
-    pub(super) fn of(hand: &HandModel) -> Option<Self> {
+    pub(super) fn from_hand(hand: &HandModel) -> Option<Self> {
         let lowest_m = hand.tip_radius_m().iter().copied().fold(0.0, f64::max) + TABLE_M;
         let mut grid = Grid {
             hand,
@@ -62,19 +62,20 @@ impl Reach {
             z_m: range(2),
             opening_m: [NARROW_M.min(hand.home_opening_m()), hand.home_opening_m()],
         };
-        space.opening_m[1] = widest_m(hand, &space);
+        space.opening_m[1] = opening_max_m(hand, &space);
         Some(Self { space })
     }
 }
 
 /// Returns the reason why no grasp near the rest pose is reachable.
-pub(super) fn why_nothing(hand: &HandModel) -> String {
+pub(super) fn unreachable_reason(hand: &HandModel) -> String {
     let home_m = hand.home_m();
-    let frame = GraspFrame::from_above(home_m, hand.home_yaw_rad(), hand.home_opening_m());
+    let frame = GraspPose::from_above(home_m, hand.home_yaw_rad(), hand.home_opening_m());
     match hand.posture_for(&frame) {
         Err(unreachable) => unreachable.to_string(),
         Ok(_) => format!(
-            "its fingertips are too near to the table at {:.3} m, or cannot close to {:.0} mm there",
+            "the fingertips are too close to the table at {:.3} m, or cannot close to {:.0} mm \
+             there",
             home_m.z,
             NARROW_M * 1e3
         ),
@@ -83,7 +84,7 @@ pub(super) fn why_nothing(hand: &HandModel) -> String {
 
 /// Returns the largest opening that is reachable in all corners of a box, at least the rest
 /// opening.
-fn widest_m(hand: &HandModel, space: &Workspace) -> f64 {
+fn opening_max_m(hand: &HandModel, space: &Workspace) -> f64 {
     let mut corners = Vec::new();
     for x in space.x_m {
         for y in space.y_m {
@@ -92,7 +93,7 @@ fn widest_m(hand: &HandModel, space: &Workspace) -> f64 {
     }
     let opens = |opening_m: f64| corners.iter().all(|at| has_posture(hand, *at, opening_m));
     let [_, rests_m] = space.opening_m;
-    let step_m = (hand.widest_m() - rests_m) / f64::from(OPENINGS);
+    let step_m = (hand.max_opening_m() - rests_m) / f64::from(OPENINGS);
     (0..=OPENINGS)
         .rev()
         .map(|step| rests_m + f64::from(step) * step_m)
@@ -104,7 +105,7 @@ fn widest_m(hand: &HandModel, space: &Workspace) -> f64 {
 /// posture.
 fn has_posture(hand: &HandModel, centre_m: Vector3<f64>, opening_m: f64) -> bool {
     let yaw_rad = hand.closing_yaw_rad(&centre_m, hand.home_yaw_rad());
-    let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
+    let frame = GraspPose::from_above(centre_m, yaw_rad, opening_m);
     hand.reaches(&frame)
 }
 
@@ -143,12 +144,12 @@ impl Grid<'_> {
         self.known.insert(at, reached);
         let tried = self.known.len();
         self.progress
-            .live(&format!("tries what it reaches: {tried} places"));
+            .show_live(&format!("tests reachability: {tried} positions"));
         reached
     }
 }
 
-pub(super) fn entry(space: &Workspace) -> String {
+pub(super) fn workspace_entry(space: &Workspace) -> String {
     let range = |[least, most]: [f64; 2]| format!("[{:.3}, {:.3}]", least + 0.0, most + 0.0);
     format!(
         "{{ x_m = {}, y_m = {}, z_m = {}, opening_m = {} }}",

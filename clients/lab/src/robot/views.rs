@@ -14,7 +14,7 @@ use robot_model::{
 /// Scale of the drawing, pixels per metre, and the margin around each view, px.
 const PX_PER_M: f64 = 420.0;
 const MARGIN_PX: f64 = 24.0;
-const BONE_M: f64 = 0.004;
+const LINK_HALF_WIDTH_M: f64 = 0.004;
 
 /// Directions to the right and upwards in each view, base frame.
 const VIEWS: [(&str, [f64; 3], [f64; 3]); 3] = [
@@ -30,7 +30,7 @@ struct Stroke {
 }
 
 pub(super) fn draw(files: &RobotFiles, robot: &RobotModel) -> Result<String, ModelError> {
-    let strokes = strokes(&files.skeleton()?, &rest(robot));
+    let strokes = strokes(&files.skeleton()?, &rest_posture(robot));
     let mut x_px = 0.0;
     let (mut body, mut height_px) = (String::new(), 0.0_f64);
     for (name, right, up) in VIEWS {
@@ -49,7 +49,7 @@ pub(super) fn draw(files: &RobotFiles, robot: &RobotModel) -> Result<String, Mod
 
 /// Returns the joint positions of the rest pose: home if the hands reach it, else the reference
 /// posture.
-fn rest(robot: &RobotModel) -> RobotVector {
+fn rest_posture(robot: &RobotModel) -> RobotVector {
     sim_backend::home_rad(robot).unwrap_or_else(|_| {
         let mut rest_rad = RobotVector::zeros(robot.joint_count());
         for side in robot.sides() {
@@ -71,7 +71,7 @@ fn strokes(skeleton: &Skeleton, q_rad: &[f64]) -> Vec<Stroke> {
             let ends = [parent, here].map(|frame| Point3::from(frame.translation.vector));
             strokes.push(Stroke {
                 ends: ends.to_vec(),
-                half_m: BONE_M,
+                half_m: LINK_HALF_WIDTH_M,
                 rgba: [0.75, 0.75, 0.75, 1.0],
             });
         }
@@ -153,7 +153,7 @@ fn view(
     }
     for stroke in order {
         let points: Vec<[f64; 2]> = stroke.ends.iter().map(|end| place(seen(end))).collect();
-        element(&mut svg, stroke, &points);
+        draw_stroke(&mut svg, stroke, &points);
     }
     let [width, height] = [high[0] - low[0], high[1] - low[1]];
     (
@@ -163,7 +163,7 @@ fn view(
     )
 }
 
-fn element(svg: &mut String, stroke: &Stroke, points: &[[f64; 2]]) {
+fn draw_stroke(svg: &mut String, stroke: &Stroke, points: &[[f64; 2]]) {
     let [r, g, b, _] = stroke
         .rgba
         .map(|part| (part.clamp(0.0, 1.0) * 255.0).round());

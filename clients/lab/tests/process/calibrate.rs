@@ -158,31 +158,31 @@ fn a_fingertip_is_calibrated_from_guided_presses() {
     warned(
         "drifts.csv",
         &[
-            "element 0 drifts most: 1.",
-            "a kelvin moves the total force by 0.1",
-            "beware: 1 of 1 elements move by more than",
-            "beware: a kelvin moves the force by 0.1",
+            "largest drift: element 0, 1.",
+            "1 K changes the total force by 0.1",
+            "warning: 1 of 1 elements drift by more than",
+            "warning: a temperature change of 1 K changes the force by 0.1",
         ],
     );
     warned(
         "barely.csv",
-        &["beware: the temperature moved by less than 0.5 K"],
+        &["warning: the temperature changed by less than 0.5 K"],
     );
     let daemon = std::fs::read_to_string(path("daemon.toml")).expect("a configuration");
-    let told: toml::Table = daemon.parse().expect("TOML");
+    let output: toml::Table = daemon.parse().expect("TOML");
     // A frame interval of 10 ms needs a longer frame age limit.
-    let rate_hz = told["hands"]["left"]["rate_hz"].as_float();
-    let hold_age_s = told["intake"]["hold_age_s"].as_float();
+    let rate_hz = output["hands"]["left"]["rate_hz"].as_float();
+    let hold_age_s = output["intake"]["hold_age_s"].as_float();
     assert_eq!(
         (rate_hz, hold_age_s),
         (Some(100.0), Some(0.035)),
         "{daemon}"
     );
-    let told = told["perception"].as_table().expect("a table");
-    let told_on_n = told["touch_on_n"].as_float().expect("a number");
+    let output = output["perception"].as_table().expect("a table");
+    let told_on_n = output["touch_on_n"].as_float().expect("a number");
     assert!((told_on_n - on_n).abs() < 1e-9, "{daemon}");
     assert!(
-        told["tip_exponent"]
+        output["tip_exponent"]
             .as_float()
             .is_some_and(|p| (p - 0.5).abs() < 0.02),
         "{daemon}"

@@ -21,7 +21,7 @@ fn eval_prints_one_json_line() {
 }
 
 #[test]
-fn parts_put_together_give_the_report_of_one_run() {
+fn merged_parts_equal_a_single_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let (one, two, whole) = (file("1.part"), file("2.part"), file("whole.csv"));
@@ -40,39 +40,36 @@ fn parts_put_together_give_the_report_of_one_run() {
         .concat())
     };
     assert_eq!(eval(&["--shard", "1/2", "--out", &one]).0, 0);
-    let refused = |parts: &[&str], said: &str| {
+    let refused = |parts: &[&str], message: &str| {
         let (code, _, stderr) = merge(parts);
         assert_eq!(code, 1, "{parts:?}");
-        assert!(stderr.contains(said), "{stderr}");
+        assert!(stderr.contains(message), "{stderr}");
     };
     refused(&[&one], "part 2/2 is missing");
-    refused(&[&one, &one], "part 1/2 is there twice");
+    refused(&[&one, &one], "part 1/2 is given twice");
     assert_eq!(eval(&["--shard", "2/2", "--out", &two]).0, 0);
     // A part with a truncated last trial continues with that trial.
     let bytes = std::fs::read(&two).expect("readable");
     std::fs::write(&two, &bytes[..bytes.len() - 9]).expect("writable");
-    refused(
-        &[&one, &two],
-        "2.part because it was damaged behind its trial 3",
-    );
+    refused(&[&one, &two], "2.part: it is damaged after its trial 3");
     let goes_on = |ran: u64| {
         let damaged = std::fs::read(&two).expect("readable");
-        let (code, again, said) = eval(&["--shard", "2/2", "--out", &two]);
+        let (code, again, message) = eval(&["--shard", "2/2", "--out", &two]);
         let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
-        assert_eq!((code, &again["ran"]), (0, &ran.into()), "{said}");
+        assert_eq!((code, &again["ran"]), (0, &ran.into()), "{message}");
         assert!(
-            said.contains("2.part was damaged behind its trial"),
-            "{said}"
+            message.contains("2.part is damaged after its trial"),
+            "{message}"
         );
         let kept = std::fs::read(format!("{two}.damaged")).expect("kept");
-        assert!(kept == damaged, "as it was");
+        assert!(kept == damaged, "the damaged file is kept unchanged");
     };
     goes_on(1);
     // A flipped bit is detected, and its trial runs again.
     let mut flipped = std::fs::read(&two).expect("readable");
     *flipped.last_mut().expect("a trial") ^= 1;
     std::fs::write(&two, flipped).expect("writable");
-    refused(&[&one, &two], "(its seal does not fit)");
+    refused(&[&one, &two], "(its checksum is wrong)");
     goes_on(1);
     let (code, _, other) = eval(&["--shard", "1/2", "--out", &two]);
     assert!(
@@ -97,7 +94,7 @@ fn parts_put_together_give_the_report_of_one_run() {
 }
 
 #[test]
-fn a_fitted_calibration_is_judged_by_grasps_beside_the_exact_one() {
+fn fitted_calibration_is_compared_with_exact_one() {
     let eval = |threads: &str| {
         let words = "eval calibration --trials 2 --first-seed 1 --format json --threads";
         let words: Vec<&str> = words.split(' ').chain([threads]).collect();
@@ -105,9 +102,9 @@ fn a_fitted_calibration_is_judged_by_grasps_beside_the_exact_one() {
         assert_eq!(code, 0, "{stderr}");
         stdout
     };
-    let told = eval("1");
-    assert_eq!(told, eval("2"), "whatever the number of threads");
-    let report: serde_json::Value = serde_json::from_str(&told).expect("one object");
+    let output = eval("1");
+    assert_eq!(output, eval("2"), "independent of the number of threads");
+    let report: serde_json::Value = serde_json::from_str(&output).expect("one object");
     assert_eq!(
         (&report["trials"], &report["purpose"]),
         (&2.into(), &"tuning".into())
@@ -150,7 +147,7 @@ fn slips() -> String {
 }
 
 #[test]
-fn recordings_are_judged_as_one_json_line_and_refused_with_a_cure() {
+fn recording_evaluation_prints_json_and_reports_errors() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
     std::fs::write(path("slips.csv"), slips()).expect("written");

@@ -49,11 +49,11 @@ fn wrong_usage_has_its_own_code() {
         &["demo", "assembly", "--cap", "cup"],
         "did you mean \"cap\"?",
     );
-    check(&["status"], "ask `atas` for it");
+    check(&["status"], "run `atas` instead");
 }
 
 #[test]
-fn a_picture_is_what_its_suffix_says_in_any_case() {
+fn picture_format_follows_suffix_case_insensitively() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, begins) in [
         ("a.svg", &b"<svg"[..]),
@@ -71,7 +71,7 @@ fn a_picture_is_what_its_suffix_says_in_any_case() {
 }
 
 #[test]
-fn a_file_that_is_no_recording_is_told_as_such() {
+fn foreign_file_is_rejected_as_recording() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("tasks.toml");
     std::fs::write(&file, "[[task]]\nname = \"polish\"\n").expect("written");
@@ -92,7 +92,7 @@ fn a_file_that_is_no_recording_is_told_as_such() {
 }
 
 #[test]
-fn a_program_without_its_neighbours_says_how_to_build_them() {
+fn missing_programs_are_reported_with_build_command() {
     // Linked, not copied: a file that another thread's child holds open for writing cannot be
     // executed.
     let program = Path::new(env!("CARGO_BIN_EXE_atas-lab"));
@@ -123,7 +123,7 @@ fn neighbours_are_built() -> bool {
 }
 
 #[test]
-fn an_interrupted_demo_leaves_nothing_behind() {
+fn interrupted_demo_leaves_no_processes_or_files() {
     if !neighbours_are_built() {
         return;
     }
@@ -171,7 +171,7 @@ fn children_of(id: u32) -> Vec<u32> {
 
 /// Uses the default width, as the output is not a terminal.
 #[test]
-fn tables_fit_eighty_columns_and_break_no_range() {
+fn tables_fit_eighty_columns() {
     if !neighbours_are_built() {
         return;
     }
@@ -199,7 +199,7 @@ fn tables_fit_eighty_columns_and_break_no_range() {
             "refused:",
             "too heavy ",
             "\nheavy-block: lift: ",
-            " N do not hold it, and ",
+            "object too heavy: not held with ",
         ],
     );
     demo("pick-place --object wood", &["took", "placed"]);

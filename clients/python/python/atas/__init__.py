@@ -1,12 +1,12 @@
-"""ATAS, an artificial tactile affordance system, from Python.
+"""Python interface of ATAS, an artificial tactile affordance system.
 
-* `Bus`: frames, reports, status and events as NumPy arrays; publish as a sensor or a robot; send goals, stop.
+* `Bus`: reads frames, reports, status and events as NumPy arrays; publishes as a sensor or robot; sends goals and stops.
 * `Simulation`: the simulator with the production controller in this process, in virtual time.
-* `Recording`: what `atas record` wrote, as arrays; replayed bit for bit.
+* `Recording`: recordings of `atas record` as arrays, and their bit-exact replay.
 * `gymnasium` environments `atas/Grasp-v0` and `atas/PickPlace-v0`, if gymnasium is installed.
 
-Every array is structured as the payload on the bus that it holds: `frames["force_n"]`, `report["hands"]["fingers"]`; `dtype` tells
-the fields, `clients/protocol.md` what they mean. Units stand last in names; times are nanoseconds of CLOCK_MONOTONIC.
+Arrays are structured like the payloads on the bus: `frames["force_n"]`, `report["hands"]["fingers"]`. `dtype` returns the
+fields; `clients/protocol.md` describes them. Names end with the unit; times are nanoseconds of CLOCK_MONOTONIC.
 """
 
 from . import codes
@@ -19,7 +19,7 @@ from ._native import (
     Bus,
     BusError,
     Goal,
-    Leader,
+    Teleop,
     Reader,
     Recording,
     Robot,
@@ -50,7 +50,7 @@ __all__ = [
     "GoalKind",
     "GoalState",
     "Hand",
-    "Leader",
+    "Teleop",
     "Mode",
     "ModuleId",
     "Rate",
@@ -72,7 +72,7 @@ __all__ = [
 try:
     from . import environments as _environments
 except ModuleNotFoundError as missing:
-    # Only gymnasium itself may be missing: who does not learn does not need it.
+    # gymnasium is optional; any other missing module is an error.
     if missing.name != "gymnasium":
         raise
 else:

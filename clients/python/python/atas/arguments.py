@@ -1,4 +1,4 @@
-"""What the package's programs check before they begin."""
+"""Argument checks of the package's programs."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ from collections.abc import Callable
 
 
 def count(least: int) -> Callable[[str], int]:
-    """A whole number from `least` on."""
+    """Returns a parser of integers of at least `least`."""
 
     def parse(text: str) -> int:
         if not text.lstrip("-").isdecimal() or int(text) < least:
-            raise argparse.ArgumentTypeError(f"was {text!r}, needs a whole number from {least} on")
+            raise argparse.ArgumentTypeError(f"{text!r} is no integer of at least {least}")
         return int(text)
 
     return parse
 
 
 def seconds(text: str) -> float:
-    """A time that can be waited for."""
+    """Parses a time from 0.1 to 86400 s."""
     try:
         value = float(text)
     except ValueError:
         value = 0.0
     if not 0.1 <= value <= 86_400.0:
-        raise argparse.ArgumentTypeError(f"was {text!r}, needs 0.1 to 86400 seconds")
+        raise argparse.ArgumentTypeError(f"{text!r} is not in the range 0.1 to 86400 seconds")
     return value
 
 
 def need_gymnasium() -> None:
-    """Ends the program if there are no environments to run."""
+    """Ends the program if gymnasium is not installed."""
     if importlib.util.find_spec("gymnasium") is None:
-        sys.exit('could not begin because gymnasium is not installed; install it with: pip install "gymnasium>=1.1"')
+        sys.exit('gymnasium is not installed; run: pip install "gymnasium>=1.1"')

@@ -1,4 +1,4 @@
-"""How fast the environments run, and what a sensor in Python costs: `python -m atas.bench`, `python -m atas.bench --sensor 60`."""
+"""Speed of the environments (`python -m atas.bench`) and cost of a Python sensor (`python -m atas.bench --sensor 60`)."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from .environments import HandEnv
 
 STEP_S = 0.02
-"""Simulated time of one step."""
+"""Simulated time of one step, s."""
 
 
-def alone(environment: HandEnv, steps: int) -> float:
-    """Simulated over processor time of one environment on one core."""
+def single_factor(environment: HandEnv, steps: int) -> float:
+    """Ratio of simulated to processor time of one environment on one core."""
     random = np.random.default_rng(0)
     actions = random.uniform(-0.3, 0.3, (steps, 5)).astype(np.float32)
     actions[:, 3:] += 0.2
@@ -37,8 +37,8 @@ def alone(environment: HandEnv, steps: int) -> float:
     return steps * STEP_S / (time.process_time() - begin)
 
 
-def together(number: int, steps: int) -> tuple[float, float]:
-    """Simulated over wall time, and over processor time, of many on all cores."""
+def vector_factors(number: int, steps: int) -> tuple[float, float]:
+    """Ratios of simulated to wall time and to processor time of `number` environments on all cores."""
     from .environments import GraspVectorEnv
 
     environments = GraspVectorEnv(number)
@@ -54,21 +54,21 @@ def together(number: int, steps: int) -> tuple[float, float]:
 
 
 def environments(steps: int) -> dict[str, float]:
-    """Simulated over real time."""
+    """Real-time factors of the environments."""
     need_gymnasium()
     from .environments import GraspEnv, PickPlaceEnv
 
-    vector_wall, vector_core = together(64, steps // 10)
+    vector_wall, vector_core = vector_factors(64, steps // 10)
     return {
-        "grasp_realtime_factor": alone(GraspEnv(), steps),
-        "pick_place_realtime_factor": alone(PickPlaceEnv(), steps),
+        "grasp_realtime_factor": single_factor(GraspEnv(), steps),
+        "pick_place_realtime_factor": single_factor(PickPlaceEnv(), steps),
         "vector_realtime_factor": vector_wall,
         "vector_realtime_factor_per_core": vector_core,
     }
 
 
 def publish(bus: str, seconds: float) -> None:
-    """The sensor's process: prints the share of a core of its loop, without and with publishing."""
+    """Sensor process: prints the processor share of its loop without and with publishing."""
     sensor = Bus(bus, role="sensor-left", create=True).sensor("left")
     force_n = np.zeros((2, 41, 3), np.float32)
     shares = []
@@ -83,7 +83,7 @@ def publish(bus: str, seconds: float) -> None:
 
 
 def sensor(seconds: float) -> dict[str, float]:
-    """A sensor of 1 kHz in one process, a reader in this one."""
+    """Figures of a 1 kHz sensor in a child process and a reader in this one."""
     name = f"bench-{os.getpid()}"
     bus = Bus(name, create=True)
     frames, received = bus.frames("left"), 0
@@ -104,7 +104,7 @@ def sensor(seconds: float) -> dict[str, float]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m atas.bench", description=__doc__)
     parser.add_argument("--steps", type=count(100), default=2000, help="default %(default)s")
-    parser.add_argument("--sensor", type=seconds, metavar="SECONDS", help="a sensor of 1 kHz for so long instead")
+    parser.add_argument("--sensor", type=seconds, metavar="SECONDS", help="measure a 1 kHz sensor for this time instead")
     parser.add_argument("--publish", metavar="BUS", help=argparse.SUPPRESS)
     parser.add_argument("--format", choices=("human", "json"), default="human")
     options = parser.parse_args()

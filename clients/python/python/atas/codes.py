@@ -1,4 +1,4 @@
-"""Codes of the bus, made from the schema: a test compares. Values that this version does not know stay plain numbers."""
+"""Codes of the bus, generated from the schema (checked by a test). Unknown values remain plain numbers."""
 
 from enum import IntEnum
 

@@ -1,18 +1,17 @@
-"""`gymnasium` environments over the in-process simulator: a policy moves one hand and its two fingers.
+"""`gymnasium` environments with the in-process simulator: a policy controls one hand and its two grasp sides.
 
-What the hand is asked for goes through the daemon's own kinematics and safety gate; what it is told of forces comes through its
-own perception. Rewards come from the simulator's truth. One step is 20 ms; the same seed and the same actions give the same bits,
-alone or vectorised, on any number of cores.
+Actions pass the daemon's kinematics and safety gate; observed forces come from its perception. Rewards use the simulator's ground
+truth. One step is 20 ms. Equal seeds and actions give equal bits, single or vectorised, on any number of cores.
 
 Observation, a dict of float32 arrays, SI units:
 
 * ``taxels`` (2, 41, 3): force of the object on each taxel, N: normal, tangential 1, tangential 2
 * ``joints`` (11, 3): position rad, velocity rad/s, effort N·m of each joint of the hand
-* ``percept`` (2, 6): per finger F_n N, F_t N, dF_t N, friction utilisation, friction coefficient, 1 while it touches
+* ``percept`` (2, 6): per grasp side F_n N, F_t N, dF_t N, friction utilisation, friction coefficient, 1 during contact
 * ``modules`` (4,): 1 while the module is active: first touch, slip, force limit, relax
-* ``hand`` (8,): the hand's centre from the nominal grasp (x, y, z, m), half opening of each finger (m), the place from the centre (m)
+* ``hand`` (8,): hand centre relative to the nominal grasp (x, y, z, m), half opening per grasp side (m), target relative to the centre (m)
 
-Action, 5 numbers from -1 to 1: speed of the hand along x, y and z (1 is 0.1 m/s), closing speed of each finger (1 is 20 mm/s).
+Action, 5 numbers from -1 to 1: speed of the hand along x, y and z (1 is 0.1 m/s), closing speed of each grasp side (1 is 20 mm/s).
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ _PARTS = parts()
 
 
 def _spaces() -> tuple[Any, Any]:
-    """Of observations and of actions."""
+    """Spaces of observations and actions."""
 
     def box(shape: Sequence[int], low: Sequence[float], high: Sequence[float]) -> spaces.Box:
         low_, high_ = (np.asarray(bound, np.float32).reshape(shape) for bound in (low, high))
@@ -47,8 +46,8 @@ def _spaces() -> tuple[Any, Any]:
     return told, spaces.Box(-1.0, 1.0, (5,), np.float32)
 
 
-def _told(rows: Row) -> Observation:
-    """The parts of a row, or of rows, as views."""
+def _split(rows: Row) -> Observation:
+    """Splits rows into the parts of an observation, as views."""
     told, begin = {}, 0
     for name, shape, _low, _high in _PARTS:
         end = begin + int(np.prod(shape))
@@ -59,11 +58,11 @@ def _told(rows: Row) -> Observation:
 
 def _check_noise(noise: float) -> None:
     if not 0.0 <= noise < float("inf"):
-        raise ValueError(f"could not make an environment because noise was {noise}, needs a finite number from 0 on")
+        raise ValueError(f"environment rejected: noise is {noise}, needs a finite number of at least 0")
 
 
 class HandEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
-    """One environment. `objects` are built-in names or paths of TOML files, `noise` scales the sensors' noise."""
+    """One environment. `objects` are built-in names or paths of TOML files, `noise` scales the sensor noise."""
 
     metadata: dict[str, Any] = {"render_modes": []}
 
@@ -79,32 +78,32 @@ class HandEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             seed = int(self.np_random.integers(2**63))
         self._begun = True
         row, info = self._environment.reset(seed)
-        return _told(row), info
+        return _split(row), info
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, Infos]:
         row, reward, terminated, truncated, info = self._environment.step(action)
-        return _told(row), reward, terminated, truncated, info
+        return _split(row), reward, terminated, truncated, info
 
 
 class GraspEnv(HandEnv):
-    """Grasp what stands between the fingers, lift it by 40 mm, hold it for half a second; crushed or dropped ends it."""
+    """Grasp the object between the fingertips, lift it by 40 mm and hold it for 0.5 s. A crushed or dropped object ends the episode."""
 
     def __init__(self, *, objects: Sequence[str] | None = None, noise: float = 1.0) -> None:
         super().__init__("grasp", objects=objects, noise=noise)
 
 
 class PickPlaceEnv(HandEnv):
-    """Carry it to the place that ``hand`` tells, 12 cm away and up to 10 mm higher or lower than told, and let go there."""
+    """Move the object to the target in ``hand``, 12 cm away, and release it there. The true height differs by up to 10 mm."""
 
     def __init__(self, *, objects: Sequence[str] | None = None, noise: float = 1.0) -> None:
         super().__init__("pick-place", objects=objects, noise=noise)
 
 
 class HandVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
-    """Many environments, stepped by Rust threads on all cores (`threads`, 0 for one per core).
+    """Several environments, stepped by Rust threads (`threads`, 0 for one per core).
 
-    With `autoreset` (the default) an environment whose episode has ended begins the next one in the following step, whose action it
-    ignores. Without, it stands still until `reset`.
+    With `autoreset` (default), an environment starts the next episode in the step after the end and ignores that step's action.
+    Without it, the environment does nothing until `reset`.
     """
 
     def __init__(
@@ -119,9 +118,9 @@ class HandVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     ) -> None:
         _check_noise(noise)
         if num_envs < 1:
-            raise ValueError(f"could not make environments because num_envs was {num_envs}, needs at least 1")
+            raise ValueError(f"environments rejected: num_envs is {num_envs}, needs at least 1")
         if threads < 0:
-            raise ValueError(f"could not make environments because threads was {threads}, needs 0 (one per core) or more")
+            raise ValueError(f"environments rejected: threads is {threads}, needs 0 (one per core) or more")
         mode = AutoresetMode.NEXT_STEP if autoreset else AutoresetMode.DISABLED
         self.metadata = {"render_modes": [], "autoreset_mode": mode}
         self.num_envs = num_envs
@@ -135,7 +134,7 @@ class HandVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, Infos]:
-        """Begins an episode in each: environment `i` with `seed + i`, or with `seed[i]`; without a seed the next of its series."""
+        """Starts an episode in each: environment `i` with `seed + i` or `seed[i]`; without a seed, the next of its series."""
         if seed is None and not self._begun:
             seed = int(self.np_random.integers(2**62))
         if seed is None:
@@ -147,18 +146,18 @@ class HandVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             seeds = list(seed)
         self._begun = True
         rows, infos = self._batch.reset(seeds)
-        return _told(rows), _masked(infos)
+        return _split(rows), _masked(infos)
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], Infos]:
         rows, infos = self._batch.step(actions)
         reward, terminated, truncated = (infos.pop(key) for key in ("reward", "terminated", "truncated"))
-        return _told(rows), reward, terminated, truncated, _masked(infos)
+        return _split(rows), reward, terminated, truncated, _masked(infos)
 
 
 def _masked(infos: Infos) -> Infos:
-    """As gymnasium's vector environments tell: beside each key, which environments it is about."""
+    """Adds gymnasium's mask for each key: the environments that it applies to."""
     for key in ("reward", "terminated", "truncated"):
         infos.pop(key, None)
     infos["end"] = np.array(infos["end"])
@@ -166,21 +165,21 @@ def _masked(infos: Infos) -> Infos:
 
 
 class GraspVectorEnv(HandVectorEnv):
-    """Many of `GraspEnv`."""
+    """Vectorised `GraspEnv`."""
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:
         super().__init__("grasp", num_envs, **options)
 
 
 class PickPlaceVectorEnv(HandVectorEnv):
-    """Many of `PickPlaceEnv`."""
+    """Vectorised `PickPlaceEnv`."""
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:
         super().__init__("pick-place", num_envs, **options)
 
 
 def register() -> None:
-    """Makes the environments known to gymnasium."""
+    """Registers the environments with gymnasium."""
     for name, one, many in (
         ("atas/Grasp-v0", "GraspEnv", "GraspVectorEnv"),
         ("atas/PickPlace-v0", "PickPlaceEnv", "PickPlaceVectorEnv"),

@@ -1,9 +1,9 @@
-"""A small baseline that learns to grasp: the cross-entropy method over six numbers.
+"""Learning baseline for grasping: the cross-entropy method with six parameters.
 
     python -m atas.learn --out grasp.svg
 
-The policy has no memory. What it must find out is how force follows load and slip: the objects differ in weight, friction and softness,
-and it is told of none. It learns on some seeds and is judged on others.
+The policy has no memory. It learns the dependence of grip force on load and slip, without knowing the object's weight, friction and
+softness. Training and evaluation use different seeds.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from .arguments import count, need_gymnasium
 
 need_gymnasium()
 
-from .environments import GraspVectorEnv, Observation  # noqa: E402 -- after the words on what it needs
+from .environments import GraspVectorEnv, Observation  # noqa: E402 -- after the check for gymnasium
 
 Numbers = NDArray[np.float64]
 
 SIZE = 6
-"""How the least force, load, slip and haste count, and when and how fast to lift: see `act`."""
+"""Number of parameters: minimum force, gains of load, slip and closing speed, lift threshold, lift speed; see `act`."""
 TEST_SEED = 1_000_000
-"""Seeds from here on are for judging only."""
+"""First seed of the evaluation; training uses lower seeds."""
 
 
 def act(parameters: Numbers, seen: Observation) -> NDArray[np.float32]:
-    """Actions of policies, one row each, on as many observations.
+    """Returns the actions of policies, one row per policy and observation.
 
-    Each finger is to press with a force that grows with what it carries and how near it is to slipping; the hand lifts while both
-    do. How strongly is what is learnt; softplus and the logistic function keep each number's meaning.
+    The desired normal force of a grasp side increases with tangential force and friction utilisation. The hand lifts while both
+    sides reach it. Softplus keeps gains positive; the logistic function limits the lift parameters to 0 to 1.
     """
     normal, tangential, utilisation = (seen["percept"][:, :, i].astype(np.float64) for i in (0, 1, 3))
     least, load, slip, haste = (np.logaddexp(0.0, parameters[:, i, None]) for i in range(4))
@@ -46,8 +46,8 @@ def act(parameters: Numbers, seen: Observation) -> NDArray[np.float32]:
     return actions
 
 
-def play(environments: GraspVectorEnv, parameters: Numbers, seeds: NDArray[np.int64]) -> tuple[Numbers, NDArray[np.str_]]:
-    """One episode of each policy with its seed: what it was worth, and how it ended."""
+def run_episodes(environments: GraspVectorEnv, parameters: Numbers, seeds: NDArray[np.int64]) -> tuple[Numbers, NDArray[np.str_]]:
+    """Runs one episode per policy and seed; returns returns and ends."""
     seen, infos = environments.reset(seed=[int(seed) for seed in seeds])
     worth = np.zeros(len(seeds))
     over = np.zeros(len(seeds), np.bool_)
@@ -61,7 +61,7 @@ def play(environments: GraspVectorEnv, parameters: Numbers, seeds: NDArray[np.in
 def learn(
     generations: int, population: int, episodes: int, seed: int, objects: list[str] | None, quiet: bool
 ) -> tuple[Numbers, list[dict[str, float]]]:
-    """The mean of the last generation's distribution, and how it went."""
+    """Returns the mean of the last generation's distribution and the learning curve."""
     random = np.random.default_rng(seed)
     elite_count = max(population // 5, 3)
     mean, deviation = np.zeros(SIZE), np.full(SIZE, 1.0)
@@ -71,12 +71,12 @@ def learn(
     for generation in range(generations):
         candidates = mean + deviation * random.standard_normal((population, SIZE))
         candidates[0] = mean
-        # The same episodes for all, others in each generation.
+        # All candidates run the same episodes; each generation has new ones.
         seeds = seed * 100_000 + generation * episodes + np.arange(episodes, dtype=np.int64)
-        worth, ends = play(environments, np.repeat(candidates, episodes, axis=0), np.tile(seeds, population))
+        worth, ends = run_episodes(environments, np.repeat(candidates, episodes, axis=0), np.tile(seeds, population))
         returns = worth.reshape(population, episodes).mean(axis=1)
         elite = candidates[np.argsort(-returns, kind="stable")[:elite_count]]
-        # The added deviation shrinks: it keeps the search from settling early.
+        # The added deviation decreases; it prevents early convergence.
         mean, deviation = elite.mean(axis=0), elite.std(axis=0) + 0.3 * 0.7**generation
         success = (ends == "success").reshape(population, episodes).mean(axis=1)
         row = {
@@ -97,16 +97,16 @@ def learn(
     return mean, curve
 
 
-def judge(parameters: Numbers, trials: int, objects: list[str] | None) -> dict[str, float]:
-    """Shares of how episodes end on seeds that nobody learnt on."""
+def evaluate(parameters: Numbers, trials: int, objects: list[str] | None) -> dict[str, float]:
+    """Returns the shares of episode ends on unseen seeds."""
     environments = GraspVectorEnv(trials, objects=objects, autoreset=False)
-    worth, ends = play(environments, np.tile(parameters, (trials, 1)), TEST_SEED + np.arange(trials, dtype=np.int64))
+    worth, ends = run_episodes(environments, np.tile(parameters, (trials, 1)), TEST_SEED + np.arange(trials, dtype=np.int64))
     shares = {end: float((ends == end).mean()) for end in ("success", "crushed", "dropped", "tipped")}
     return {"trials": trials, "return": float(worth.mean()), **shares, "never": 1.0 - sum(shares.values())}
 
 
 def draw(curve: list[dict[str, float]], judged: dict[str, float]) -> str:
-    """The learning curve as SVG."""
+    """Returns the learning curve as SVG."""
     width, height, left, bottom = 640, 320, 56, 40
     across, up = width - left - 16, height - bottom - 36
     last = max(len(curve) - 1, 1)
@@ -141,23 +141,23 @@ def draw(curve: list[dict[str, float]], judged: dict[str, float]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m atas.learn", description="Learns to grasp; see the module's text.")
+    parser = argparse.ArgumentParser(prog="python -m atas.learn", description="Learns to grasp with the cross-entropy method.")
     parser.add_argument("--generations", type=count(1), default=12, help="default %(default)s")
     parser.add_argument("--population", type=count(3), default=24, help="candidates per generation, default %(default)s")
     parser.add_argument("--episodes", type=count(1), default=12, help="per candidate, default %(default)s")
     parser.add_argument("--trials", type=count(1), default=200, help="unseen episodes at the end, default %(default)s")
     parser.add_argument("--seed", type=count(0), default=1, help="default %(default)s")
-    parser.add_argument("--objects", nargs="+", help="built-in names or TOML files; default: all that can be held")
-    parser.add_argument("--out", type=Path, help="where the learning curve goes, as SVG")
+    parser.add_argument("--objects", nargs="+", help="built-in names or TOML files; default: all feasible objects")
+    parser.add_argument("--out", type=Path, help="SVG file of the learning curve")
     parser.add_argument("--format", choices=("human", "json"), default="human")
     options = parser.parse_args()
     if options.out and not options.out.parent.is_dir():
-        parser.error(f"could not write {options.out} because {options.out.parent} is no folder; make it first")
+        parser.error(f"could not write {options.out}: folder {options.out.parent} does not exist; create it")
     is_json = options.format == "json"
     parameters, curve = learn(
         options.generations, options.population, options.episodes, options.seed, options.objects, is_json
     )
-    judged = judge(parameters, options.trials, options.objects)
+    judged = evaluate(parameters, options.trials, options.objects)
     if options.out:
         options.out.write_text(draw(curve, judged), encoding="utf-8")
     if is_json:

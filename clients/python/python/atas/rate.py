@@ -1,19 +1,19 @@
-"""A loop at a steady rate."""
+"""Loop with a fixed rate."""
 
 import time
 from collections.abc import Iterator
 
 
 class Rate:
-    """Wakes up `hz` times a second, by the clock and not by the time that the loop takes.
+    """Iterates at `hz`, independent of the duration of the loop body.
 
-    ``for tick in Rate(1000): ...`` runs for ever, with `seconds` for so long. `late` counts the times that a wake-up had already
-    passed; those are not made up for by haste, except by the one that follows at once.
+    ``for tick in Rate(1000): ...`` runs without end, or for `seconds`. `late` counts missed wake-up times. After a missed time
+    the next iteration starts at once; delays over 0.1 s are not caught up.
     """
 
     def __init__(self, hz: float, seconds: float | None = None) -> None:
         if not 0 < hz <= 100_000:
-            raise ValueError(f"a rate was {hz} Hz, needs more than 0 and at most 100000")
+            raise ValueError(f"invalid rate {hz} Hz; needs more than 0 and at most 100000 Hz")
         self._period_ns = round(1e9 / hz)
         self._ticks = None if seconds is None else round(seconds * hz)
         self.late = 0

@@ -1,4 +1,4 @@
-"""What the package takes and gives, for those who check types."""
+"""Types of arguments and results, for type checkers."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias, TypedDict
@@ -13,14 +13,14 @@ Vector: TypeAlias = Sequence[float] | NDArray[np.floating[Any]]
 
 
 class Result(TypedDict):
-    """How a goal stands."""
+    """State of a goal."""
 
     state: int
     """A `GoalState`."""
     step: str
-    """The step that decided."""
+    """Last step."""
     reason: str
-    """Why it did not succeed; empty if it did or goes on."""
+    """Reason of the failure; empty for a running or successful goal."""
     took_s: float
     f1_n: float
     f2_n: float
@@ -30,8 +30,8 @@ class Result(TypedDict):
     normal_n: list[float]
 
 
-class Orders(TypedDict):
-    """What a robot's joints shall do."""
+class JointSetpoints(TypedDict):
+    """Joint set-points of a robot."""
 
     position_rad: NDArray[np.float64]
     velocity_rad_s: NDArray[np.float64]
@@ -43,7 +43,7 @@ class Orders(TypedDict):
 
 
 class Replayed(TypedDict):
-    """How far a replay agreed with its recording."""
+    """Comparison of a replay with its recording."""
 
     ticks: int
     different: int
@@ -54,7 +54,7 @@ class Replayed(TypedDict):
 
 
 class Layout(TypedDict):
-    """Where the elements of a fingertip sit (metres) and along which axes they feel, tip frame."""
+    """Positions (m) and axes of the elements of a fingertip, in the tip frame."""
 
     normal: NDArray[np.float64]
     tangent1: NDArray[np.float64]

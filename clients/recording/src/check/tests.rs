@@ -8,7 +8,7 @@ use super::*;
 /// Parts between two flushes.
 const FLUSHED: u64 = 3;
 
-/// A recording's bytes, and after each flush its size and the parts in it.
+/// Returns a recording's bytes, and after each flush its size and number of parts.
 fn recording(folder: &Path) -> (Vec<u8>, Vec<(u64, u64)>) {
     let path = folder.join("whole.mcap");
     let mut writer = Writer::create(&path).expect("made");
@@ -32,7 +32,7 @@ fn recording(folder: &Path) -> (Vec<u8>, Vec<(u64, u64)>) {
 }
 
 fn contents(path: &Path) -> Contents {
-    Contents::of(path, |_| Ok(())).expect("opened")
+    Contents::read(path, |_| Ok(())).expect("opened")
 }
 
 fn repair_into(path: &Path, out: &Path) {
@@ -41,7 +41,7 @@ fn repair_into(path: &Path, out: &Path) {
 }
 
 #[test]
-fn a_whole_recording_is_whole() {
+fn complete_recording_has_no_damage() {
     let folder = tempfile::tempdir().expect("a folder");
     let (_, _) = recording(folder.path());
     let whole = contents(&folder.path().join("whole.mcap"));
@@ -49,14 +49,14 @@ fn a_whole_recording_is_whole() {
 }
 
 #[test]
-fn a_recording_that_exists_is_not_overwritten() {
+fn existing_recording_is_not_overwritten() {
     let folder = tempfile::tempdir().expect("a folder");
     recording(folder.path());
     assert!(Writer::create(&folder.path().join("whole.mcap")).is_err());
 }
 
 #[test]
-fn wherever_a_recording_is_cut_off_what_was_flushed_is_recovered() {
+fn truncated_recording_keeps_flushed_parts() {
     let folder = tempfile::tempdir().expect("a folder");
     let (bytes, flushed) = recording(folder.path());
     let (cut, out) = (
@@ -76,7 +76,7 @@ fn wherever_a_recording_is_cut_off_what_was_flushed_is_recovered() {
 }
 
 #[test]
-fn a_flipped_byte_is_noticed_and_never_a_panic() {
+fn flipped_bit_is_reported_without_panic() {
     let folder = tempfile::tempdir().expect("a folder");
     let (bytes, flushed) = recording(folder.path());
     let (bad, out) = (

@@ -1,9 +1,10 @@
-//! Common Data Representation (OMG DDS-XTypes 1.3, 7.4.1: plain CDR, little-endian): how ROS 2 writes messages.
+//! Common Data Representation (OMG DDS-XTypes 1.3, 7.4.1: plain CDR, little-endian): the
+//! serialisation of ROS 2.
 
 /// The encapsulation header: plain CDR, little-endian, no options.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// One message being written.
+/// Message being written.
 #[derive(Clone, Debug)]
 pub(super) struct Cdr(Vec<u8>);
 
@@ -22,7 +23,7 @@ impl Cdr {
         &self.0
     }
 
-    /// Numbers stand at multiples of their size, counted from behind the header.
+    /// Writes a number, aligned to its size, counted from the end of the header.
     fn number<const N: usize>(&mut self, bytes: [u8; N]) -> &mut Self {
         let used = self.0.len() - HEADER.len();
         let padded = HEADER.len() + used.next_multiple_of(N);
@@ -47,19 +48,19 @@ impl Cdr {
         values.iter().fold(self, |cdr, value| cdr.f64(*value))
     }
 
-    /// Length with the closing zero, the bytes, the zero.
+    /// Writes the length including the terminating zero, the bytes, the zero.
     pub(super) fn text(&mut self, text: &str) -> &mut Self {
         self.length(text.len() + 1);
         self.0.extend_from_slice(text.as_bytes());
         self.u8(0)
     }
 
-    /// How many elements of a sequence follow.
+    /// Writes the number of elements of a sequence.
     pub(super) fn length(&mut self, elements: usize) -> &mut Self {
         self.u32(u32::try_from(elements).unwrap_or(u32::MAX))
     }
 
-    /// A sequence of bytes.
+    /// Writes a sequence of bytes.
     pub(super) fn blob(&mut self, bytes: &[u8]) -> &mut Self {
         self.length(bytes.len());
         self.0.extend_from_slice(bytes);
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_aligned_behind_the_header_and_texts_closed() {
+    fn numbers_are_aligned_and_texts_terminated() {
         let mut cdr = Cdr::new();
         cdr.u8(7).u32(1).text("ab").f64(1.0);
         let expected = [
@@ -83,7 +84,7 @@ mod tests {
             &1.0_f64.to_le_bytes(),
         ]
         .concat();
-        // 1 + 3 + 4 + 4 + 3 bytes are used before the last number, which stands at 16.
+        // 1 + 3 + 4 + 4 + 3 bytes precede the last number, which is at offset 16.
         assert_eq!(cdr.bytes(), expected);
         assert_eq!(cdr.begin().u8(9).bytes(), [0, 1, 0, 0, 9]);
     }

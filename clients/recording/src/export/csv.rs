@@ -1,4 +1,4 @@
-//! Comma-separated values: a line of names, a line per tick. What is empty was not recorded.
+//! Comma-separated values: a header line, then a line per tick. An empty cell means not recorded.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -8,7 +8,7 @@ use super::subject::Subject;
 use super::table::{Cell, Column, columns};
 use crate::rows::Row;
 
-/// The file.
+/// CSV file.
 pub(super) struct Csv {
     file: BufWriter<File>,
     columns: Vec<Column>,
@@ -33,8 +33,8 @@ impl Sink for Csv {
             if index > 0 {
                 self.file.write_all(b",")?;
             }
-            // No name or word here has a comma or a quotation mark: a test looks.
-            match column.of(row) {
+            // No name or word contains a comma or a quotation mark (tested).
+            match column.cell(row) {
                 Cell::Empty => {}
                 Cell::Whole(value) => write!(self.file, "{value}")?,
                 Cell::Number(value) => write!(self.file, "{value}")?,

@@ -1,4 +1,4 @@
-//! A file that gets its name when it is whole.
+//! Draft: a file that gets its final name only when complete.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::ErrorKind;
@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 
-/// A file in the making, beside the one that it shall be. Dropped before it is published, it is removed.
+/// Incomplete file next to its final path. Dropping it removes it unless it was published.
 pub(super) struct Draft {
     path: PathBuf,
     out: PathBuf,
 }
 
 impl Draft {
-    /// Beside this file, which must not exist.
+    /// Creates the draft of a file, which must not exist.
     ///
     /// # Errors
-    /// It exists, or it has no name.
-    pub(super) fn beside(out: &Path) -> anyhow::Result<Self> {
-        refuse(out)?;
+    /// The file exists, or the path has no name.
+    pub(super) fn next_to(out: &Path) -> anyhow::Result<Self> {
+        reject_existing(out)?;
         let name = out.file_name().map(|name| name.to_string_lossy());
         let name = name.with_context(|| {
             format!(
@@ -26,7 +26,7 @@ impl Draft {
                 out.display()
             )
         })?;
-        // With the process in it: two exports at a time are two files.
+        // The process id separates two simultaneous exports.
         let draft = format!(".{name}.{}.part", std::process::id());
         Ok(Self {
             path: out.with_file_name(draft),
@@ -34,10 +34,10 @@ impl Draft {
         })
     }
 
-    /// Opens it to be written.
+    /// Opens the draft for writing.
     ///
     /// # Errors
-    /// Its folder is not there, or may not be written.
+    /// The folder does not exist or is not writable.
     pub(super) fn open(&self) -> anyhow::Result<File> {
         let file = OpenOptions::new()
             .write(true)
@@ -46,17 +46,17 @@ impl Draft {
         file.with_context(|| format!("could not make the file {}", self.out.display()))
     }
 
-    /// Gives it its name.
+    /// Gives the file its final name.
     ///
     /// # Errors
-    /// A file of that name has been made meanwhile, or the folder is gone.
+    /// Another program created a file of that name, or the folder is gone.
     pub(super) fn publish(self) -> anyhow::Result<()> {
-        // A link, unlike a rename, never takes the place of another file. Not every file system has links.
+        // Unlike a rename, a link never replaces another file. Some file systems have no links.
         match fs::hard_link(&self.path, &self.out) {
             Ok(()) => Ok(()),
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => refuse(&self.out),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => reject_existing(&self.out),
             Err(_) => {
-                refuse(&self.out)?;
+                reject_existing(&self.out)?;
                 fs::rename(&self.path, &self.out)
                     .with_context(|| format!("could not make the file {}", self.out.display()))
             }
@@ -66,12 +66,12 @@ impl Draft {
 
 impl Drop for Draft {
     fn drop(&mut self) {
-        // It has its name, or is not wanted.
+        // The file is published or not needed.
         let _ = fs::remove_file(&self.path);
     }
 }
 
-fn refuse(out: &Path) -> anyhow::Result<()> {
+fn reject_existing(out: &Path) -> anyhow::Result<()> {
     anyhow::ensure!(
         !out.exists(),
         "could not make the file {} because it exists; name another with --out, or remove it",

@@ -1,4 +1,4 @@
-//! An MCAP file of the profile `ros2`: what other people's viewers open. What is in it, [`super::messages`] says.
+//! MCAP file of the profile `ros2`, for public viewers. [`super::messages`] lists its contents.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,13 +13,13 @@ use super::ros::MessageType;
 use super::subject::Subject;
 use crate::rows::Row;
 
-/// Level of zstd (ours: the fastest).
+/// Level of zstd. Design choice: the fastest.
 const LEVEL: u32 = 1;
 
-/// The file.
+/// MCAP file.
 pub(super) struct Mcap(Messages<Channels>);
 
-/// Its channels.
+/// Channels of the file.
 struct Channels(mcap::Writer<BufWriter<File>>);
 
 impl Mcap {
@@ -33,7 +33,8 @@ impl Mcap {
             .library(concat!("atas ", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
             .compression_level(LEVEL)
-            // In this thread: another one would be told of every few bytes, which costs more than it does.
+            // In this thread: handing small blocks to another thread costs more than compressing
+            // them.
             .compression_threads(0);
         let mut mcap = options.create(file)?;
         let made_by = subject.made_by.iter();

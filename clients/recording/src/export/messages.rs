@@ -1,22 +1,22 @@
-//! What happened in a run as ROS 2 messages, whoever takes them.
+//! ROS 2 messages of a run, for any receiver.
 //!
 //! | topic | type | when |
 //! |---|---|---|
-//! | `/joint_states`, `/joint_commands` | sensor_msgs/JointState, in m where a joint slides | every tick |
+//! | `/joint_states`, `/joint_commands` | sensor_msgs/JointState (m if prismatic) | every tick |
 //! | `/HAND/fingerN/wrench` | geometry_msgs/WrenchStamped, frame of the fingertip | every frame |
-//! | `/HAND/fingerN/elements` | sensor_msgs/PointCloud2: x y z, fx fy fz, force; frame of the fingertip | with each picture |
-//! | `/tf` | tf2_msgs/TFMessage: every link | with each picture |
-//! | `/HAND/f1`, `/HAND/fingerN/normal`, ... | std_msgs/Float64 | when it changes, and with each picture |
-//! | `/HAND/module/NAME` | std_msgs/Float64, 1 while active | the same |
-//! | `/mode`, `/tick/wake_late` | std_msgs/Float64 | the same |
+//! | `/HAND/fingerN/elements` | sensor_msgs/PointCloud2, frame of the fingertip | each picture |
+//! | `/tf` | tf2_msgs/TFMessage: every link | each picture |
+//! | `/HAND/f1`, `/HAND/fingerN/normal`, ... | std_msgs/Float64 | on change, each picture |
+//! | `/HAND/module/NAME` | std_msgs/Float64, 1 while active | on change, each picture |
+//! | `/mode`, `/tick/wake_late` | std_msgs/Float64 | on change, each picture |
 //! | `/events` | rcl_interfaces/Log | when it happens |
 //! | `/robot_description` | std_msgs/String: the URDF | once |
 //!
-//! Up to forty messages per tick: topics are named once, not for each of them.
+//! A tick has up to forty messages, so topic names are stored once, not per message.
 
 use std::borrow::Cow;
 
-use atas_client::words;
+use atas_client::text;
 use robot_model::JointKind;
 use shm_schemas::{
     EventKind, FingerReport, GoalState, Hand, HandFrame, HandReport, JointCommand, JointState,
@@ -28,10 +28,10 @@ use super::ros::{self, Level, MessageType};
 use super::subject::Subject;
 use crate::rows::Row;
 
-/// Frame of the robot's base where the URDF names none.
+/// Frame of the robot's base if the URDF names none.
 const BASE: &str = "base";
 
-/// A named number of a report with its unit.
+/// Named number of a report with its unit.
 type Scalar<T> = (&'static str, &'static str, fn(&T) -> f32);
 
 const OF_HAND: [Scalar<HandReport>; 3] = [
@@ -50,28 +50,28 @@ const OF_FINGER: [Scalar<FingerReport>; 6] = [
     ("closing", "m/s", |finger| finger.closing_m_s),
 ];
 
-/// Who takes the messages.
+/// Receiver of the messages.
 pub trait Outlet {
-    /// Opens a topic for messages of one type; `unit` is empty where there is none.
+    /// Opens a topic for messages of one type; `unit` is empty for numbers without unit.
     ///
     /// # Errors
-    /// It cannot be opened.
+    /// The topic cannot be opened.
     fn open(&mut self, topic: &str, of: &MessageType, unit: &str) -> anyhow::Result<u16>;
 
-    /// Takes a message, as CDR.
+    /// Receives a message as CDR.
     ///
     /// # Errors
-    /// It cannot be taken.
+    /// The message cannot be written.
     fn send(&mut self, channel: u16, unix_ns: u64, cdr: &[u8]) -> anyhow::Result<()>;
 }
 
-/// A topic, opened with its first message.
+/// Topic, opened with its first message.
 struct Topic {
     name: String,
     of: &'static MessageType,
     unit: Cow<'static, str>,
     channel: Option<u16>,
-    /// The number that was sent last, if it carries one.
+    /// Last number sent, if the topic carries numbers.
     last: Option<f64>,
 }
 
@@ -99,7 +99,7 @@ struct Topics {
     hands: [OfHand; 2],
 }
 
-/// A run as messages.
+/// Converter of a run to messages.
 pub struct Messages<O> {
     outlet: O,
     subject: Subject,
@@ -109,7 +109,7 @@ pub struct Messages<O> {
     next_picture_ns: u64,
     next_transforms_ns: u64,
     next_cloud_ns: [u64; 2],
-    /// Joint positions that the transforms follow from, rad.
+    /// Joint positions for the transforms.
     q_rad: Vec<f64>,
     has_description: bool,
 }
@@ -167,7 +167,7 @@ impl OfHand {
 }
 
 impl<O: Outlet> Messages<O> {
-    /// Into `outlet`, with transforms and point clouds `pictures_hz` times a second.
+    /// Creates a converter into `outlet` with `pictures_hz` transforms and point clouds per second.
     #[must_use]
     pub fn new(outlet: O, subject: Subject, pictures_hz: f64) -> Self {
         let topics = Topics {
@@ -202,15 +202,15 @@ impl<O: Outlet> Messages<O> {
         }
     }
 
-    /// Who took the messages.
+    /// Returns the receiver.
     pub(super) fn into_outlet(self) -> O {
         self.outlet
     }
 
-    /// Sends what is known of a tick.
+    /// Sends all data of a tick.
     ///
     /// # Errors
-    /// The outlet does not take it.
+    /// The receiver fails.
     pub fn row(&mut self, row: &Row) -> anyhow::Result<()> {
         let unix_ns = self.subject.clock.unix_ns(row.captured_ns);
         let is_picture = unix_ns >= self.next_picture_ns;
@@ -232,7 +232,8 @@ impl<O: Outlet> Messages<O> {
                     self.frame(hand, frame)?;
                 }
             }
-            // Rows without joints take nothing from the pace: live, only the newest of some rows has them.
+            // Rows without joints do not count towards the rate: live, only the newest of several
+            // rows has joints.
             if unix_ns >= self.next_transforms_ns && !self.q_rad.is_empty() {
                 self.next_transforms_ns = unix_ns.saturating_add(self.picture_ns);
                 self.transforms(unix_ns)?;
@@ -245,10 +246,10 @@ impl<O: Outlet> Messages<O> {
         events.try_for_each(|event| self.event(unix_ns, event))
     }
 
-    /// Sends the robot's URDF, as the first row does: again for those who came later.
+    /// Sends the robot's URDF, like the first row; again for late viewers.
     ///
     /// # Errors
-    /// The outlet does not take it.
+    /// The receiver fails.
     pub fn describe(&mut self, captured_ns: u64) -> anyhow::Result<()> {
         self.has_description = true;
         if self.subject.urdf.is_empty() {
@@ -298,7 +299,7 @@ impl<O: Outlet> Messages<O> {
             .send(&mut self.outlet, unix_ns, &self.cdr)
     }
 
-    /// Where every link is, as far as joints are known.
+    /// Sends the pose of every link, as far as joints are known.
     fn transforms(&mut self, unix_ns: u64) -> anyhow::Result<()> {
         let limbs = self.subject.skeleton.limbs();
         let carried: Vec<_> = limbs
@@ -350,7 +351,7 @@ impl<O: Outlet> Messages<O> {
             subject,
             ..
         } = self;
-        // Between two messages of a topic its number is what it was.
+        // Between two messages of a topic its number is unchanged.
         let mut scalar = |topic: &mut Topic, value: f64| {
             let is_known = topic.last.replace(value) == Some(value);
             if is_known && !is_picture {
@@ -381,7 +382,7 @@ impl<O: Outlet> Messages<O> {
     }
 
     fn event(&mut self, unix_ns: u64, event: &ModuleEvent) -> anyhow::Result<()> {
-        let sentence = words::event(event);
+        let sentence = text::event(event);
         self.cdr
             .log(unix_ns, level(event), event.kind.name(), sentence.trim());
         self.topics
@@ -390,7 +391,8 @@ impl<O: Outlet> Messages<O> {
     }
 }
 
-/// Units of the joints' numbers: those of joints that turn, and, where some slide, which have which.
+/// Returns the units of joint values: of revolute joints, and with prismatic joints the unit of
+/// each.
 fn units(subject: &Subject, [turning, sliding]: [&'static str; 2]) -> Cow<'static, str> {
     let slide = subject
         .joints()
@@ -402,7 +404,7 @@ fn units(subject: &Subject, [turning, sliding]: [&'static str; 2]) -> Cow<'stati
     format!("{turning}; {sliding} of {}", names.join(", ")).into()
 }
 
-/// A module's name as a word of a topic: `slip` for `module 2, slip`.
+/// Returns a module's name as a word of a topic: `slip` for `module 2, slip`.
 pub(super) fn word(id: ModuleId) -> String {
     let name = id.name();
     let own = name.split_once(", ").map_or(name, |(_, own)| own);

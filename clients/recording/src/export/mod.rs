@@ -1,15 +1,16 @@
-//! Recordings for other people's programs.
+//! Export of recordings for other programs.
 //!
 //! ```text
 //!  Rows ─▶ export ─┬─ messages (ros, cdr) ─▶ mcap: Rerun, Foxglove, PlotJuggler
 //!                  └─ table ─▶ csv, parquet: one row per tick, for notebooks
 //! ```
 //!
-//! One thread reads, another writes. [`Messages`] serves what happens now as well, to whoever takes them ([`Outlet`]).
+//! One thread reads, another writes. [`Messages`] also serves live data, to any [`Outlet`].
 //!
-//! * **Invariants:** sensor time becomes wall-clock time by one offset for the whole run ([`crate::Clock`]). A file never
-//!   overwrites another, and has its name only once it is whole ([`draft`]). What was not recorded is left out, not made up.
-//! * **Absent on purpose:** what replays: that is the recording itself.
+//! * **Invariants:** one offset for the whole run converts sensor time to wall-clock time
+//!   ([`crate::Clock`]). A file never overwrites another and has its name only when complete
+//!   ([`draft`]). Data that were not recorded are left out.
+//! * **Not included:** replay, which needs the recording itself.
 
 mod cdr;
 mod csv;
@@ -34,10 +35,10 @@ pub use messages::{Messages, Outlet};
 pub use ros::MessageType;
 pub use subject::Subject;
 
-/// Rows that may wait between the reading and the writing thread (ours: half a second, some 8 MiB).
-const WAITING: usize = 512;
+/// Rows between the reading and the writing thread. Design choice: half a second, about 8 MiB.
+const ROWS_IN_CHANNEL: usize = 512;
 
-/// What an exported file is.
+/// Format of an exported file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// ROS 2 messages in an MCAP file.
@@ -48,27 +49,27 @@ pub enum Kind {
     Parquet,
 }
 
-/// How to export.
+/// Export options.
 #[derive(Clone, Copy, Debug)]
 pub struct Choices {
-    /// Which file.
+    /// Format.
     pub kind: Kind,
-    /// Transforms and point clouds per second of an MCAP file; everything else comes with every tick.
+    /// Transforms and point clouds per second in an MCAP file; other data come with every tick.
     pub pictures_hz: f64,
-    /// Whether a table has a column for every component of every element.
+    /// True for a column per component of every element.
     pub elements: bool,
 }
 
-/// What was exported.
+/// Summary of an export.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exported {
     /// Ticks.
     pub ticks: u64,
-    /// From the first to the last of them, s.
+    /// Time from the first to the last tick, s.
     pub seconds: f64,
 }
 
-/// A file in the making.
+/// File being written.
 trait Sink {
     fn row(&mut self, row: &Row) -> anyhow::Result<()>;
     fn finish(self: Box<Self>) -> anyhow::Result<()>;
@@ -77,7 +78,7 @@ trait Sink {
 /// Exports the files of one run into a new file, until the end or until `stop` is set.
 ///
 /// # Errors
-/// The recording cannot be read to its end, or the file cannot be written: then there is none.
+/// The recording cannot be read to its end, or the file cannot be written. No file is created then.
 pub fn export(
     files: &[PathBuf],
     out: &Path,
@@ -86,13 +87,13 @@ pub fn export(
 ) -> anyhow::Result<Exported> {
     let rows = Rows::open(files)?;
     let subject = Subject::recorded(&rows)?;
-    let draft = Draft::beside(out)?;
+    let draft = Draft::next_to(out)?;
     let mut sink = sink(&draft, choices, subject)?;
-    let (send, receive) = sync_channel(WAITING);
+    let (send, receive) = sync_channel(ROWS_IN_CHANNEL);
     let exported = std::thread::scope(|scope| {
         scope.spawn(move || {
             let wanted = |_: &_| !stop.load(Ordering::Relaxed);
-            // The other end is gone when it could not write.
+            // The receiver is gone after a write error.
             rows.take_while(wanted).all(|row| send.send(row).is_ok());
         });
         write(receive, &mut *sink)

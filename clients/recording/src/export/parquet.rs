@@ -1,4 +1,4 @@
-//! Apache Parquet: the same columns, typed and compressed. What is null was not recorded.
+//! Apache Parquet: the columns of the table, typed and compressed. Null means not recorded.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -16,17 +16,17 @@ use super::subject::Subject;
 use super::table::{Cell, Column, Form, columns};
 use crate::rows::Row;
 
-/// Ticks that are written together (ours: 16 s at 1 kHz, some 20 MiB in memory).
+/// Ticks per row group. Design choice: 16 s at 1 kHz, about 20 MiB in memory.
 const GROUP: usize = 1 << 14;
 
-/// The file.
+/// Parquet file.
 pub(super) struct Parquet {
     file: SerializedFileWriter<BufWriter<File>>,
     columns: Vec<(Column, Values)>,
     waiting: usize,
 }
 
-/// What waits of a column: the values that are there, and for each row whether it has one.
+/// Buffered values of a column, and for each row whether it has one.
 enum Values {
     Whole(Waiting<i64>),
     Number(Waiting<f64>),
@@ -92,7 +92,7 @@ impl Values {
                 _ => None,
             }),
             Self::Text(waiting) => waiting.push(match cell {
-                Cell::Text(text) => Some(ByteArray::from(*text)),
+                Cell::Text(text) => Some(ByteArray::from(text.as_ref())),
                 _ => None,
             }),
         }
@@ -170,7 +170,7 @@ fn schema(columns: &[(Column, Values)]) -> anyhow::Result<Arc<Type>> {
 impl Sink for Parquet {
     fn row(&mut self, row: &Row) -> anyhow::Result<()> {
         for (column, values) in &mut self.columns {
-            values.push(&column.of(row));
+            values.push(&column.cell(row));
         }
         self.waiting += 1;
         if self.waiting == GROUP {

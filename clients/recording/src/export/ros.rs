@@ -1,14 +1,14 @@
-//! The ROS 2 messages of an exported recording: their definitions, and how each is written.
+//! ROS 2 messages of an exported recording: definitions and serialisation.
 
 use robot_model::Placement;
 use shm_schemas::Layout;
 
 use super::cdr::Cdr;
 
-/// A ROS 2 message type: its name, its definition, and the types in it.
+/// ROS 2 message type: name, definition and nested types.
 #[derive(Debug)]
 pub struct MessageType {
-    /// Its name, for example `std_msgs/msg/Float64`.
+    /// Name, for example `std_msgs/msg/Float64`.
     pub name: &'static str,
     definition: &'static str,
     parts: &'static [(&'static str, &'static str)],
@@ -92,12 +92,12 @@ pub(super) const LOG: MessageType = MessageType {
 };
 
 impl MessageType {
-    /// The language of its definition, as MCAP names it.
+    /// Language of the definition, as named by MCAP.
     pub const LANGUAGE: &'static str = "ros2msg";
-    /// How its messages are written.
+    /// Encoding of the messages.
     pub const ENCODING: &'static str = "cdr";
 
-    /// The definition with those of its parts.
+    /// Returns the definition with those of nested types.
     #[must_use]
     pub fn schema(&self) -> String {
         let parts = self
@@ -119,7 +119,7 @@ pub(super) enum Level {
     Error = 40,
 }
 
-/// Offset, name: the fields of a fingertip's cloud, 4-byte floats.
+/// Fields of a fingertip's point cloud, 4-byte floats.
 const FIELDS: [&str; 7] = ["x", "y", "z", "fx", "fy", "fz", "force"];
 const FLOAT32: u8 = 7;
 const FLOAT_BYTES: usize = 4;
@@ -144,7 +144,7 @@ impl Cdr {
         }
     }
 
-    /// Where each child is in its parent.
+    /// Writes the pose of each child in its parent.
     pub(super) fn transforms<'a>(
         &mut self,
         unix_ns: u64,
@@ -174,7 +174,7 @@ impl Cdr {
         self.text("").text("").u32(0);
     }
 
-    /// The elements of a fingertip with the force on each, tip frame.
+    /// Writes the elements of a fingertip with their forces, tip frame.
     pub(super) fn cloud(&mut self, unix_ns: u64, frame: &str, points: &[[f32; 7]]) {
         let step = FIELDS.len() * FLOAT_BYTES;
         self.stamped(unix_ns, frame);
@@ -198,7 +198,7 @@ impl Cdr {
     }
 }
 
-/// Where each valid element sits and the force on it, tip frame, m and N; at last the normal force.
+/// Returns position and force of each valid element, tip frame, m and N, and the normal force.
 pub(super) fn points<'a>(
     layout: &'a Layout,
     valid: u64,
@@ -214,7 +214,8 @@ pub(super) fn points<'a>(
     })
 }
 
-/// The force of the object on the whole tip and its torque about the tip frame's origin, tip frame, N and N·m.
+/// Returns the force of the object on the fingertip and its torque about the tip frame's origin,
+/// tip frame, N and N·m.
 pub(super) fn wrench(layout: &Layout, valid: u64, force_n: &[[f32; 3]]) -> [[f64; 3]; 2] {
     let mut sum = [[0.0; 3]; 2];
     for [x, y, z, fx, fy, fz, _] in points(layout, valid, force_n).map(|p| p.map(f64::from)) {
@@ -228,7 +229,8 @@ pub(super) fn wrench(layout: &Layout, valid: u64, force_n: &[[f32; 3]]) -> [[f64
     sum
 }
 
-/// The force on an element, whose axes are d, t1, t2: `F = −f_n·d + f_t1·t1 + f_t2·t2` (see [`shm_schemas::HandFrame`]).
+/// Returns the force on an element with axes d, t1, t2: `F = −f_n·d + f_t1·t1 + f_t2·t2` (see
+/// [`shm_schemas::HandFrame`]).
 fn force_on(layout: &Layout, element: usize, force_n: [f32; 3]) -> [f64; 3] {
     let [f_n, f_t1, f_t2] = force_n.map(f64::from);
     core::array::from_fn(|axis| {

@@ -1,30 +1,30 @@
-//! What messages and tables are about: the robot, its sensors, the clock.
+//! Subject of messages and tables: robot, sensors, clock.
 
 use std::array;
 
 use anyhow::Context;
-use robot_model::{JointKind, RobotFiles, Side, Skeleton};
+use robot_model::{HandSide, JointKind, RobotFiles, Skeleton};
 use shm_schemas::Layout;
 
 use crate::clock::Clock;
 use crate::origin;
 use crate::rows::Rows;
 
-/// What is known of the links of a robot that nobody knows.
-const UNKNOWN: &str = r#"<robot name="unknown"><link name="base"/></robot>"#;
+/// URDF of an unknown robot.
+const UNKNOWN_URDF: &str = r#"<robot name="unknown"><link name="base"/></robot>"#;
 
-/// A robot, its sensors, and the clock that its stamps are of.
+/// Robot, sensors, and the clock of the stamps.
 #[derive(Debug)]
 pub struct Subject {
-    /// Empty where nobody knows the robot.
+    /// Empty for an unknown robot.
     pub(super) urdf: String,
     pub(super) skeleton: Skeleton,
-    /// How each joint moves, in the order of joint vectors.
+    /// Kind of each joint, in the order of joint vectors.
     pub(super) kinds: Vec<JointKind>,
-    /// Names of the links that carry the fingertips, per hand.
+    /// Names of the fingertip links, per hand.
     pub(super) tips: [Vec<String>; 2],
     pub(super) layouts: [Layout; 2],
-    /// Fingers of each hand that feel; none of a hand that the robot has not.
+    /// Fingertips with sensors per hand; 0 for a missing hand.
     pub(super) fingers: [usize; 2],
     pub(super) clock: Clock,
     /// Version of the daemon and hash of its configuration.
@@ -32,7 +32,7 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Of a recording.
+    /// Creates the subject of a recording.
     ///
     /// # Errors
     /// The recorded robot cannot be loaded.
@@ -41,7 +41,7 @@ impl Subject {
         let text = |text: Option<String>| text.unwrap_or_else(|| "not recorded".to_owned());
         let version = text(header.map(|h| h.version.to_string()));
         let hash = text(header.map(|h| format!("{:016x}", h.config_hash)));
-        let about = Self::about(
+        let about = Self::from_robot(
             origin::robot(header, rows.robot())?,
             origin::layouts(header),
             origin::fingers(header),
@@ -53,7 +53,8 @@ impl Subject {
         })
     }
 
-    /// Of a robot that moves now, stamped by this machine's clock. Of one that nobody knows there are no joints and no links.
+    /// Creates the subject of a running robot, stamped by this machine's clock. An unknown robot
+    /// has no joints and no links.
     ///
     /// # Errors
     /// The robot cannot be loaded.
@@ -63,7 +64,7 @@ impl Subject {
         fingers: [usize; 2],
     ) -> anyhow::Result<Self> {
         let about = match robot {
-            Some(files) => Self::about(files, layouts, fingers)?,
+            Some(files) => Self::from_robot(files, layouts, fingers)?,
             None => Self::unknown(layouts, fingers)?,
         };
         Ok(Self {
@@ -72,15 +73,19 @@ impl Subject {
         })
     }
 
-    fn about(files: RobotFiles, layouts: [Layout; 2], fingers: [usize; 2]) -> anyhow::Result<Self> {
+    fn from_robot(
+        files: RobotFiles,
+        layouts: [Layout; 2],
+        fingers: [usize; 2],
+    ) -> anyhow::Result<Self> {
         let (skeleton, robot) = (files.skeleton()?, files.load()?);
         let tips = |side| robot.hand(side).tip_links().map(str::to_owned).collect();
-        let is_there = Side::BOTH.map(|side| robot.hand(side).is_present());
+        let is_there = HandSide::BOTH.map(|side| robot.hand(side).is_present());
         Ok(Self {
             urdf: files.urdf.into_owned(),
             skeleton,
             kinds: robot.joints().map(|joint| joint.kind).collect(),
-            tips: Side::BOTH.map(tips),
+            tips: HandSide::BOTH.map(tips),
             layouts,
             fingers: array::from_fn(|hand| if is_there[hand] { fingers[hand] } else { 0 }),
             clock: Clock::default(),
@@ -91,7 +96,7 @@ impl Subject {
     fn unknown(layouts: [Layout; 2], fingers: [usize; 2]) -> anyhow::Result<Self> {
         Ok(Self {
             urdf: String::new(),
-            skeleton: Skeleton::read(UNKNOWN, Vec::new())?,
+            skeleton: Skeleton::read(UNKNOWN_URDF, Vec::new())?,
             kinds: Vec::new(),
             tips: Default::default(),
             layouts,
@@ -101,7 +106,7 @@ impl Subject {
         })
     }
 
-    /// The names of the joints with how each moves.
+    /// Returns names and kinds of the joints.
     pub(super) fn joints(&self) -> impl Iterator<Item = (&str, JointKind)> {
         let names = self.skeleton.joint_names().iter().map(String::as_str);
         names.zip(self.kinds.iter().copied())

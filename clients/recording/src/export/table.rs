@@ -1,4 +1,6 @@
-//! A tick as one row of named columns, units in the names: what CSV and Parquet have in common.
+//! Table row of a tick: named columns with units in the names, common to CSV and Parquet.
+
+use std::borrow::Cow;
 
 use robot_model::JointKind;
 use shm_schemas::{FingerReport, Hand, HandReport, JointState, ModuleId, TickReport};
@@ -6,18 +8,18 @@ use shm_schemas::{FingerReport, Hand, HandReport, JointState, ModuleId, TickRepo
 use super::subject::Subject;
 use crate::rows::Row;
 
-/// What a cell holds; empty where nothing was recorded.
+/// Value of a cell; empty if not recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Cell {
     Empty,
     Whole(i64),
     Number(f64),
-    /// A number with the digits of a 32-bit float.
+    /// Number with the digits of a 32-bit float.
     Short(f32),
-    Text(&'static str),
+    Text(Cow<'static, str>),
 }
 
-/// What all cells of a column are.
+/// Type of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     Whole,
@@ -26,7 +28,7 @@ pub(super) enum Form {
     Text,
 }
 
-/// One column.
+/// Column.
 pub(super) struct Column {
     pub(super) name: String,
     pub(super) form: Form,
@@ -34,7 +36,7 @@ pub(super) struct Column {
 }
 
 impl Column {
-    pub(super) fn of(&self, row: &Row) -> Cell {
+    pub(super) fn cell(&self, row: &Row) -> Cell {
         (self.value)(row)
     }
 }
@@ -57,10 +59,10 @@ const OF_FINGER: [Of<FingerReport>; 7] = [
     ("closing_m_s", |finger| finger.closing_m_s),
     ("in_contact", |finger| finger.in_contact as f32),
 ];
-/// Components of an element: pressed along its normal, along its tangents.
+/// Components of an element's force: normal, and along both tangents.
 const COMPONENTS: [&str; 3] = ["fn", "ft1", "ft2"];
 
-/// Every column, in the order of the file.
+/// Returns all columns in the order of the file.
 pub(super) fn columns(subject: &Subject, elements: bool) -> Vec<Column> {
     let clock = subject.clock;
     let mut columns = vec![
@@ -71,27 +73,29 @@ pub(super) fn columns(subject: &Subject, elements: bool) -> Vec<Column> {
         column("sensor_ns", Form::Whole, |row| {
             Cell::Whole(row.captured_ns as i64)
         }),
-        of_report("mode", Form::Text, |report| Cell::Text(report.mode.name())),
-        of_report("goal_id", Form::Whole, |report| {
+        report_column("mode", Form::Text, |report| {
+            Cell::Text(report.mode.name().into())
+        }),
+        report_column("goal_id", Form::Whole, |report| {
             Cell::Whole(report.goal_id as i64)
         }),
-        of_report("wake_late_ns", Form::Whole, |report| {
+        report_column("wake_late_ns", Form::Whole, |report| {
             Cell::Whole(report.wake_late_ns.into())
         }),
-        of_report("sensor_to_command_ns", Form::Whole, |report| {
+        report_column("sensor_to_command_ns", Form::Whole, |report| {
             Cell::Whole(report.sensor_to_command_ns.into())
         }),
     ];
     let hands = subject.fingers.iter().copied().enumerate();
     let hands: Vec<_> = hands.filter(|(_, fingers)| *fingers > 0).collect();
     for (hand, fingers) in &hands {
-        columns.extend(of_hand(*hand, *fingers));
+        columns.extend(hand_columns(*hand, *fingers));
     }
-    columns.extend(of_joints(subject));
+    columns.extend(joint_columns(subject));
     if elements {
         for (hand, fingers) in &hands {
             let count = subject.layouts[*hand].count;
-            columns.extend(of_elements(*hand, *fingers, count));
+            columns.extend(element_columns(*hand, *fingers, count));
         }
     }
     columns
@@ -105,7 +109,7 @@ fn column(name: impl Into<String>, form: Form, value: impl Fn(&Row) -> Cell + 's
     }
 }
 
-fn of_report(
+fn report_column(
     name: impl Into<String>,
     form: Form,
     value: impl Fn(&TickReport) -> Cell + 'static,
@@ -115,32 +119,39 @@ fn of_report(
     })
 }
 
-fn of_hand(hand: usize, fingers: usize) -> Vec<Column> {
+fn hand_columns(hand: usize, fingers: usize) -> Vec<Column> {
     let name = |what: &str| format!("{}_{what}", Hand::BOTH[hand]);
     let mut columns = vec![
-        of_report(name("step"), Form::Whole, move |report| {
+        column(name("step"), Form::Text, move |row| {
+            let step = row.steps[hand].as_str();
+            match row.report {
+                Some(_) if !step.is_empty() => Cell::Text(step.to_owned().into()),
+                _ => Cell::Empty,
+            }
+        }),
+        report_column(name("step_index"), Form::Whole, move |report| {
             Cell::Whole(report.hands[hand].step.into())
         }),
-        of_report(name("frame_age_ns"), Form::Whole, move |report| {
+        report_column(name("frame_age_ns"), Form::Whole, move |report| {
             let age_ns = i64::try_from(report.hands[hand].frame_age_ns);
             age_ns.map_or(Cell::Empty, Cell::Whole)
         }),
     ];
     for (what, value) in OF_HAND {
-        columns.push(of_report(name(what), Form::Short, move |report| {
+        columns.push(report_column(name(what), Form::Short, move |report| {
             Cell::Short(value(&report.hands[hand]))
         }));
     }
     for id in ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE) {
         let what = format!("module_{}", super::messages::word(*id));
-        columns.push(of_report(name(&what), Form::Whole, move |report| {
+        columns.push(report_column(name(&what), Form::Whole, move |report| {
             Cell::Whole((report.hands[hand].modules_active >> id.0 & 1).into())
         }));
     }
     for finger in 0..fingers {
         for (what, value) in OF_FINGER {
             let what = format!("finger{}_{what}", finger + 1);
-            columns.push(of_report(name(&what), Form::Short, move |report| {
+            columns.push(report_column(name(&what), Form::Short, move |report| {
                 Cell::Short(value(&report.hands[hand].fingers[finger]))
             }));
         }
@@ -148,7 +159,7 @@ fn of_hand(hand: usize, fingers: usize) -> Vec<Column> {
     columns
 }
 
-/// Units of a joint's position, velocity and effort, as names end in them.
+/// Returns the unit suffixes of a joint's position, velocity and effort.
 fn units(kind: JointKind) -> [&'static str; 3] {
     match kind {
         JointKind::Revolute => ["rad", "rad_s", "n_m"],
@@ -156,7 +167,7 @@ fn units(kind: JointKind) -> [&'static str; 3] {
     }
 }
 
-fn of_joints(subject: &Subject) -> Vec<Column> {
+fn joint_columns(subject: &Subject) -> Vec<Column> {
     type OfJoint = (&'static str, fn(&JointState) -> &[f64]);
     let measured: [OfJoint; 3] = [
         ("position", |joints| &joints.position_rad),
@@ -190,7 +201,7 @@ fn of_joints(subject: &Subject) -> Vec<Column> {
     columns
 }
 
-fn of_elements(hand: usize, fingers: usize, count: usize) -> Vec<Column> {
+fn element_columns(hand: usize, fingers: usize, count: usize) -> Vec<Column> {
     let mut columns = Vec::new();
     for finger in 0..fingers {
         for element in 0..count {

@@ -6,8 +6,8 @@ use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
 use robot_model::{RobotFiles, SHIPPED, TWO_HAND_ARM};
 use shm_schemas::{
-    EventKind, HandFrame, HandWiringRecord, JointState, Layout, ModuleEvent, ModuleId, RunHeader,
-    Stamp, Text, TickInputs, TickReport,
+    EventKind, GoalState, Hand, HandFrame, HandWiringRecord, JointState, Layout, ModuleEvent,
+    ModuleId, RunHeader, Stamp, Text, TickInputs, TickReport,
 };
 
 use super::*;
@@ -15,7 +15,7 @@ use crate::rotation::{Bounds, Recording};
 
 const TICKS: u64 = 300;
 const BEGIN_NS: u64 = 5_000_000_000;
-/// The element that is pressed: the pole, whose normal is z.
+/// Force on the pressed element at the pole, whose normal is z.
 const FORCE_N: [f32; 3] = [2.0, 0.5, -0.25];
 
 fn stamp(sequence: u64) -> Stamp {
@@ -39,12 +39,13 @@ fn wiring(fingers: u32) -> HandWiringRecord {
     }
 }
 
-/// A run whose left hand has a frame every tenth tick and whose right hand has none; tick 7 was not reported.
+/// Records a run: the left hand has a frame every tenth tick, the right hand none; tick 7 has no
+/// report.
 fn recorded(folder: &Path) -> PathBuf {
     recorded_of(folder, &TWO_HAND_ARM, 2)
 }
 
-/// Such a run of a robot whose hands have so many fingers.
+/// Records such a run of a robot with this number of fingertips per hand.
 fn recorded_of(folder: &Path, robot: &RobotFiles, fingers: u32) -> PathBuf {
     let out = folder.join("run.mcap");
     let bounds = Bounds {
@@ -94,14 +95,22 @@ fn recorded_of(folder: &Path, robot: &RobotFiles, fingers: u32) -> PathBuf {
         if tick != 7 {
             recording.writer().write(&report).expect("written");
         }
-        if tick == 100 {
+        let mut write_event = |kind, text: &str| {
             let event = ModuleEvent {
                 stamp: stamp(tick),
                 tick,
-                kind: EventKind::WARNING,
+                kind,
+                hand: Hand::RIGHT,
+                text: Text::new(text),
                 ..ModuleEvent::default()
             };
             recording.writer().write(&event).expect("written");
+        };
+        match tick {
+            100 => write_event(EventKind::WARNING, ""),
+            120 => write_event(EventKind::STEP, "lift"),
+            130 => write_event(EventKind::GOAL, GoalState::SUCCEEDED.name()),
+            _ => {}
         }
     }
     recording.finish().expect("finished");
@@ -126,7 +135,7 @@ fn exported_of(folder: &Path, files: &[PathBuf], kind: Kind, elements: bool) -> 
 }
 
 #[test]
-fn an_exported_mcap_has_every_stream_as_ros_2_writes_it() {
+fn exported_mcap_has_every_stream_as_ros_2_messages() {
     let folder = tempfile::tempdir().expect("a folder");
     let bytes = std::fs::read(exported(folder.path(), Kind::Mcap, false)).expect("readable");
     let mut topics: BTreeMap<String, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
@@ -148,17 +157,17 @@ fn an_exported_mcap_has_every_stream_as_ros_2_writes_it() {
     let ticks = TICKS as usize;
     assert_eq!(count("/joint_states"), ticks);
     assert_eq!(count("/joint_commands"), ticks);
-    // What changes comes with every report, what does not with every picture.
+    // Changing values come with every report, constant ones with every picture.
     assert_eq!(count("/right/finger1/tangential"), ticks - 1);
     assert_eq!(count("/right/finger1/normal"), 30);
     assert_eq!(count("/left/finger1/wrench"), ticks / 10);
     assert_eq!(count("/left/finger1/elements"), ticks / 10);
     assert_eq!(
         (count("/tf"), count("/events"), count("/robot_description")),
-        (30, 1, 1)
+        (30, 3, 1)
     );
-    assert_eq!(count("/right/finger1/wrench"), 0, "nothing is made up");
-    // Switched on in between two pictures or with one: both states are there, in this order.
+    assert_eq!(count("/right/finger1/wrench"), 0, "no invented data");
+    // Activated between two pictures or with one: both states are present, in this order.
     let slip: Vec<f64> = topics["/right/module/slip"]
         .iter()
         .map(|(_, data)| last_f64(data))
@@ -168,7 +177,7 @@ fn an_exported_mcap_has_every_stream_as_ros_2_writes_it() {
         .position(|active| *active == 1.0)
         .expect("switched on");
     assert!(first_on > 0 && slip[..first_on].iter().all(|active| *active == 0.0));
-    // Wall-clock time: after 2020, and as far apart as the ticks.
+    // Wall-clock time: after 2020, with the spacing of the ticks.
     let times: Vec<u64> = topics["/joint_states"]
         .iter()
         .map(|(time, _)| *time)
@@ -195,7 +204,7 @@ fn last_f64(data: &[u8]) -> f64 {
 }
 
 #[test]
-fn csv_and_parquet_hold_the_same_rows_and_leave_out_what_was_not_recorded() {
+fn csv_and_parquet_have_equal_rows_without_invented_data() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = exported(folder.path(), Kind::Csv, true);
     let mut csv = ::csv::Reader::from_path(&out).expect("CSV");
@@ -241,6 +250,12 @@ fn csv_and_parquet_hold_the_same_rows_and_leave_out_what_was_not_recorded() {
         ),
         ("0".into(), "1".into())
     );
+    let steps = [119, 120, 129, 130].map(|row| cell(row, "right_step"));
+    assert_eq!(
+        steps,
+        ["", "lift", "lift", ""],
+        "the step's name during the goal"
+    );
 
     let folder = tempfile::tempdir().expect("a folder");
     let out = exported(folder.path(), Kind::Parquet, true);
@@ -272,7 +287,7 @@ fn csv_and_parquet_hold_the_same_rows_and_leave_out_what_was_not_recorded() {
 }
 
 #[test]
-fn an_existing_file_is_left_alone_and_a_stop_leaves_a_whole_one() {
+fn existing_file_is_kept_and_stop_leaves_complete_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let files = [recorded(folder.path())];
     let choices = Choices {
@@ -291,7 +306,7 @@ fn an_existing_file_is_left_alone_and_a_stop_leaves_a_whole_one() {
     assert_eq!(MessageStream::new(&bytes).expect("MCAP").count(), 0);
 }
 
-/// Names of the columns of a table, of a robot whose hands have so many fingers.
+/// Returns the column names of a table for a robot with this number of fingertips per hand.
 fn names(robot: &str, fingers: u32) -> Vec<String> {
     let robot = SHIPPED.into_iter().find(|shipped| shipped.name == robot);
     let folder = tempfile::tempdir().expect("a folder");
@@ -307,7 +322,7 @@ fn names(robot: &str, fingers: u32) -> Vec<String> {
 }
 
 #[test]
-fn a_joint_that_slides_is_exported_in_metres() {
+fn prismatic_joint_is_exported_in_metres() {
     let names = names("test-bench", 2);
     for name in [
         "stage_position_m",
@@ -332,12 +347,12 @@ fn a_joint_that_slides_is_exported_in_metres() {
         let unit = channel.metadata.get("unit").cloned().unwrap_or_default();
         units.insert(channel.topic.clone(), unit);
     }
-    let told = &units["/joint_states"];
-    assert!(told.contains("m, m/s, N of stage"), "{told}");
+    let output = &units["/joint_states"];
+    assert!(output.contains("m, m/s, N of stage"), "{output}");
 }
 
 #[test]
-fn every_finger_is_exported_and_no_hand_that_the_robot_has_not() {
+fn every_fingertip_is_exported_without_missing_hands() {
     let names = names("three-finger", 3);
     let has = |name: &str| names.iter().any(|found| found == name);
     assert!(
@@ -351,7 +366,7 @@ fn every_finger_is_exported_and_no_hand_that_the_robot_has_not() {
 }
 
 #[test]
-fn an_export_that_fails_leaves_nothing_behind() {
+fn failed_export_leaves_no_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = recorded(folder.path());
     let whole = std::fs::read(&file).expect("readable");

@@ -7,7 +7,7 @@ const KIB: u64 = 1 << 10;
 /// Bytes of one part, before compression.
 const PART: u64 = size_of::<TickInputs>() as u64;
 
-/// A part that no compression makes smaller.
+/// Returns a part that does not compress.
 fn part(sequence: u64) -> TickInputs {
     let mut state = sequence + 1;
     let mut frame = HandFrame::default();
@@ -27,14 +27,14 @@ fn part(sequence: u64) -> TickInputs {
     }
 }
 
-/// Records so many parts of one run, as far as the budget goes.
+/// Records parts of one run within the limits.
 fn recorded(folder: &Path, bounds: Bounds, parts: u64) -> Tally {
     let mut recording =
         Recording::create(&folder.join("run.mcap"), bounds, notes(), None).expect("made");
     recording.begin_run(Box::default()).expect("begun");
     for sequence in 0..parts {
         recording.inputs(&part(sequence)).expect("written");
-        if !recording.keep_up().expect("kept up") {
+        if !recording.flush_and_rotate().expect("kept up") {
             break;
         }
     }
@@ -45,7 +45,7 @@ fn notes() -> BTreeMap<String, String> {
     BTreeMap::from([("seed".to_owned(), "7".to_owned())])
 }
 
-/// The sequences in a file, which must be whole, introduce its run and hold the notes.
+/// Returns the sequences in a file, which must be complete and contain origin and notes.
 fn sequences(path: &Path) -> Vec<u64> {
     let mut sequences = Vec::new();
     let (mut headers, mut origins, mut noted) = (0, 0, 0);
@@ -82,7 +82,7 @@ fn unbounded() -> Bounds {
 }
 
 #[test]
-fn a_large_file_is_followed_by_another_and_nothing_is_lost_between() {
+fn large_file_continues_in_another_without_loss() {
     let folder = tempfile::tempdir().expect("a folder");
     let bounds = Bounds {
         file_bytes: Some(256 * KIB),
@@ -136,7 +136,7 @@ fn only_the_newest_files_are_kept() {
 }
 
 #[test]
-fn the_disk_budget_ends_the_recording_with_whole_files() {
+fn disk_budget_ends_recording_with_complete_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let budget = 512 * KIB;
     let bounds = Bounds {

@@ -1,31 +1,32 @@
-//! `calibrate` and `relax`: what lets servos go because a person asked for it.
+//! `calibrate` and `relax`: the commands that switch torque off, at the user's request.
 //!
-//! A joint's zero is the angle of its shaft while a person holds it at 0; its direction is which way the shaft turns when the person
-//! moves the joint in its positive direction.
+//! The zero of a joint is its shaft angle while the user holds the joint at 0. Its direction is the
+//! sign of the shaft rotation when the user moves the joint in its positive direction.
 
 use std::io::{self, BufRead};
 use std::path::Path;
 
-use super::{print, say, write};
+use super::{print, print_message, write};
 use crate::cli::Which;
 use crate::drivers::wire::Wire;
 use crate::failure::Failure;
 use crate::map::file::MapFile;
 use crate::map::{self, Check, MappedServo, PortMap};
 
-/// Least turn of the shaft that shows a direction, rad. Ours: five degrees, more than any play.
+/// Minimum shaft rotation that determines a direction, rad. Design choice: five degrees, more than
+/// the backlash.
 const TURN_MIN_RAD: f64 = 0.09;
 
-/// Finds zeros and directions.
+/// Determines zeros and directions.
 pub(super) fn run(which: &Which, out: Option<&Path>) -> Result<(), Failure> {
     let mut file = map::read(&which.map)?;
     for_each(which, |port, wire, mapped| {
         let (zero_rad, direction) = calibrate(port, wire, mapped)?;
-        say(&format!(
+        print_message(&format!(
             "{}: zero_rad {zero_rad:.4}, direction {direction}",
             mapped.name
         ));
-        note(&mut file, mapped, zero_rad, direction);
+        store_calibration(&mut file, mapped, zero_rad, direction);
         Ok(())
     })?;
     let text = toml::to_string(&file)
@@ -36,22 +37,23 @@ pub(super) fn run(which: &Which, out: Option<&Path>) -> Result<(), Failure> {
     }
 }
 
-/// Lets servos go.
+/// Switches the torque of servos off.
 pub(super) fn relax(which: &Which, yes: bool) -> Result<(), Failure> {
     if !yes {
-        ask(
-            "What the robot holds it drops, and arms fall. Support them, then press Enter (or Ctrl-C)",
+        prompt(
+            "The robot drops held objects and its arms fall. Support them, then press Enter (or \
+             Ctrl-C to cancel)",
         )?;
     }
     for_each(which, |port, wire, mapped| {
         let off = port.driver.set_torque(wire, mapped.servo.id, false);
         off.map_err(|error| failed(port, mapped, &error.to_string()))?;
-        say(&format!("{} is loose", mapped.called()));
+        print_message(&format!("{} has no torque", mapped.label()));
         Ok(())
     })
 }
 
-/// Does something with each joint that was named, or with all.
+/// Calls `act` for each requested joint, or for all joints.
 fn for_each(
     which: &Which,
     mut act: impl FnMut(&PortMap, &mut Wire, &MappedServo) -> Result<(), Failure>,
@@ -81,22 +83,22 @@ fn for_each(
 
 fn calibrate(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(f64, i8), Failure> {
     let name = &mapped.name;
-    ask(&format!(
-        "{name}: support it, then press Enter; it is let go"
+    prompt(&format!(
+        "{name}: support it, then press Enter to switch its torque off"
     ))?;
     let off = port.driver.set_torque(wire, mapped.servo.id, false);
     off.map_err(|error| failed(port, mapped, &error.to_string()))?;
-    ask(&format!("{name}: put it to 0, then press Enter"))?;
+    prompt(&format!("{name}: move it to 0, then press Enter"))?;
     let zero_rad = position_rad(port, wire, mapped)?;
     loop {
-        ask(&format!(
-            "{name}: move it a little in its positive direction, then press Enter"
+        prompt(&format!(
+            "{name}: move it slightly in its positive direction, then press Enter"
         ))?;
         let turn_rad = position_rad(port, wire, mapped)? - zero_rad;
         if turn_rad.abs() >= TURN_MIN_RAD {
             return Ok((zero_rad, if turn_rad > 0.0 { 1 } else { -1 }));
         }
-        say(&format!(
+        print_message(&format!(
             "{name}: its shaft turned by {turn_rad:.3} rad only, needs {TURN_MIN_RAD}"
         ));
     }
@@ -109,10 +111,10 @@ fn position_rad(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result
     let reading = readings.first();
     reading
         .map(|reading| reading.position_rad)
-        .ok_or_else(|| failed(port, mapped, "nothing was read"))
+        .ok_or_else(|| failed(port, mapped, "no reading"))
 }
 
-fn note(file: &mut MapFile, mapped: &MappedServo, zero_rad: f64, direction: i8) {
+fn store_calibration(file: &mut MapFile, mapped: &MappedServo, zero_rad: f64, direction: i8) {
     let servos = file.ports.iter_mut().flat_map(|port| &mut port.servos);
     for entry in servos.filter(|entry| entry.joint == mapped.name) {
         (entry.zero_rad, entry.direction) = (zero_rad, direction);
@@ -120,16 +122,16 @@ fn note(file: &mut MapFile, mapped: &MappedServo, zero_rad: f64, direction: i8) 
 }
 
 fn failed(port: &PortMap, mapped: &MappedServo, why: &str) -> Failure {
-    Failure::Servos(format!("{}, {}: {why}", port.device, mapped.called()))
+    Failure::Servos(format!("{}, {}: {why}", port.device, mapped.label()))
 }
 
-/// Waits until the person has done it.
-fn ask(what: &str) -> Result<(), Failure> {
-    say(what);
+/// Prints a prompt and waits for Enter.
+fn prompt(what: &str) -> Result<(), Failure> {
+    print_message(what);
     let read = io::stdin().lock().read_line(&mut String::new());
     match read {
         Ok(0) => Err(Failure::Usage(
-            "standard input ended before all was done".to_owned(),
+            "standard input ended before the last step".to_owned(),
         )),
         Ok(_) => Ok(()),
         Err(error) => Err(Failure::Usage(format!(

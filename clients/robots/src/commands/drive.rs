@@ -1,4 +1,4 @@
-//! `run`: the robot on the bus, its ports on threads of their own.
+//! `run`: connects the robot to the bus, with one thread per port.
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -11,21 +11,21 @@ use shm_bus::{Bus, BusName, Publisher, Realtime, Subscriber, now_ns, writer_epoc
 use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
 use shm_schemas::{JointCommand, JointState};
 
-use super::{say, stop_on_signal};
+use super::{print_message, stop_on_signal};
 use crate::failure::Failure;
 use crate::map::{self, Check, Map};
 use crate::port::{self, Report, Shared};
 use crate::robot::{Change, Robot};
 
-/// How long to wait for a report before commands are looked for again: the daemon's tick.
-const LOOK_EVERY: Duration = Duration::from_millis(1);
+/// Maximum time between checks for commands: the daemon's tick.
+const COMMAND_POLL: Duration = Duration::from_millis(1);
 
 /// Drives the servos of a map.
 pub(super) fn run(path: &Path, bus: &BusName, wait: bool) -> Result<(), Failure> {
     let map = map::load(path, Check::Whole)?;
     let stop = stop_on_signal()?;
     let node = Bus::open(bus, "robot", Realtime::No).map_err(Failure::Bus)?;
-    let mut line = Line::open(&node)?;
+    let mut line = BusPorts::open(&node)?;
     let ports: Vec<Shared> = map
         .ports
         .iter()
@@ -47,30 +47,32 @@ pub(super) fn run(path: &Path, bus: &BusName, wait: bool) -> Result<(), Failure>
             .figures
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
-        say(&format!(
+        print_message(&format!(
             "{} {}: {figures}",
             port.driver.name(),
             port.device
         ));
     }
-    outcome.inspect(|()| say("the servos go on holding; to let them go: atas-robot relax"))
+    outcome.inspect(|()| {
+        print_message("the servos keep holding; to switch their torque off: atas-robot relax")
+    })
 }
 
-/// The robot's two streams.
-struct Line {
+/// The robot's two bus services.
+struct BusPorts {
     states: Publisher<JointState>,
     commands: Subscriber<JointCommand>,
     command: JointCommand,
 }
 
-impl Line {
+impl BusPorts {
     fn open(node: &Bus) -> Result<Self, Failure> {
         let mut line = Self {
             states: node.publisher(JOINT_STATE).map_err(Failure::Bus)?,
             commands: node.subscriber(JOINT_COMMAND).map_err(Failure::Bus)?,
             command: JointCommand::default(),
         };
-        // A command from before this robot answers nothing of it.
+        // Discards a command sent before this robot started.
         line.newest()?;
         Ok(line)
     }
@@ -84,10 +86,10 @@ impl Line {
     }
 }
 
-/// Passes reports, commands and states on until all ports have ended.
+/// Processes reports and commands and publishes states until all ports have ended.
 fn drive(
     map: &Map,
-    line: &mut Line,
+    line: &mut BusPorts,
     ports: &[Shared],
     from: &Receiver<(usize, Report)>,
     wait: bool,
@@ -95,21 +97,21 @@ fn drive(
     let mut robot = Robot::new(map.joints.clone(), ports.len(), writer_epoch);
     let mut was_whole = false;
     loop {
-        match from.recv_timeout(LOOK_EVERY) {
+        match from.recv_timeout(COMMAND_POLL) {
             Ok((index, report)) => match robot.report(index, report) {
                 Change::None => {}
-                Change::Whole => {
+                Change::Ready => {
                     let again = if was_whole { " again" } else { "" };
                     was_whole = true;
                     tracing::info!("all {} joints hold{again}; states begin", map.joints.len());
                 }
-                Change::StillBroken(why) if !was_whole && !wait => {
+                Change::FailedAgain(why) if !was_whole && !wait => {
                     return Err(Failure::Servos(format!(
-                        "could not take the servos over: {why}"
+                        "could not take over the servos: {why}"
                     )));
                 }
-                Change::Broken(why) | Change::StillBroken(why) => {
-                    tracing::error!("no joint states, what can hold holds: {why}");
+                Change::Failed(why) | Change::FailedAgain(why) => {
+                    tracing::error!("joint states stopped, working servos keep holding: {why}");
                 }
             },
             Err(RecvTimeoutError::Timeout) => {}
@@ -119,8 +121,8 @@ fn drive(
             && robot.command(command, now_ns())
         {
             for (index, shared) in ports.iter().enumerate() {
-                if let Some((life, position_rad)) = robot.orders(index) {
-                    shared.order(life, position_rad);
+                if let Some((life, position_rad)) = robot.setpoints(index) {
+                    shared.set_goals(life, position_rad);
                 }
             }
         }
@@ -128,6 +130,6 @@ fn drive(
             line.states.send(&state).map_err(Failure::Bus)?;
         }
     }
-    say(&format!("{} commands refused", robot.refused()));
+    print_message(&format!("{} commands rejected", robot.rejected()));
     Ok(())
 }

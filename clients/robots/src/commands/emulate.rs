@@ -1,4 +1,4 @@
-//! `emulate`: the servos of a map behind pseudo-terminals.
+//! `emulate`: emulates the servos of a map behind pseudo-terminals.
 
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -8,19 +8,23 @@ use serde_json::json;
 
 use super::{print, stop_on_signal, write};
 use crate::cli::Format;
-use crate::emulator::{Chain, Planned};
+use crate::emulator::{Chain, PlannedServo};
 use crate::failure::Failure;
 use crate::map::{self, Check, PortMap};
 
-/// How soon a stop request is seen.
+/// Interval between checks for a stop request.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Plays until it is stopped.
+/// Runs the emulation until a stop request.
 pub(super) fn run(map_path: &Path, out: &Path, format: Format) -> Result<(), Failure> {
     let mut file = map::read(map_path)?;
     let map = map::load(map_path, Check::Whole)?;
     let stop = stop_on_signal()?;
-    let chains: Vec<Chain> = map.ports.iter().map(play).collect::<Result<_, _>>()?;
+    let chains: Vec<Chain> = map
+        .ports
+        .iter()
+        .map(start_chain)
+        .collect::<Result<_, _>>()?;
     for (entry, chain) in file.ports.iter_mut().zip(&chains) {
         entry.device = chain.path().display().to_string();
     }
@@ -47,16 +51,16 @@ pub(super) fn run(map_path: &Path, out: &Path, format: Format) -> Result<(), Fai
     Ok(())
 }
 
-fn play(port: &PortMap) -> Result<Chain, Failure> {
+fn start_chain(port: &PortMap) -> Result<Chain, Failure> {
     let planned = port.servos.iter().map(|mapped| {
         let (lower_rad, upper_rad) = mapped.limits_rad;
-        Planned {
+        PlannedServo {
             id: mapped.servo.id,
             model: mapped.servo.model.name.to_owned(),
             position_rad: mapped.shaft_rad(0.5 * (lower_rad + upper_rad)),
         }
     });
-    let planned: Vec<Planned> = planned.collect();
+    let planned: Vec<PlannedServo> = planned.collect();
     Chain::start(port.driver.name(), &planned, Some(port.baud))
-        .map_err(|error| Failure::Usage(format!("could not play the servos: {error}")))
+        .map_err(|error| Failure::Usage(format!("could not start the servo emulator: {error}")))
 }

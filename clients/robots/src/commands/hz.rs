@@ -1,4 +1,4 @@
-//! `hz`: how joint states arrive at a reader of the bus.
+//! `hz`: rate and age of joint states at a reader of the bus.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -12,11 +12,11 @@ use super::{print, stop_on_signal};
 use crate::cli::Format;
 use crate::failure::Failure;
 
-/// Pause between two looks: well below what the bus buffers at any robot's rate. Ours.
+/// Poll interval. Design choice: well below the buffer time of the bus at any robot's rate.
 const PAUSE: Duration = Duration::from_millis(1);
 const SECOND_NS: u64 = 1_000_000_000;
 
-/// Prints rates once a second.
+/// Prints rates once per second.
 pub(super) fn run(bus: &BusName, seconds: Option<u64>, format: Format) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
     let node = Bus::join(bus, "robot-listener", Realtime::No).map_err(Failure::Bus)?;
@@ -42,7 +42,7 @@ pub(super) fn run(bus: &BusName, seconds: Option<u64>, format: Format) -> Result
     Ok(())
 }
 
-/// Least, mean and most of some times.
+/// Minimum, mean and maximum of times.
 #[derive(Clone, Copy, Default)]
 struct Times {
     min_ns: u64,
@@ -63,7 +63,7 @@ impl Times {
         self.count += 1;
     }
 
-    /// Least, mean and most, ms.
+    /// Returns minimum, mean and maximum, ms.
     fn ms(&self) -> Option<[f64; 3]> {
         let ms = |ns: f64| (ns / 1e4).round() / 100.0;
         let mean_ns = (self.count > 0).then(|| self.sum_ns as f64 / self.count as f64)?;
@@ -78,7 +78,7 @@ impl Times {
     }
 }
 
-/// What came within a second.
+/// Joint states within one second.
 #[derive(Clone, Copy, Default)]
 struct Second {
     states: u64,
@@ -117,7 +117,7 @@ impl Second {
         }
         let (Some([min, mean, max]), Some([_, age, oldest])) = (self.period.ms(), self.age.ms())
         else {
-            return format!("{} Hz: nothing to compare", self.states);
+            return format!("{} Hz: no states to compare", self.states);
         };
         format!(
             "{} Hz, {} lost; period {mean:.2} ms ({min:.2} to {max:.2}); age {age:.2} ms (at most {oldest:.2})",

@@ -1,4 +1,4 @@
-//! Completions and manual pages from the same table as the command line.
+//! Shell completions and manual pages, generated from the command line definition.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -23,7 +23,7 @@ pub(super) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
         .map_err(Failure::Output)
 }
 
-/// Writes one page for the program and one for each subcommand.
+/// Writes one page for the program and one per subcommand.
 pub(super) fn pages(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(cli::Arguments::command(), folder))

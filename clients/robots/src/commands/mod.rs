@@ -1,4 +1,4 @@
-//! What each subcommand does.
+//! Subcommands of `atas-robot`.
 
 mod calibrate;
 mod drive;
@@ -11,25 +11,25 @@ use std::io::{self, ErrorKind, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use atas_process::end;
+use atas_process::shutdown;
 use serde_json::json;
 
 use crate::cli::{Format, Verb};
 use crate::drivers::{DRIVERS, LimitKind};
 use crate::failure::Failure;
 
-/// Does what was said. A reader that has seen enough, as in `atas-robot list | head -1`, ends it in order.
+/// Runs a subcommand. A closed output pipe, as in `atas-robot list | head -1`, is no failure.
 ///
 /// # Errors
-/// Everything that [`Failure`] names.
+/// See [`Failure`].
 pub fn run(verb: Verb) -> Result<(), Failure> {
-    match obey(verb) {
+    match execute(verb) {
         Err(Failure::Output(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         ended => ended,
     }
 }
 
-fn obey(verb: Verb) -> Result<(), Failure> {
+fn execute(verb: Verb) -> Result<(), Failure> {
     match verb {
         Verb::Run { map, bus, wait } => drive::run(&map, &bus, wait),
         Verb::List { format } => list(format),
@@ -51,7 +51,7 @@ fn obey(verb: Verb) -> Result<(), Failure> {
     }
 }
 
-/// By what a model is limited, as the map's key says.
+/// Returns map key and unit of a model's force limit.
 fn limited_by(kind: LimitKind) -> (&'static str, &'static str) {
     match kind {
         LimitKind::Current => ("current_limit_a", "A"),
@@ -59,7 +59,7 @@ fn limited_by(kind: LimitKind) -> (&'static str, &'static str) {
     }
 }
 
-/// The list of families and models.
+/// Prints the families and models.
 fn list(format: Format) -> Result<(), Failure> {
     if format == Format::Json {
         let drivers = DRIVERS.map(|driver| {
@@ -93,7 +93,7 @@ fn list(format: Format) -> Result<(), Failure> {
     Ok(())
 }
 
-/// One line on standard output.
+/// Prints a line on standard output.
 fn print(line: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     writeln!(out, "{line}")
@@ -101,19 +101,19 @@ fn print(line: &str) -> Result<(), Failure> {
         .map_err(Failure::Output)
 }
 
-/// One line for a person, beside what programs read.
-fn say(line: &str) {
-    // If nobody can read it, nobody needs to be told.
+/// Prints a message for users on standard error.
+fn print_message(line: &str) {
+    // A failed write is ignored: without standard error there is no reader.
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Set when SIGINT or SIGTERM comes.
+/// Returns a flag that SIGINT and SIGTERM set.
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
-    end::on_signals(&end::SIGNALS, end::AT_ONCE)
-        .map_err(|error| Failure::Usage(format!("could not watch for signals: {error}")))
+    shutdown::install_stop_flag(&shutdown::SIGNALS, shutdown::IMMEDIATE_EXIT)
+        .map_err(|error| Failure::Usage(format!("could not install the signal handler: {error}")))
 }
 
-/// Writes a file for a person to use.
+/// Writes a text file.
 fn write(path: &std::path::Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text)
         .map_err(|error| Failure::Usage(format!("could not write {}: {error}", path.display())))

@@ -1,21 +1,21 @@
-//! `probe`: which servos are on a port?
+//! `probe`: finds the servos on a port.
 //!
-//! Every family is asked at each of its line speeds, until somebody answers. Only model numbers are read.
+//! Tries each family at each of its line speeds until a servo replies. Reads only model numbers.
 
 use std::time::Duration;
 
 use serde_json::json;
 
-use super::{print, say};
+use super::{print, print_message};
 use crate::cli::Format;
 use crate::drivers::wire::Wire;
 use crate::drivers::{DRIVERS, Driver};
 use crate::failure::Failure;
 
-/// How long one servo may take to answer. Ours: more than the latency timer of any bridge.
+/// Timeout of a reply. Design choice: more than the latency timer of any USB adapter.
 const ANSWER_WITHIN: Duration = Duration::from_millis(30);
 
-/// Who answers to one family at one line speed.
+/// Servos that reply to one family at one line speed.
 struct Finding {
     driver: &'static dyn Driver,
     baud: u32,
@@ -23,16 +23,16 @@ struct Finding {
     servos: Vec<(u8, u16)>,
 }
 
-/// Probes and prints.
+/// Probes a port and prints the servos.
 pub(super) fn run(device: &str, baud: Option<u32>, format: Format) -> Result<(), Failure> {
     let mut found = Vec::new();
     for driver in DRIVERS {
         let bauds = driver.bauds().iter().copied();
         for baud in bauds.filter(|speed| baud.is_none_or(|only| only == *speed)) {
             if format == Format::Text {
-                say(&format!("asking {} at {baud} baud", driver.name()));
+                print_message(&format!("probing {} at {baud} baud", driver.name()));
             }
-            if let Some(finding) = ask(device, driver, baud)? {
+            if let Some(finding) = probe_family(device, driver, baud)? {
                 found.push(finding);
                 break;
             }
@@ -53,14 +53,16 @@ pub(super) fn run(device: &str, baud: Option<u32>, format: Format) -> Result<(),
         return print(&json!({ "device": device, "found": found }).to_string());
     }
     if found.is_empty() {
-        return print(&format!("{device}: nobody answers; check power and cable"));
+        return print(&format!(
+            "{device}: no servo replies; check power and cable"
+        ));
     }
     for finding in found {
         let (name, baud) = (finding.driver.name(), finding.baud);
         print(&format!("{device}: {name} at {baud} baud"))?;
         for (id, number) in finding.servos {
             let model = model(finding.driver, number);
-            let model = model.map_or(format!("model {number}, not known"), str::to_owned);
+            let model = model.map_or(format!("model {number}, unknown"), str::to_owned);
             print(&format!("  id {id:<3}  {model}"))?;
         }
     }
@@ -72,12 +74,16 @@ fn model(driver: &dyn Driver, number: u16) -> Option<&'static str> {
     model.map(|model| model.name)
 }
 
-fn ask(device: &str, driver: &'static dyn Driver, baud: u32) -> Result<Option<Finding>, Failure> {
+fn probe_family(
+    device: &str,
+    driver: &'static dyn Driver,
+    baud: u32,
+) -> Result<Option<Finding>, Failure> {
     let mut wire =
         Wire::open(device, baud, driver.protocol(), ANSWER_WITHIN).map_err(Failure::Servos)?;
     let ids = wire
         .scan()
-        .map_err(|error| Failure::Servos(format!("could not ask on {device}: {error}")))?;
+        .map_err(|error| Failure::Servos(format!("could not probe {device}: {error}")))?;
     let servos: Vec<(u8, u16)> = ids
         .into_iter()
         .filter_map(|id| Some((id, driver.model_number(&mut wire, id).ok()?)))

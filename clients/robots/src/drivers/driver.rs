@@ -1,124 +1,124 @@
-//! What a servo family is to the rest of this process.
+//! Interface of a servo family.
 
 use super::wire::{Protocol, Wire, WireError};
 
-/// By what a model's force is limited.
+/// Quantity that limits the force of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitKind {
-    /// Amperes: the servo regulates its current.
+    /// Current, A: the servo regulates its current.
     Current,
-    /// Percent of what it can: the servo limits its voltage or its torque as a whole.
+    /// Percent of the maximum: the servo limits its voltage or its torque.
     Torque,
 }
 
-/// One model of servo.
+/// One servo model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Model {
-    /// Its name in the servo map.
+    /// Name in the servo map.
     pub name: &'static str,
-    /// What its model register says.
+    /// Value of the model register.
     pub number: u16,
-    /// Amperes per unit of its current register; `None` if it does not measure current.
+    /// Unit of the current register, A; `None` without current measurement.
     pub current_step_a: Option<f64>,
-    /// By what its force is limited.
+    /// Quantity that limits the force.
     pub limit: LimitKind,
-    /// Highest value that limit takes, A or %.
+    /// Maximum of that limit, A or %.
     pub limit_max: f64,
-    /// Whether its goal may lie outside one turn.
+    /// The goal may exceed one turn.
     pub multi_turn: bool,
-    /// Temperature at which it switches itself off as it is delivered, °C.
+    /// Default switch-off temperature, °C.
     pub temperature_max_c: f64,
 }
 
-/// One servo as it shall be driven.
+/// Configuration of one servo.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
-    /// Its id on the port.
+    /// Id on the port.
     pub id: u8,
-    /// Its model.
+    /// Servo model.
     pub model: &'static Model,
-    /// Most that it may press with, A or %, as its model limits it.
+    /// Force limit, A or %, see [`Model::limit`].
     pub limit: f64,
-    /// Fastest that its shaft may turn, rad/s: enforced by the servo itself.
+    /// Speed limit of the shaft, rad/s, enforced by the servo.
     pub speed_max_rad_s: f64,
 }
 
-/// What one servo measured.
+/// Measurements of one servo.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// Angle of the shaft, rad.
+    /// Shaft angle, rad.
     pub position_rad: f64,
-    /// Its speed, rad/s.
+    /// Shaft speed, rad/s.
     pub velocity_rad_s: f64,
-    /// Current, A, with the sign of the torque; zero where it is not measured.
+    /// Current, A, with the sign of the torque; 0 without measurement.
     pub current_a: f64,
-    /// Whether the servo says that something is wrong: [`Driver::health`] tells what.
+    /// The servo reports an error; [`Driver::health`] returns it.
     pub alert: bool,
 }
 
-/// How a servo is.
+/// Health of one servo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Health {
-    /// Whether its torque is on.
+    /// Torque is on.
     pub torque_on: bool,
-    /// Its temperature, °C.
+    /// Temperature, °C.
     pub temperature_c: f64,
-    /// What it reports of itself, in words; empty when all is well.
-    pub complaints: Vec<&'static str>,
+    /// Reported errors as text; empty if there are none.
+    pub errors: Vec<&'static str>,
 }
 
-/// Whether a servo that is taken over holds already.
+/// Torque state of a servo before the take-over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum State {
-    /// Torque is on: it holds this goal, rad.
+    /// Torque is on; holds this goal, rad.
     Holding(f64),
     /// Torque is off.
-    Loose,
+    TorqueOff,
 }
 
-/// One servo family. Without state: what is known of a port lies in its [`Wire`].
+/// One servo family. Stateless: the state of a port is in its [`Wire`].
 ///
-/// Every method fails with a [`WireError`] that names the servo.
+/// Methods fail with a [`WireError`] that names the servo.
 pub trait Driver: Sync {
-    /// Name in the servo map.
+    /// Returns the name in the servo map.
     fn name(&self) -> &'static str;
 
-    /// What it is, for people.
+    /// Returns a description.
     fn about(&self) -> &'static str;
 
-    /// What its ports speak.
+    /// Returns the protocol.
     fn protocol(&self) -> Protocol;
 
-    /// Line speeds that its servos can be set to, baud, the one that they are delivered with first.
+    /// Returns the supported line speeds, baud; the factory setting first.
     fn bauds(&self) -> &'static [u32];
 
-    /// Its models.
+    /// Returns the supported models.
     fn models(&self) -> &'static [Model];
 
-    /// The model with this name.
+    /// Returns the model with this name.
     fn model(&self, name: &str) -> Option<&'static Model> {
         self.models().iter().find(|model| model.name == name)
     }
 
-    /// What the model register of a servo says.
+    /// Reads the model register.
     fn model_number(&self, wire: &mut Wire, id: u8) -> Result<u16, WireError>;
 
-    /// Finds the fastest way of reading that all of these servos know.
+    /// Selects the fastest read method that all servos support.
     fn choose_reading(&self, wire: &mut Wire, servos: &[Servo]) -> Result<(), WireError>;
 
-    /// Whether a servo holds, and what. A servo that holds in a mode that is not ours is refused.
+    /// Returns the torque state. Rejects a servo with torque in another operating mode.
     fn state(&self, wire: &mut Wire, servo: &Servo) -> Result<State, WireError>;
 
-    /// Writes mode and limits of a servo whose torque is off.
+    /// Writes mode and limits; torque must be off.
     fn configure(&self, wire: &mut Wire, servo: &Servo) -> Result<(), WireError>;
 
-    /// Writes those limits that may change while it holds.
+    /// Writes the limits that may change while the servo holds.
     fn limit(&self, wire: &mut Wire, servo: &Servo) -> Result<(), WireError>;
 
-    /// Switches torque. Whoever switches it on has written a goal first.
+    /// Switches the torque. Before switching it on, write a goal.
     fn set_torque(&self, wire: &mut Wire, id: u8, on: bool) -> Result<(), WireError>;
 
-    /// Reads all servos at once into `out`, in their order.
+    /// Reads all servos at once into `out`, in order.
     fn read(
         &self,
         wire: &mut Wire,
@@ -126,7 +126,7 @@ pub trait Driver: Sync {
         out: &mut Vec<Reading>,
     ) -> Result<(), WireError>;
 
-    /// Writes all goals, rad, at once. Nobody answers.
+    /// Writes all goals, rad, at once. Servos send no reply.
     fn write_goals(
         &self,
         wire: &mut Wire,
@@ -134,9 +134,9 @@ pub trait Driver: Sync {
         goals_rad: &[f64],
     ) -> Result<(), WireError>;
 
-    /// The goal of this angle as the servo takes it, rad: what [`Driver::write_goals`] makes of it.
+    /// Returns the goal, rad, rounded to the servo's resolution as in [`Driver::write_goals`].
     fn rounded(&self, goal_rad: f64) -> f64;
 
-    /// How one servo is.
+    /// Reads the health of one servo.
     fn health(&self, wire: &mut Wire, id: u8) -> Result<Health, WireError>;
 }

@@ -1,7 +1,8 @@
 //! Dynamixel X servos, protocol 2.0 (ROBOTIS e-manual, "Control Table" of each model).
 //!
-//! A model that regulates its current is driven in current-based position mode: it follows its goal, and never presses with
-//! more than its current limit. The XL430 does not; there the voltage of its motor is limited instead.
+//! Models with current regulation run in current-based position mode: the servo tracks its goal
+//! within its current limit. The XL430 has no current regulation; its motor voltage is limited
+//! instead.
 
 use core::f64::consts::TAU;
 
@@ -12,15 +13,15 @@ use super::wire::{Protocol, Wire, WireError};
 #[derive(Clone, Copy, Debug)]
 pub struct Dynamixel;
 
-/// Steps of the encoder per turn.
+/// Encoder steps per turn.
 const STEPS: f64 = 4096.0;
-/// Unit of speeds: 0.229 turns per minute.
+/// Unit of speed, rad/s: 0.229 rpm.
 const SPEED_STEP_RAD_S: f64 = 0.229 * TAU / 60.0;
-/// Unit of the goal of the motor's voltage, %: 885 is all of it.
+/// Unit of the PWM goal, %: 885 is 100 %.
 const PWM_STEP_PERCENT: f64 = 100.0 / 885.0;
 
 const MODEL_NUMBER: u8 = 0;
-/// Time until an answer begins, 2 µs each; delivered as 250, which would take longer than the answer.
+/// Delay before a reply, in 2 µs. The factory value 250 takes longer than the reply itself.
 const RETURN_DELAY: u8 = 9;
 const OPERATING_MODE: u8 = 11;
 const TORQUE_ENABLE: u8 = 64;
@@ -29,23 +30,23 @@ const GOAL_PWM: u8 = 100;
 const GOAL_CURRENT: u8 = 102;
 const PROFILE_VELOCITY: u8 = 112;
 const GOAL_POSITION: u8 = 116;
-/// Current (2 bytes), speed (4) and position (4) lie side by side.
+/// Current (2 bytes), speed (4) and position (4) are consecutive.
 const PRESENT_CURRENT: u8 = 126;
 const READ_BYTES: u8 = 10;
 const PRESENT_TEMPERATURE: u8 = 146;
 
 const MODE_POSITION: u8 = 3;
 const MODE_CURRENT_BASED_POSITION: u8 = 5;
-/// Bit of an answer's status: something is wrong with the hardware.
+/// Status bit of a reply: hardware error.
 const ALERT: u8 = 0x80;
 
-/// Bits of the register of hardware errors.
-const COMPLAINTS: [(u8, &str); 5] = [
-    (0, "its supply voltage is out of range"),
-    (2, "it is too hot"),
-    (3, "its encoder failed"),
-    (4, "its motor's electronics failed"),
-    (5, "it is overloaded"),
+/// Bits of the hardware error register.
+const ERROR_TEXTS: [(u8, &str); 5] = [
+    (0, "supply voltage out of range"),
+    (2, "overheated"),
+    (3, "encoder failure"),
+    (4, "motor electronics failure"),
+    (5, "overload"),
 ];
 
 const fn by_current(
@@ -133,7 +134,8 @@ impl Driver for Dynamixel {
         Ok(i16_of(&bytes).cast_unsigned())
     }
 
-    /// Fast sync read is one packet for all, but older firmware (XL330 before 46) does not know it.
+    /// Fast sync read returns one packet for all servos. Older firmware (XL330 before 46) does not
+    /// support it.
     fn choose_reading(&self, wire: &mut Wire, servos: &[Servo]) -> Result<(), WireError> {
         let mut readings = Vec::new();
         wire.set_fast(true);
@@ -147,11 +149,11 @@ impl Driver for Dynamixel {
     fn state(&self, wire: &mut Wire, servo: &Servo) -> Result<State, WireError> {
         let id = servo.id;
         if wire.read(id, TORQUE_ENABLE, 1)? == [0] {
-            return Ok(State::Loose);
+            return Ok(State::TorqueOff);
         }
         let (found, needed) = (wire.read(id, OPERATING_MODE, 1)?[0], mode_of(servo.model));
         if found != needed {
-            return Err(WireError::OtherMode { id, found, needed });
+            return Err(WireError::WrongMode { id, found, needed });
         }
         Ok(State::Holding(angle_rad(&wire.read(
             id,
@@ -161,7 +163,8 @@ impl Driver for Dynamixel {
     }
 
     fn configure(&self, wire: &mut Wire, servo: &Servo) -> Result<(), WireError> {
-        // These two are kept without power, in a memory that wears: they are written only if they differ.
+        // Both registers are in memory with limited write cycles, so they are written only on
+        // change.
         for (register, value) in [(RETURN_DELAY, 0), (OPERATING_MODE, mode_of(servo.model))] {
             if wire.read(servo.id, register, 1)? != [value] {
                 wire.write(servo.id, register, &[value])?;
@@ -175,7 +178,7 @@ impl Driver for Dynamixel {
             Some(step_a) => (GOAL_CURRENT, step_a),
             None => (GOAL_PWM, PWM_STEP_PERCENT),
         };
-        // Downwards: never more than was allowed. 0 would mean "no limit" for the speed.
+        // Rounded down, so that the limit is never exceeded. A speed of 0 would mean "no limit".
         let limit = (servo.limit / step).floor() as i16;
         wire.write(servo.id, register, &limit.to_le_bytes())?;
         let speed = (servo.speed_max_rad_s / SPEED_STEP_RAD_S).floor().max(1.0) as u32;
@@ -228,11 +231,11 @@ impl Driver for Dynamixel {
         let state = wire.read(id, TORQUE_ENABLE, HARDWARE_ERROR - TORQUE_ENABLE + 1)?;
         let temperature = wire.read(id, PRESENT_TEMPERATURE, 1)?[0];
         let errors = state[usize::from(HARDWARE_ERROR - TORQUE_ENABLE)];
-        let complaints = COMPLAINTS.iter().filter(|(bit, _)| errors >> bit & 1 == 1);
+        let complaints = ERROR_TEXTS.iter().filter(|(bit, _)| errors >> bit & 1 == 1);
         Ok(Health {
             torque_on: state[0] != 0,
             temperature_c: f64::from(temperature),
-            complaints: complaints.map(|(_, words)| *words).collect(),
+            errors: complaints.map(|(_, words)| *words).collect(),
         })
     }
 }

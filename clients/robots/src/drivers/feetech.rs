@@ -1,7 +1,7 @@
 //! Feetech STS servos, protocol 1.0 with little-endian registers (Feetech, "STS3215 memory table").
 //!
-//! Signed numbers are sign and magnitude. The servo measures its current but does not regulate it: its torque is limited as a
-//! whole. Registers that are kept without power are locked while the lock is closed.
+//! Signed values are sign and magnitude. The servo measures but does not regulate its current; its
+//! torque is limited. Persistent registers are locked while the lock is closed.
 
 use core::f64::consts::TAU;
 
@@ -12,13 +12,13 @@ use super::wire::{Protocol, Wire, WireError};
 #[derive(Clone, Copy, Debug)]
 pub struct Feetech;
 
-/// Steps of the encoder per turn; speeds are in steps per second.
+/// Encoder steps per turn; speeds are in steps per second.
 const STEPS: f64 = 4096.0;
 /// Unit of the torque limit, %.
 const TORQUE_STEP_PERCENT: f64 = 0.1;
 
 const MODEL_NUMBER: u8 = 3;
-/// Time until an answer begins, 2 µs each.
+/// Delay before a reply, in 2 µs.
 const RETURN_DELAY: u8 = 7;
 const OPERATING_MODE: u8 = 33;
 const TORQUE_ENABLE: u8 = 40;
@@ -26,7 +26,8 @@ const GOAL_POSITION: u8 = 42;
 const GOAL_SPEED: u8 = 46;
 const TORQUE_LIMIT: u8 = 48;
 const LOCK: u8 = 55;
-/// Position (2 bytes), speed (2), load (2), voltage, temperature, a byte, alarms, moving, two bytes, current (2).
+/// Position (2 bytes), speed (2), load (2), voltage, temperature, a byte, alarms, moving, two
+/// bytes, current (2).
 const PRESENT_POSITION: u8 = 56;
 const READ_BYTES: u8 = 15;
 const PRESENT_TEMPERATURE: u8 = 63;
@@ -34,13 +35,13 @@ const ALARMS: u8 = 65;
 
 const MODE_POSITION: u8 = 0;
 
-/// Bits of the register of alarms, and of an answer's status.
-const COMPLAINTS: [(u8, &str); 5] = [
-    (0, "its supply voltage is out of range"),
-    (1, "its encoder failed"),
-    (2, "it is too hot"),
-    (3, "its current is too high"),
-    (5, "it is overloaded"),
+/// Bits of the alarm register and of a reply's status.
+const ERROR_TEXTS: [(u8, &str); 5] = [
+    (0, "supply voltage out of range"),
+    (1, "encoder failure"),
+    (2, "overheated"),
+    (3, "overcurrent"),
+    (5, "overload"),
 ];
 
 const MODELS: [Model; 1] = [Model {
@@ -57,7 +58,7 @@ fn steps(goal_rad: f64) -> u16 {
     (goal_rad * STEPS / TAU).round().clamp(0.0, STEPS - 1.0) as u16
 }
 
-/// A number with its sign in the highest bit.
+/// Decodes sign and magnitude, sign in the highest bit.
 fn signed(bytes: &[u8]) -> f64 {
     let raw = bytes.try_into().map_or(0, u16::from_le_bytes);
     let magnitude = f64::from(raw & 0x7FFF);
@@ -98,7 +99,7 @@ impl Driver for Feetech {
         Ok(u16::from_le_bytes([bytes[0], bytes[1]]))
     }
 
-    /// There is one way only.
+    /// Only one read method exists.
     fn choose_reading(&self, wire: &mut Wire, servos: &[Servo]) -> Result<(), WireError> {
         self.read(wire, servos, &mut Vec::new())
     }
@@ -106,11 +107,11 @@ impl Driver for Feetech {
     fn state(&self, wire: &mut Wire, servo: &Servo) -> Result<State, WireError> {
         let id = servo.id;
         if wire.read(id, TORQUE_ENABLE, 1)? == [0] {
-            return Ok(State::Loose);
+            return Ok(State::TorqueOff);
         }
         let found = wire.read(id, OPERATING_MODE, 1)?[0];
         if found != MODE_POSITION {
-            return Err(WireError::OtherMode {
+            return Err(WireError::WrongMode {
                 id,
                 found,
                 needed: MODE_POSITION,
@@ -125,7 +126,8 @@ impl Driver for Feetech {
 
     fn configure(&self, wire: &mut Wire, servo: &Servo) -> Result<(), WireError> {
         wire.write(servo.id, LOCK, &[0])?;
-        // These two are kept without power, in a memory that wears: they are written only if they differ.
+        // Both registers are in memory with limited write cycles, so they are written only on
+        // change.
         for (register, value) in [(RETURN_DELAY, 0), (OPERATING_MODE, MODE_POSITION)] {
             if wire.read(servo.id, register, 1)? != [value] {
                 wire.write(servo.id, register, &[value])?;
@@ -136,7 +138,7 @@ impl Driver for Feetech {
     }
 
     fn limit(&self, wire: &mut Wire, servo: &Servo) -> Result<(), WireError> {
-        // Downwards: never more than was allowed. 0 would mean "no limit" for the speed.
+        // Rounded down, so that the limit is never exceeded. A speed of 0 would mean "no limit".
         let limit = (servo.limit / TORQUE_STEP_PERCENT).floor() as u16;
         wire.write(servo.id, TORQUE_LIMIT, &limit.to_le_bytes())?;
         let speed = (servo.speed_max_rad_s * STEPS / TAU)
@@ -190,11 +192,11 @@ impl Driver for Feetech {
     fn health(&self, wire: &mut Wire, id: u8) -> Result<Health, WireError> {
         let bytes = wire.read(id, TORQUE_ENABLE, ALARMS - TORQUE_ENABLE + 1)?;
         let alarms = bytes[usize::from(ALARMS - TORQUE_ENABLE)];
-        let complaints = COMPLAINTS.iter().filter(|(bit, _)| alarms >> bit & 1 == 1);
+        let complaints = ERROR_TEXTS.iter().filter(|(bit, _)| alarms >> bit & 1 == 1);
         Ok(Health {
             torque_on: bytes[0] != 0,
             temperature_c: f64::from(bytes[usize::from(PRESENT_TEMPERATURE - TORQUE_ENABLE)]),
-            complaints: complaints.map(|(_, words)| *words).collect(),
+            errors: complaints.map(|(_, words)| *words).collect(),
         })
     }
 }

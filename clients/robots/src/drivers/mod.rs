@@ -1,8 +1,8 @@
-//! The servo families, one file each: their models, their registers, and how a servo is made ready.
+//! Servo families, one file each: models, registers and configuration.
 //!
-//! A further family is one file here and one line in [`DRIVERS`] (with its `mod`). What passes over the port, framing and
-//! checksums, is `rustypot`'s ([`wire`]). Positions, speeds and currents here are those of the servo's own shaft; joints,
-//! directions, zeros and gears are the [map](crate::map)'s.
+//! To add a family, add a file with its `mod` and an entry in [`DRIVERS`]. `rustypot` implements
+//! frames and checksums ([`wire`]). Positions, speeds and currents refer to the servo's shaft; the
+//! [map](crate::map) handles joints, directions, zeros and gears.
 
 mod driver;
 pub mod dynamixel;
@@ -11,11 +11,11 @@ pub mod wire;
 
 pub use driver::{Driver, Health, LimitKind, Model, Reading, Servo, State};
 
-/// Every family that can be driven.
+/// All supported families.
 pub const DRIVERS: [&dyn Driver; 2] = [&dynamixel::Dynamixel, &feetech::Feetech];
 
-/// The family with this name.
+/// Returns the family with this name.
 #[must_use]
-pub fn named(name: &str) -> Option<&'static dyn Driver> {
+pub fn find(name: &str) -> Option<&'static dyn Driver> {
     DRIVERS.into_iter().find(|driver| driver.name() == name)
 }

@@ -1,4 +1,5 @@
-//! An open serial port with the protocol that its servos speak: `rustypot`'s framing, our words for what goes wrong.
+//! An open serial port with the protocol of its servos: framing by `rustypot`, errors of this
+//! crate.
 
 use std::error::Error;
 use std::io;
@@ -7,50 +8,51 @@ use std::time::Duration;
 use rustypot::{CommunicationErrorKind, DynamixelProtocolHandler, SyncReadError};
 use serialport::SerialPort;
 
-/// What passes over a port.
+/// Protocol of a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Protocol {
-    /// Dynamixel protocol 1.0 as Feetech speaks it: the status of an answer is a set of alarms.
+    /// Dynamixel protocol 1.0, Feetech variant: the status of a reply is a set of alarms.
     One,
-    /// Dynamixel protocol 2.0: the status of an answer is an error number, and an alert bit.
+    /// Dynamixel protocol 2.0: the status of a reply is an error number and an alert bit.
     Two,
 }
 
-/// Why an exchange with a servo failed.
+/// Failure of an exchange with a servo.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WireError {
-    /// No answer in time.
+    /// No reply before the timeout.
     #[error("servo {0} does not answer")]
-    Silent(u8),
-    /// An answer that is not whole, or not the servo's.
-    #[error("what servo {0} answers is damaged")]
+    NoReply(u8),
+    /// Incomplete or invalid reply.
+    #[error("the reply of servo {0} is damaged")]
     Damaged(u8),
-    /// The servo refused what it was told.
-    #[error("servo {id} refuses it with error {code}")]
-    Refused {
-        /// Who.
+    /// The servo rejected the request.
+    #[error("servo {id} rejected the request with error {code}")]
+    Rejected {
+        /// Servo id.
         id: u8,
-        /// The error number of the protocol.
+        /// Error number of the protocol.
         code: u8,
     },
-    /// The servo holds in a way that is not ours.
+    /// The servo has torque in another operating mode.
     #[error(
-        "servo {id} holds in mode {found}, needs mode {needed}; let it go first (atas-robot relax)"
+        "servo {id} holds in mode {found}, needs mode {needed}; switch its torque off first \
+         (atas-robot relax)"
     )]
-    OtherMode {
-        /// Who.
+    WrongMode {
+        /// Servo id.
         id: u8,
-        /// Its mode.
+        /// Current mode.
         found: u8,
-        /// The mode that it should hold in.
+        /// Required mode.
         needed: u8,
     },
-    /// The port itself failed.
+    /// The port failed.
     #[error("the port failed: {0}")]
     Port(String),
 }
 
-/// Bits of a status that are an error number in protocol 2.0; the other one is the alert.
+/// Bits of the error number in a status of protocol 2.0; the remaining bit is the alert.
 const ERROR_BITS: u8 = 0x7F;
 
 /// An open port.
@@ -61,10 +63,10 @@ pub struct Wire {
 }
 
 impl Wire {
-    /// Opens a serial port (or a pseudo-terminal) for one process alone.
+    /// Opens a serial port or pseudo-terminal for exclusive use.
     ///
     /// # Errors
-    /// A sentence that says what is wrong and what to do.
+    /// An error text with advice.
     pub fn open(
         device: &str,
         baud: u32,
@@ -86,52 +88,52 @@ impl Wire {
         })
     }
 
-    /// Reads all servos in one packet from now on, or each in a packet of its own (protocol 2.0).
+    /// Selects whether sync reads return one packet for all servos or one per servo (protocol 2.0).
     pub fn set_fast(&mut self, fast: bool) {
         self.handler.set_fast_sync_read(fast);
     }
 
-    /// Everybody who answers.
+    /// Returns the ids of all servos that reply.
     ///
     /// # Errors
     /// [`WireError::Port`].
     pub fn scan(&mut self) -> Result<Vec<u8>, WireError> {
         let found = self.handler.broadcast_ping(self.port.as_mut());
-        found.map_err(|error| explained(0, error))
+        found.map_err(|error| wire_error(0, error))
     }
 
     /// Reads registers of one servo.
     ///
     /// # Errors
-    /// Every [`WireError`] but `OtherMode`.
+    /// Every [`WireError`] except `WrongMode`.
     pub fn read(&mut self, id: u8, address: u8, length: u8) -> Result<Vec<u8>, WireError> {
         let answer = self
             .handler
             .read(self.port.as_mut(), id, address, length)
-            .map_err(|error| explained(id, error))?;
-        whole(id, answer, length)
+            .map_err(|error| wire_error(id, error))?;
+        check_length(id, answer, length)
     }
 
     /// Writes registers of one servo.
     ///
     /// # Errors
-    /// Every [`WireError`] but `OtherMode`.
+    /// Every [`WireError`] except `WrongMode`.
     pub fn write(&mut self, id: u8, address: u8, bytes: &[u8]) -> Result<(), WireError> {
         let status = self
             .handler
             .write_with_error(self.port.as_mut(), id, address, bytes)
-            .map_err(|error| explained(id, error))?;
+            .map_err(|error| wire_error(id, error))?;
         let code = status.byte() & ERROR_BITS;
         if self.protocol == Protocol::Two && code != 0 {
-            return Err(WireError::Refused { id, code });
+            return Err(WireError::Rejected { id, code });
         }
         Ok(())
     }
 
-    /// Reads the same registers of several servos: for each its bytes, and the status of its answer.
+    /// Reads the same registers of several servos; returns bytes and status of each.
     ///
     /// # Errors
-    /// The first servo that fails.
+    /// The error of the first servo that fails.
     pub fn read_all(
         &mut self,
         ids: &[u8],
@@ -142,14 +144,14 @@ impl Wire {
         let answers = self
             .handler
             .sync_read_with_error(self.port.as_mut(), ids, address, length)
-            .map_err(|error| explained(first, error))?;
+            .map_err(|error| wire_error(first, error))?;
         let checked = ids.iter().zip(answers).map(|(&id, (bytes, status))| {
-            whole(id, bytes, length).map(|bytes| (bytes, status.byte()))
+            check_length(id, bytes, length).map(|bytes| (bytes, status.byte()))
         });
         checked.collect()
     }
 
-    /// Writes the same registers of several servos. Nobody answers.
+    /// Writes the same registers of several servos. Servos send no reply.
     ///
     /// # Errors
     /// [`WireError::Port`].
@@ -162,11 +164,11 @@ impl Wire {
         let first = ids.first().copied().unwrap_or_default();
         self.handler
             .sync_write(self.port.as_mut(), ids, address, bytes)
-            .map_err(|error| explained(first, error))
+            .map_err(|error| wire_error(first, error))
     }
 }
 
-fn whole(id: u8, bytes: Vec<u8>, length: u8) -> Result<Vec<u8>, WireError> {
+fn check_length(id: u8, bytes: Vec<u8>, length: u8) -> Result<Vec<u8>, WireError> {
     if bytes.len() == usize::from(length) {
         Ok(bytes)
     } else {
@@ -174,20 +176,20 @@ fn whole(id: u8, bytes: Vec<u8>, length: u8) -> Result<Vec<u8>, WireError> {
     }
 }
 
-/// What an error of `rustypot` means for the servo that was asked.
-fn explained(id: u8, error: Box<dyn Error>) -> WireError {
+/// Converts an error of `rustypot` in an exchange with servo `id`.
+fn wire_error(id: u8, error: Box<dyn Error>) -> WireError {
     let error = match error.downcast::<SyncReadError>() {
-        Ok(failed) => return explained(failed.id, failed.cause),
+        Ok(failed) => return wire_error(failed.id, failed.cause),
         Err(error) => error,
     };
     if let Some(error) = error.downcast_ref::<io::Error>() {
         return match error.kind() {
-            io::ErrorKind::TimedOut => WireError::Silent(id),
+            io::ErrorKind::TimedOut => WireError::NoReply(id),
             _ => WireError::Port(error.to_string()),
         };
     }
     match error.downcast_ref::<CommunicationErrorKind>() {
-        Some(CommunicationErrorKind::TimeoutError) => WireError::Silent(id),
+        Some(CommunicationErrorKind::TimeoutError) => WireError::NoReply(id),
         Some(CommunicationErrorKind::Unsupported) | None => WireError::Port(error.to_string()),
         Some(_) => WireError::Damaged(id),
     }

@@ -1,4 +1,4 @@
-//! Servos on one pseudo-terminal: who answers what, and when.
+//! Emulated servos on one pseudo-terminal: dispatch of requests and timing of replies.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -9,61 +9,62 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::dynamixel::Dynamixel;
-use super::family::{ALL, Family, Request, What};
+use super::family::{ALL, Family, Request, RequestKind};
 use super::feetech::Feetech;
 use super::servo::Servo;
 use super::terminal::Terminal;
 
-/// How soon a stop request is seen.
+/// Interval between checks for a stop request.
 const POLL: Duration = Duration::from_millis(20);
-/// Bits of a byte on the wire: start and stop are two of them.
+/// Bits per byte on the wire, with start and stop bit.
 const BITS_PER_BYTE: f64 = 10.0;
 
-/// A servo to be played.
+/// A servo to be emulated.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Planned {
-    /// Its id.
+pub struct PlannedServo {
+    /// Servo id.
     pub id: u8,
-    /// Its model's name.
+    /// Model name.
     pub model: String,
-    /// Where its shaft stands, rad.
+    /// Initial shaft angle, rad.
     pub position_rad: f64,
 }
 
-/// Servos behind a pseudo-terminal, played by a thread of their own.
+/// Servos behind a pseudo-terminal, emulated by a thread.
 #[derive(Debug)]
 pub struct Chain {
     path: PathBuf,
-    shared: Arc<Mutex<Inside>>,
+    shared: Arc<Mutex<ChainState>>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-struct Inside {
+struct ChainState {
     family: &'static dyn Family,
     servos: BTreeMap<u8, Servo>,
-    /// Time of a byte on the wire; zero for answers at once.
+    /// Duration of a byte on the wire, s; 0 for immediate replies.
     byte_s: f64,
-    /// One byte in so many is damaged; 0 for none.
+    /// Mean number of bytes per damaged byte; 0 for no damage.
     noise_every: u32,
     random: u32,
     advanced: Instant,
 }
 
-impl std::fmt::Debug for Inside {
+impl std::fmt::Debug for ChainState {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:?}", self.servos)
     }
 }
 
 impl Chain {
-    /// Begins to play servos of a family. With a line speed, answers take their time on the wire.
+    /// Starts the emulation of servos of one family. With a `baud`, replies take their time on the
+    /// wire.
     ///
     /// # Errors
-    /// If there is no pseudo-terminal, or no such family or model.
-    pub fn start(family: &str, servos: &[Planned], baud: Option<u32>) -> io::Result<Self> {
+    /// If no pseudo-terminal is available, or the family or a model is unknown.
+    pub fn start(family: &str, servos: &[PlannedServo], baud: Option<u32>) -> io::Result<Self> {
         let unknown = |what: &str| {
-            let why = format!("{what} is not played");
+            let why = format!("the emulator does not support {what}");
             io::Error::new(io::ErrorKind::InvalidInput, why)
         };
         let family: &'static dyn Family = match family {
@@ -76,7 +77,7 @@ impl Chain {
             let table = table.ok_or_else(|| unknown(&planned.model))?;
             Ok((planned.id, Servo::new(family, table, planned.position_rad)))
         });
-        let inside = Inside {
+        let inside = ChainState {
             family,
             servos: made.collect::<io::Result<_>>()?,
             byte_s: baud.map_or(0.0, |baud| BITS_PER_BYTE / f64::from(baud)),
@@ -88,7 +89,7 @@ impl Chain {
         let (path, stop) = (terminal.path().to_owned(), Arc::new(AtomicBool::new(false)));
         let shared = Arc::new(Mutex::new(inside));
         let (theirs, until) = (Arc::clone(&shared), Arc::clone(&stop));
-        let thread = std::thread::spawn(move || play(&terminal, &theirs, &until));
+        let thread = std::thread::spawn(move || run_emulation(&terminal, &theirs, &until));
         Ok(Self {
             path,
             shared,
@@ -97,24 +98,24 @@ impl Chain {
         })
     }
 
-    /// Its terminal.
+    /// Returns the path of the pseudo-terminal.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Looks at one servo, or does something to it.
+    /// Calls `act` with one servo.
     ///
     /// # Panics
-    /// If there is no such servo.
+    /// If the servo does not exist.
     pub fn servo<T>(&self, id: u8, act: impl FnOnce(&mut Servo) -> T) -> T {
         let mut inside = lock(&self.shared);
         inside.advance();
         let servo = inside.servos.get_mut(&id);
-        act(servo.unwrap_or_else(|| panic!("no servo {id} is played")))
+        act(servo.unwrap_or_else(|| panic!("the emulator has no servo {id}")))
     }
 
-    /// Damages one byte in so many of what is answered, at random; 0 for none.
+    /// Damages one in `every` reply bytes at random; 0 for none.
     pub fn set_noise(&self, every: u32) {
         lock(&self.shared).noise_every = every;
     }
@@ -124,18 +125,18 @@ impl Drop for Chain {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            // A thread that panicked has ended as well.
+            // A panic of the thread has ended it as well.
             let _ = thread.join();
         }
     }
 }
 
-fn lock(shared: &Mutex<Inside>) -> MutexGuard<'_, Inside> {
+fn lock(shared: &Mutex<ChainState>) -> MutexGuard<'_, ChainState> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Answers until it is stopped or the terminal fails.
-fn play(terminal: &Terminal, shared: &Mutex<Inside>, stop: &AtomicBool) {
+/// Replies to requests until a stop request or a failure of the terminal.
+fn run_emulation(terminal: &Terminal, shared: &Mutex<ChainState>, stop: &AtomicBool) {
     let mut bytes = Vec::new();
     while !stop.load(Ordering::Relaxed) {
         if terminal.receive(&mut bytes, POLL).is_err() {
@@ -143,15 +144,15 @@ fn play(terminal: &Terminal, shared: &Mutex<Inside>, stop: &AtomicBool) {
         }
         let began = Instant::now();
         loop {
-            let (answer, takes) = {
+            let (answer, is_permitted) = {
                 let mut inside = lock(shared);
                 let before = bytes.len();
-                let Some(request) = inside.family.take(&mut bytes) else {
+                let Some(request) = inside.family.take_request(&mut bytes) else {
                     break;
                 };
                 inside.answer_to(&request, before - bytes.len())
             };
-            std::thread::sleep(takes.saturating_sub(began.elapsed()));
+            std::thread::sleep(is_permitted.saturating_sub(began.elapsed()));
             if terminal.send(&answer).is_err() {
                 return;
             }
@@ -159,7 +160,7 @@ fn play(terminal: &Terminal, shared: &Mutex<Inside>, stop: &AtomicBool) {
     }
 }
 
-impl Inside {
+impl ChainState {
     fn advance(&mut self) {
         let now = Instant::now();
         let elapsed_s = (now - self.advanced).as_secs_f64();
@@ -169,7 +170,7 @@ impl Inside {
         }
     }
 
-    /// What is answered, and how long that takes after the request came.
+    /// Returns the reply and its delay after the request.
     fn answer_to(&mut self, request: &Request, request_bytes: usize) -> (Vec<u8>, Duration) {
         self.advance();
         let mut answer = self.answer(request);
@@ -189,51 +190,51 @@ impl Inside {
     }
 
     fn answer(&mut self, request: &Request) -> Vec<u8> {
-        match &request.what {
-            What::SyncRead {
+        match &request.kind {
+            RequestKind::SyncRead {
                 address,
                 length,
                 ids,
                 fast,
             } => self.read_all(ids, *address, *length, *fast),
-            What::SyncWrite { address, items } => {
+            RequestKind::SyncWrite { address, items } => {
                 for (id, bytes) in items {
                     if let Some(servo) = self.servos.get_mut(id).filter(|servo| servo.is_powered())
                     {
-                        // Nobody answers, so nobody says that it was refused.
+                        // Sync writes have no reply, so a rejection is not reported.
                         let _ = servo.write(*address, bytes);
                     }
                 }
                 Vec::new()
             }
-            What::Ping if request.id == ALL => {
+            RequestKind::Ping if request.id == ALL => {
                 let ids: Vec<u8> = self.servos.keys().copied().collect();
                 ids.iter()
-                    .flat_map(|id| self.one(*id, &What::Ping))
+                    .flat_map(|id| self.one(*id, &RequestKind::Ping))
                     .collect()
             }
             what => self.one(request.id, what),
         }
     }
 
-    /// The answer of one servo.
-    fn one(&mut self, id: u8, what: &What) -> Vec<u8> {
+    /// Returns the reply of one servo.
+    fn one(&mut self, id: u8, what: &RequestKind) -> Vec<u8> {
         let Some(servo) = self.servos.get_mut(&id).filter(|servo| servo.is_powered()) else {
             return Vec::new();
         };
         let (mut status, mut parameters) = (self.family.status(&servo.table), Vec::new());
         match what {
-            What::Ping => parameters = self.family.ping(&servo.table),
-            What::Read { address, length } => {
+            RequestKind::Ping => parameters = self.family.ping(&servo.table),
+            RequestKind::Read { address, length } => {
                 let registers = servo.table.get(*address..address.saturating_add(*length));
                 parameters = registers.unwrap_or_default().to_vec();
             }
-            What::Write { address, bytes } => {
+            RequestKind::Write { address, bytes } => {
                 if let Err(error) = servo.write(*address, bytes) {
                     status |= error;
                 }
             }
-            What::Reboot => servo.boot(),
+            RequestKind::Reboot => servo.boot(),
             _ => return Vec::new(),
         }
         if servo.answers() {
@@ -243,14 +244,15 @@ impl Inside {
         }
     }
 
-    /// Servos answer in the order in which they were asked; who does not hear the one before says nothing.
+    /// Servos reply in the order of the request. A servo that misses its predecessor's reply does
+    /// not reply.
     fn read_all(&self, ids: &[u8], address: usize, length: usize, fast: bool) -> Vec<u8> {
-        let heard = ids.iter().map_while(|id| {
+        let received = ids.iter().map_while(|id| {
             let servo = self.servos.get(id).filter(|servo| servo.answers())?;
             let registers = servo.table.get(address..address + length)?;
             Some((*id, self.family.status(&servo.table), registers.to_vec()))
         });
-        let blocks: Vec<_> = heard.collect();
+        let blocks: Vec<_> = received.collect();
         if fast {
             return self.family.answer_together(ids.len(), &blocks);
         }
@@ -265,7 +267,7 @@ impl Inside {
             return;
         }
         for byte in answer {
-            // A linear congruential generator is random enough for noise, and the same in every run.
+            // A linear congruential generator is reproducible and sufficient for noise.
             self.random = self
                 .random
                 .wrapping_mul(1_664_525)

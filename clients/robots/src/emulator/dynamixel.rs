@@ -1,15 +1,16 @@
-//! Dynamixel X for who plays them (ROBOTIS e-manual: protocol 2.0, control tables of XL330, XL430 and XM430).
+//! Dynamixel X for the emulator (ROBOTIS e-manual: protocol 2.0, control tables of XL330, XL430 and
+//! XM430).
 
-use super::family::{ALL, Error, Family, Request, Table, What};
-use super::shaft::{Orders, Shaft};
+use super::family::{ALL, Error, Family, Request, RequestKind, Table};
+use super::shaft::{Shaft, ShaftSetpoints};
 
 /// Dynamixel X.
 pub(super) struct Dynamixel;
 
 const HEADER: [u8; 4] = [0xFF, 0xFF, 0xFD, 0x00];
-/// Header, id and length.
+/// Bytes of header, id and length.
 const PREFIX: usize = 7;
-/// Registers below this one are kept without power and locked while torque is on.
+/// First volatile register. Lower registers are persistent, and locked while torque is on.
 const VOLATILE: usize = 64;
 
 const MODEL_NUMBER: usize = 0;
@@ -29,17 +30,17 @@ const PRESENT_POSITION: usize = 132;
 const PRESENT_VOLTAGE: usize = 144;
 const PRESENT_TEMPERATURE: usize = 146;
 
-/// Refusals.
+/// Error numbers of replies.
 const DATA_RANGE: Error = 4;
 const ACCESS: Error = 7;
 const ALERT: u8 = 0x80;
 
-/// One unit of speed in steps/s: 0.229 turns per minute.
+/// Unit of speed, steps/s: 0.229 rpm.
 const SPEED_STEP: f64 = 0.229 / 60.0 * 4096.0;
 /// Speed without a limit, steps/s.
 const SPEED_MAX: f64 = 6000.0;
 
-/// Name, model number, amperes per unit of current.
+/// Name, model number, current unit in A.
 const MODELS: [(&str, u16, f64); 7] = [
     ("xl330-m077", 1190, 0.001),
     ("xl330-m288", 1200, 0.001),
@@ -81,7 +82,7 @@ fn crc(bytes: &[u8]) -> u16 {
     })
 }
 
-/// `FF FF FD` inside a packet is followed by another `FD`, so that no header stands there.
+/// Byte stuffing: `FD` follows each `FF FF FD` inside a packet, so that it contains no header.
 fn stuffed(body: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(body.len());
     for byte in body {
@@ -112,27 +113,27 @@ fn word(bytes: &[u8], at: usize) -> Option<usize> {
     Some(usize::from(u16::from_le_bytes([pair[0], pair[1]])))
 }
 
-/// What an instruction with these parameters asks for.
-fn what(instruction: u8, parameters: &[u8]) -> Option<What> {
+/// Decodes an instruction with its parameters.
+fn decode(instruction: u8, parameters: &[u8]) -> Option<RequestKind> {
     let (address, length) = (word(parameters, 0), word(parameters, 2));
     Some(match instruction {
-        0x01 => What::Ping,
-        0x02 => What::Read {
+        0x01 => RequestKind::Ping,
+        0x02 => RequestKind::Read {
             address: address?,
             length: length?,
         },
-        0x03 => What::Write {
+        0x03 => RequestKind::Write {
             address: address?,
             bytes: parameters.get(2..)?.to_vec(),
         },
-        0x08 => What::Reboot,
-        0x82 | 0x8A => What::SyncRead {
+        0x08 => RequestKind::Reboot,
+        0x82 | 0x8A => RequestKind::SyncRead {
             address: address?,
             length: length?,
             ids: parameters.get(4..)?.to_vec(),
             fast: instruction == 0x8A,
         },
-        0x83 => What::SyncWrite {
+        0x83 => RequestKind::SyncWrite {
             address: address?,
             items: parameters
                 .get(4..)?
@@ -140,7 +141,7 @@ fn what(instruction: u8, parameters: &[u8]) -> Option<What> {
                 .map(|item| (item[0], item[1..].to_vec()))
                 .collect(),
         },
-        _ => What::Unknown,
+        _ => RequestKind::Unknown,
     })
 }
 
@@ -162,9 +163,9 @@ impl Family for Dynamixel {
         put(table, PRESENT_VOLTAGE, &50_u16.to_le_bytes());
     }
 
-    fn orders(&self, table: &Table) -> Orders {
+    fn setpoints(&self, table: &Table) -> ShaftSetpoints {
         let speed = f64::from(i32_at(table, PROFILE_VELOCITY)) * SPEED_STEP;
-        Orders {
+        ShaftSetpoints {
             torque_on: table[TORQUE_ENABLE] != 0,
             goal_steps: f64::from(i32_at(table, GOAL_POSITION)),
             speed_max: if speed > 0.0 {
@@ -183,11 +184,11 @@ impl Family for Dynamixel {
         table[TORQUE_ENABLE] = u8::from(on);
     }
 
-    fn complain(&self, table: &mut Table, bits: u8) {
+    fn set_errors(&self, table: &mut Table, bits: u8) {
         table[HARDWARE_ERROR] = bits;
     }
 
-    fn show(&self, shaft: &Shaft, table: &mut Table) {
+    fn write_shaft(&self, shaft: &Shaft, table: &mut Table) {
         let step_a = current_step_a(table);
         let current = if step_a > 0.0 {
             shaft.current_a / step_a
@@ -238,7 +239,7 @@ impl Family for Dynamixel {
         2 * u64::from(table[RETURN_DELAY])
     }
 
-    fn take(&self, bytes: &mut Vec<u8>) -> Option<Request> {
+    fn take_request(&self, bytes: &mut Vec<u8>) -> Option<Request> {
         loop {
             let begin = bytes.windows(4).position(|four| four == HEADER);
             let keep = begin.unwrap_or(bytes.len().saturating_sub(3));
@@ -260,7 +261,7 @@ impl Family for Dynamixel {
             let parameters = unstuffed(&packet[PREFIX + 1..end - 2]);
             return Some(Request {
                 id: packet[4],
-                what: what(packet[PREFIX], &parameters).unwrap_or(What::Unknown),
+                kind: decode(packet[PREFIX], &parameters).unwrap_or(RequestKind::Unknown),
             });
         }
     }
@@ -277,7 +278,8 @@ impl Family for Dynamixel {
         packet
     }
 
-    /// One header from everybody; then each servo adds its status, id, registers, and the checksum of all so far.
+    /// Returns one packet with the broadcast id: for each servo its status, id, registers, and the
+    /// checksum of all previous bytes.
     fn answer_together(&self, asked: usize, blocks: &[(u8, u8, Vec<u8>)]) -> Vec<u8> {
         let Some((.., first)) = blocks.first() else {
             return Vec::new();

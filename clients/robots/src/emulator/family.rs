@@ -1,24 +1,24 @@
-//! What two families of servos have in common for who plays them.
+//! Common interface of the emulated servo families.
 
-use super::shaft::{Orders, Shaft};
+use super::shaft::{Shaft, ShaftSetpoints};
 
 /// Registers of one servo.
 pub(super) type Table = [u8; 256];
 
-/// A request, for one servo or for all.
+/// A request to one servo or to all.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Request {
-    /// Whom it is for; [`ALL`] for everybody.
+    /// Servo id, or [`ALL`].
     pub(super) id: u8,
-    pub(super) what: What,
+    pub(super) kind: RequestKind,
 }
 
-/// The id of everybody.
+/// Broadcast id.
 pub(super) const ALL: u8 = 0xFE;
 
-/// What is asked.
+/// Kind and parameters of a request.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum What {
+pub(super) enum RequestKind {
     Ping,
     Read {
         address: usize,
@@ -33,58 +33,59 @@ pub(super) enum What {
         address: usize,
         length: usize,
         ids: Vec<u8>,
-        /// All in one packet.
+        /// All replies in one packet.
         fast: bool,
     },
     SyncWrite {
         address: usize,
         items: Vec<(u8, Vec<u8>)>,
     },
-    /// Something that these servos do not know.
+    /// Unsupported instruction.
     Unknown,
 }
 
-/// Why a servo refuses: the error number or alarm bits of its answer.
+/// Error number or alarm bits of a reply.
 pub(super) type Error = u8;
 
-/// A family: frames and registers.
+/// Frames and registers of a servo family.
 pub(super) trait Family: Send + Sync {
-    /// Registers as they are after the power came, of a servo with this model's name.
+    /// Returns the registers of a model after power-on; `None` for an unknown model.
     fn registers(&self, model: &str, id: u8) -> Option<Table>;
 
-    /// Sets the volatile registers as they are after the power came.
+    /// Sets the volatile registers to their power-on values.
     fn boot(&self, table: &mut Table);
 
-    /// What the registers tell the shaft to do.
-    fn orders(&self, table: &Table) -> Orders;
+    /// Returns the set-points of the shaft from the registers.
+    fn setpoints(&self, table: &Table) -> ShaftSetpoints;
 
-    /// Switches torque in the registers.
+    /// Sets the torque register.
     fn set_torque(&self, table: &mut Table, on: bool);
 
-    /// Sets the complaints in the registers.
-    fn complain(&self, table: &mut Table, bits: u8);
+    /// Sets the error bits in the registers.
+    fn set_errors(&self, table: &mut Table, bits: u8);
 
-    /// Shows the shaft in the registers.
-    fn show(&self, shaft: &Shaft, table: &mut Table);
+    /// Writes the shaft's state to the registers.
+    fn write_shaft(&self, shaft: &Shaft, table: &mut Table);
 
-    /// Writes registers, or refuses.
+    /// Writes registers, or returns an error.
     fn write(&self, table: &mut Table, address: usize, bytes: &[u8]) -> Result<(), Error>;
 
-    /// The status of an answer that serves what was asked.
+    /// Returns the status of a successful reply.
     fn status(&self, table: &Table) -> u8;
 
-    /// What a ping is answered with.
+    /// Returns the reply parameters of a ping.
     fn ping(&self, table: &Table) -> Vec<u8>;
 
-    /// Time until an answer begins, µs.
+    /// Returns the delay before a reply, µs.
     fn return_delay_us(&self, table: &Table) -> u64;
 
-    /// Takes the next request out of the bytes that came; what frames none is dropped.
-    fn take(&self, bytes: &mut Vec<u8>) -> Option<Request>;
+    /// Removes the next valid request from `bytes`; drops bytes that belong to no request.
+    fn take_request(&self, bytes: &mut Vec<u8>) -> Option<Request>;
 
-    /// An answer.
+    /// Returns the packet of a reply.
     fn answer(&self, id: u8, status: u8, parameters: &[u8]) -> Vec<u8>;
 
-    /// The one packet with which so many servos answer a fast read, as far as those go that answer: id, status and registers of each.
+    /// Returns the reply to a fast read of `asked` servos; `blocks` has id, status and registers of
+    /// each servo that replies.
     fn answer_together(&self, asked: usize, blocks: &[(u8, u8, Vec<u8>)]) -> Vec<u8>;
 }

@@ -1,7 +1,7 @@
-//! Feetech STS for who plays them (Feetech: communication protocol, STS3215 memory table).
+//! Feetech STS for the emulator (Feetech: communication protocol, STS3215 memory table).
 
-use super::family::{Error, Family, Request, Table, What};
-use super::shaft::{Orders, Shaft};
+use super::family::{Error, Family, Request, RequestKind, Table};
+use super::shaft::{Shaft, ShaftSetpoints};
 
 /// Feetech STS.
 pub(super) struct Feetech;
@@ -20,7 +20,7 @@ const PRESENT_VOLTAGE: usize = 62;
 const PRESENT_TEMPERATURE: usize = 63;
 const ALARMS: usize = 65;
 const PRESENT_CURRENT: usize = 69;
-/// Registers from here on are volatile; the others are kept without power, and locked.
+/// First volatile register. Lower registers are persistent, and locked while the lock is closed.
 const VOLATILE: usize = 40;
 
 const STS3215: u16 = 777;
@@ -33,7 +33,7 @@ fn word(table: &Table, address: usize) -> u16 {
     u16::from_le_bytes([table[address], table[address + 1]])
 }
 
-/// Sign and magnitude.
+/// Writes a value as sign and magnitude.
 fn put(table: &mut Table, address: usize, value: f64) {
     let magnitude = value.abs().round().min(32_767.0) as u16;
     let sign = if value < 0.0 { 0x8000 } else { 0 };
@@ -44,27 +44,27 @@ fn checksum(bytes: &[u8]) -> u8 {
     !bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte))
 }
 
-/// What an instruction with these parameters asks for.
-fn what(instruction: u8, parameters: &[u8]) -> Option<What> {
+/// Decodes an instruction with its parameters.
+fn decode(instruction: u8, parameters: &[u8]) -> Option<RequestKind> {
     let number = |at: usize| parameters.get(at).map(|byte| usize::from(*byte));
     Some(match instruction {
-        0x01 => What::Ping,
-        0x02 => What::Read {
+        0x01 => RequestKind::Ping,
+        0x02 => RequestKind::Read {
             address: number(0)?,
             length: number(1)?,
         },
-        0x03 => What::Write {
+        0x03 => RequestKind::Write {
             address: number(0)?,
             bytes: parameters.get(1..)?.to_vec(),
         },
-        0x08 => What::Reboot,
-        0x82 => What::SyncRead {
+        0x08 => RequestKind::Reboot,
+        0x82 => RequestKind::SyncRead {
             address: number(0)?,
             length: number(1)?,
             ids: parameters.get(2..)?.to_vec(),
             fast: false,
         },
-        0x83 => What::SyncWrite {
+        0x83 => RequestKind::SyncWrite {
             address: number(0)?,
             items: parameters
                 .get(2..)?
@@ -72,7 +72,7 @@ fn what(instruction: u8, parameters: &[u8]) -> Option<What> {
                 .map(|item| (item[0], item[1..].to_vec()))
                 .collect(),
         },
-        _ => What::Unknown,
+        _ => RequestKind::Unknown,
     })
 }
 
@@ -94,9 +94,9 @@ impl Family for Feetech {
         (table[LOCK], table[PRESENT_VOLTAGE]) = (1, 74);
     }
 
-    fn orders(&self, table: &Table) -> Orders {
+    fn setpoints(&self, table: &Table) -> ShaftSetpoints {
         let speed = f64::from(word(table, GOAL_SPEED));
-        Orders {
+        ShaftSetpoints {
             torque_on: table[TORQUE_ENABLE] != 0,
             goal_steps: f64::from(word(table, GOAL_POSITION)),
             speed_max: if speed > 0.0 {
@@ -112,18 +112,18 @@ impl Family for Feetech {
         table[TORQUE_ENABLE] = u8::from(on);
     }
 
-    fn complain(&self, table: &mut Table, bits: u8) {
+    fn set_errors(&self, table: &mut Table, bits: u8) {
         table[ALARMS] = bits;
     }
 
-    fn show(&self, shaft: &Shaft, table: &mut Table) {
+    fn write_shaft(&self, shaft: &Shaft, table: &mut Table) {
         put(table, PRESENT_POSITION, shaft.position_steps);
         put(table, PRESENT_SPEED, shaft.speed_steps_s);
         put(table, PRESENT_CURRENT, shaft.current_a / CURRENT_STEP_A);
         table[PRESENT_TEMPERATURE] = shaft.temperature_c as u8;
     }
 
-    /// What is locked is not written, and nobody says so.
+    /// A write to a locked register has no effect and no error.
     fn write(&self, table: &mut Table, address: usize, bytes: &[u8]) -> Result<(), Error> {
         let end = (address + bytes.len()).min(table.len());
         let (locked, measured) = (
@@ -148,7 +148,7 @@ impl Family for Feetech {
         2 * u64::from(table[RETURN_DELAY])
     }
 
-    fn take(&self, bytes: &mut Vec<u8>) -> Option<Request> {
+    fn take_request(&self, bytes: &mut Vec<u8>) -> Option<Request> {
         loop {
             let begin = bytes.windows(2).position(|two| two == [0xFF, 0xFF]);
             let keep = begin.unwrap_or(bytes.len().saturating_sub(1));
@@ -169,7 +169,7 @@ impl Family for Feetech {
             let packet: Vec<u8> = bytes.drain(..end).collect();
             return Some(Request {
                 id: packet[2],
-                what: what(packet[4], &packet[5..end - 1]).unwrap_or(What::Unknown),
+                kind: decode(packet[4], &packet[5..end - 1]).unwrap_or(RequestKind::Unknown),
             });
         }
     }
@@ -181,7 +181,7 @@ impl Family for Feetech {
         packet
     }
 
-    /// These servos have no such request: each answers by itself.
+    /// These servos have no fast read: each replies separately.
     fn answer_together(&self, _asked: usize, blocks: &[(u8, u8, Vec<u8>)]) -> Vec<u8> {
         let answers = blocks.iter();
         answers

@@ -1,14 +1,19 @@
-//! Servos that are not there: behind a pseudo-terminal, with the motion of a shaft, current, temperature, and faults.
+//! Servo emulator: servos behind a pseudo-terminal, with shaft motion, current, temperature, and
+//! faults.
 //!
 //! ```text
-//! pseudo-terminal ─bytes─▶ family (frames, registers) ─requests─▶ chain ─▶ servo (registers, faults) ─▶ shaft (motion)
+//! pseudo-terminal ─bytes─▶ family (frames, registers) ─requests─▶ chain ─▶ servo
+//! servo (registers, faults) ─▶ shaft (motion)
 //! ```
 //!
-//! * **In:** what a host writes to the terminal; faults from a test or a person. **Out:** what such servos answer.
-//! * **Independent of the drivers:** frames, checksums and register tables are written again here, from the vendors' manuals, and
-//!   the vendor's own client checks them (`tests/vendor.py`). Emulator and driver cannot share a mistake.
-//! * **Time on the wire:** if it is asked for, an answer comes when its last byte would have come at the line speed.
-//! * **Absent on purpose:** baud rates of single servos, registers that no driver of ours touches, bulk and registered writes.
+//! * **Input:** bytes that a host writes to the terminal; faults set by a test. **Output:**
+//!   replies.
+//! * **Independent of the drivers:** frames, checksums and register tables are implemented
+//!   separately from the vendors' manuals and verified by the vendors' clients
+//!   (`tests/tests/system/servos/vendor.py`). Emulator and driver therefore share no errors.
+//! * **Timing:** optionally, a reply arrives when its last byte would arrive at the line speed.
+//! * **Not emulated:** baud rates of single servos, registers that the drivers do not use, bulk and
+//!   registered writes.
 
 mod chain;
 mod dynamixel;
@@ -18,5 +23,5 @@ mod servo;
 mod shaft;
 mod terminal;
 
-pub use chain::{Chain, Planned};
+pub use chain::{Chain, PlannedServo};
 pub use servo::Servo;

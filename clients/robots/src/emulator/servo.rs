@@ -1,12 +1,12 @@
-//! One servo that is not there: its registers, its shaft, and what is wrong with it.
+//! One emulated servo: registers, shaft and faults.
 
 use super::family::{Error, Family, Table};
 use super::shaft::Shaft;
 
-/// Steps of the encoder per radian.
+/// Encoder steps per radian.
 const STEPS_PER_RAD: f64 = 4096.0 / core::f64::consts::TAU;
 
-/// A servo.
+/// An emulated servo.
 pub struct Servo {
     family: &'static dyn Family,
     pub(super) table: Table,
@@ -26,7 +26,7 @@ impl Servo {
         Self {
             family,
             table,
-            shaft: Shaft::at(position_rad * STEPS_PER_RAD),
+            shaft: Shaft::new(position_rad * STEPS_PER_RAD),
             powered: true,
             silent: false,
         }
@@ -40,77 +40,77 @@ impl Servo {
         self.powered
     }
 
-    /// Lets time pass, and shows it in the registers.
+    /// Advances the shaft and updates the registers.
     pub(super) fn advance(&mut self, elapsed_s: f64) {
-        let mut orders = self.family.orders(&self.table);
+        let mut orders = self.family.setpoints(&self.table);
         orders.torque_on &= self.powered;
         self.shaft.advance(&orders, elapsed_s);
-        self.family.show(&self.shaft, &mut self.table);
+        self.family.write_shaft(&self.shaft, &mut self.table);
     }
 
     pub(super) fn write(&mut self, address: usize, bytes: &[u8]) -> Result<(), Error> {
         self.family.write(&mut self.table, address, bytes)
     }
 
-    /// As after the power came.
+    /// Resets the volatile registers to their power-on values.
     pub(super) fn boot(&mut self) {
         self.family.boot(&mut self.table);
-        self.family.show(&self.shaft, &mut self.table);
+        self.family.write_shaft(&self.shaft, &mut self.table);
     }
 
-    /// Angle of the shaft, rad.
+    /// Returns the shaft angle, rad.
     #[must_use]
     pub fn position_rad(&self) -> f64 {
         self.shaft.position_steps / STEPS_PER_RAD
     }
 
-    /// Its goal, rad.
+    /// Returns the goal of the shaft, rad.
     #[must_use]
     pub fn goal_rad(&self) -> f64 {
-        self.family.orders(&self.table).goal_steps / STEPS_PER_RAD
+        self.family.setpoints(&self.table).goal_steps / STEPS_PER_RAD
     }
 
-    /// Whether it holds.
+    /// Returns whether the servo has power and torque.
     #[must_use]
     pub fn holds(&self) -> bool {
-        self.powered && self.family.orders(&self.table).torque_on
+        self.powered && self.family.setpoints(&self.table).torque_on
     }
 
-    /// Most current that it may take, A.
+    /// Returns the current limit, A.
     #[must_use]
     pub fn current_max_a(&self) -> f64 {
-        self.family.orders(&self.table).current_max_a
+        self.family.setpoints(&self.table).current_max_a
     }
 
-    /// Fastest that it turned since the last call, rad/s.
+    /// Returns the maximum speed since the last call, rad/s.
     pub fn fastest_rad_s(&mut self) -> f64 {
         core::mem::take(&mut self.shaft.fastest_steps_s) / STEPS_PER_RAD
     }
 
-    /// Somebody turns the shaft to this angle, rad.
+    /// Turns the shaft to an angle, rad, as by an external force.
     pub fn turn_to(&mut self, position_rad: f64) {
         self.shaft.position_steps = position_rad * STEPS_PER_RAD;
         self.shaft.speed_steps_s = 0.0;
-        self.family.show(&self.shaft, &mut self.table);
+        self.family.write_shaft(&self.shaft, &mut self.table);
     }
 
-    /// Something is in its way at this angle, rad, or no longer.
+    /// Places an obstacle at a shaft angle, rad, or removes it.
     pub fn block_at(&mut self, wall_rad: Option<f64>) {
         self.shaft.wall_steps = wall_rad.map(|wall| wall * STEPS_PER_RAD);
     }
 
-    /// It has this temperature now, °C.
-    pub fn heat_to(&mut self, temperature_c: f64) {
+    /// Sets the temperature, °C.
+    pub fn set_temperature(&mut self, temperature_c: f64) {
         self.shaft.temperature_c = temperature_c;
-        self.family.show(&self.shaft, &mut self.table);
+        self.family.write_shaft(&self.shaft, &mut self.table);
     }
 
-    /// Its cable for answers breaks, or is mended.
+    /// Breaks or restores the reply line.
     pub fn set_silent(&mut self, silent: bool) {
         self.silent = silent;
     }
 
-    /// It loses its power, or gets it back.
+    /// Switches the power supply.
     pub fn set_power(&mut self, powered: bool) {
         if powered && !self.powered {
             self.boot();
@@ -118,14 +118,14 @@ impl Servo {
         self.powered = powered;
     }
 
-    /// Somebody switches its torque.
+    /// Switches the torque.
     pub fn set_torque(&mut self, on: bool) {
         self.family.set_torque(&mut self.table, on);
     }
 
-    /// It complains with these bits, and lets go.
-    pub fn complain(&mut self, bits: u8) {
-        self.family.complain(&mut self.table, bits);
+    /// Sets error bits; any error switches the torque off.
+    pub fn set_errors(&mut self, bits: u8) {
+        self.family.set_errors(&mut self.table, bits);
         if bits != 0 {
             self.set_torque(false);
         }

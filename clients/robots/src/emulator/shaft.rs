@@ -1,24 +1,24 @@
-//! How a servo's shaft moves, and what that costs: a position loop within a speed limit, a current, a temperature.
+//! Model of a servo shaft: position loop with a speed limit, current, temperature.
 
-/// Stiffness of the position loop: speed per error, 1/s. Ours: an error is gone to a third within 25 ms.
+/// Gain of the position loop, 1/s. Design choice: an error decays to one third within 25 ms.
 const LOOP_PER_S: f64 = 40.0;
-/// Fastest change of speed, steps/s² (ours: 60 rad/s²).
+/// Maximum acceleration, steps/s². Design choice: about 60 rad/s².
 const ACCELERATION: f64 = 40_000.0;
-/// Current per error of position, A per step, up to the limit. Ours: 0.1 A at one degree.
+/// Current per position error up to the limit, A per step. Design choice: 0.1 A at one degree.
 const CURRENT_PER_STEP_A: f64 = 0.01;
-/// Longest step of the integration, s.
+/// Maximum integration step, s.
 const STEP_S: f64 = 0.001;
-/// Longest time that is made up for, s.
+/// Maximum simulated time per call, s.
 const LONGEST_S: f64 = 1.0;
-/// Temperature of the room, °C.
+/// Room temperature, °C.
 const ROOM_C: f64 = 25.0;
-/// Heating, K/s per A², and time constant of cooling, s. Ours.
+/// Heating, K/s per A², and time constant of cooling, s. Design choices.
 const HEATING_K_S_A2: f64 = 1.0;
 const COOLING_S: f64 = 60.0;
 
-/// What a servo is told.
+/// Set-points of the shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Orders {
+pub(super) struct ShaftSetpoints {
     pub(super) torque_on: bool,
     pub(super) goal_steps: f64,
     /// Speed limit, steps/s.
@@ -27,21 +27,21 @@ pub(super) struct Orders {
     pub(super) current_max_a: f64,
 }
 
-/// A shaft.
+/// State of the shaft.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shaft {
     pub(super) position_steps: f64,
     pub(super) speed_steps_s: f64,
     pub(super) current_a: f64,
     pub(super) temperature_c: f64,
-    /// Something in the way, which it cannot pass upwards.
+    /// Obstacle that blocks motion above this position.
     pub(super) wall_steps: Option<f64>,
-    /// Farthest that it moved between two looks since it was last asked, steps.
+    /// Maximum speed since the last reset, steps/s.
     pub(super) fastest_steps_s: f64,
 }
 
 impl Shaft {
-    pub(super) fn at(position_steps: f64) -> Self {
+    pub(super) fn new(position_steps: f64) -> Self {
         Self {
             position_steps,
             speed_steps_s: 0.0,
@@ -52,8 +52,8 @@ impl Shaft {
         }
     }
 
-    /// Lets time pass.
-    pub(super) fn advance(&mut self, orders: &Orders, elapsed_s: f64) {
+    /// Advances the shaft by a time, s.
+    pub(super) fn advance(&mut self, orders: &ShaftSetpoints, elapsed_s: f64) {
         let mut left_s = elapsed_s.clamp(0.0, LONGEST_S);
         while left_s > 0.0 {
             let step_s = left_s.min(STEP_S);
@@ -62,7 +62,7 @@ impl Shaft {
         }
     }
 
-    fn step(&mut self, orders: &Orders, step_s: f64) {
+    fn step(&mut self, orders: &ShaftSetpoints, step_s: f64) {
         let error = orders.goal_steps - self.position_steps;
         let wanted = if orders.torque_on {
             (LOOP_PER_S * error).clamp(-orders.speed_max, orders.speed_max)
@@ -91,7 +91,7 @@ impl Shaft {
 mod tests {
     use super::*;
 
-    const ORDERS: Orders = Orders {
+    const ORDERS: ShaftSetpoints = ShaftSetpoints {
         torque_on: true,
         goal_steps: 1000.0,
         speed_max: 2000.0,
@@ -99,8 +99,8 @@ mod tests {
     };
 
     #[test]
-    fn it_goes_there_no_faster_than_it_may() {
-        let mut shaft = Shaft::at(0.0);
+    fn shaft_reaches_goal_within_speed_limit() {
+        let mut shaft = Shaft::new(0.0);
         shaft.advance(&ORDERS, 0.25);
         assert!(shaft.position_steps < 510.0, "{shaft:?}");
         shaft.advance(&ORDERS, 1.0);
@@ -109,10 +109,10 @@ mod tests {
     }
 
     #[test]
-    fn it_presses_against_a_wall_with_its_limit_and_gets_warm() {
+    fn blocked_shaft_draws_current_limit_and_heats() {
         let mut shaft = Shaft {
             wall_steps: Some(500.0),
-            ..Shaft::at(0.0)
+            ..Shaft::new(0.0)
         };
         (0..20).for_each(|_| shaft.advance(&ORDERS, 1.0));
         assert_eq!((shaft.position_steps, shaft.current_a), (500.0, 0.5));
@@ -120,9 +120,9 @@ mod tests {
     }
 
     #[test]
-    fn without_torque_it_stays() {
-        let mut shaft = Shaft::at(10.0);
-        let orders = Orders {
+    fn shaft_without_torque_does_not_move() {
+        let mut shaft = Shaft::new(10.0);
+        let orders = ShaftSetpoints {
             torque_on: false,
             ..ORDERS
         };

@@ -1,4 +1,4 @@
-//! A pseudo-terminal that plays a serial port.
+//! A pseudo-terminal that emulates a serial port.
 
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -11,18 +11,18 @@ use rustix::fs::{Mode, OFlags};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, ioctl_tiocnxcl, tcgetattr, tcsetattr};
 
-/// The terminal.
+/// The pseudo-terminal.
 #[derive(Debug)]
 pub(super) struct Terminal {
     master: File,
     path: PathBuf,
-    /// Held open, so that the raw mode lasts and nothing is lost before a host opens it.
+    /// Kept open to preserve the raw mode and early data.
     slave: OwnedFd,
 }
 
 impl Terminal {
     pub(super) fn open() -> io::Result<Self> {
-        // Not inherited, so that dropping the master is the end of the line for the host.
+        // Not inherited: dropping the master must close the line for the host.
         let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
         grantpt(&master)?;
         unlockpt(&master)?;
@@ -44,7 +44,7 @@ impl Terminal {
         &self.path
     }
 
-    /// Appends what came within this time.
+    /// Appends the bytes received before the timeout.
     pub(super) fn receive(&self, bytes: &mut Vec<u8>, within: Duration) -> io::Result<()> {
         let within = Timespec {
             tv_sec: within.as_secs().cast_signed(),
@@ -55,7 +55,7 @@ impl Terminal {
             Some(&within),
         )? == 0
         {
-            // A host that was killed leaves the terminal its own; a real port forgets that when it is closed.
+            // A killed host leaves the terminal in exclusive mode; a real port resets it on close.
             ioctl_tiocnxcl(&self.slave)?;
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! Everything that can be wrong with a servo map, found at once.
+//! Validation of a servo map; reports all errors at once.
 
 use core::f64::consts::TAU;
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,22 +11,23 @@ use crate::joints::Joint;
 
 /// Highest id: 253 to 255 are reserved (protocol 2.0).
 const ID_MAX: u8 = 252;
-/// Highest gear. Ours.
+/// Highest gear. Design choice.
 const GEAR_MAX: f64 = 1000.0;
-/// Share of a joint's top speed that its servo is let go: what the daemon's commands may ask for, and a little to catch up. Ours.
+/// Servo speed limit per joint speed limit. Design choice: 10 % above the daemon's commands, so
+/// that the servo can catch up.
 const SPEED_SHARE: f64 = 1.1;
-/// How far below its own switch-off a servo may get by default, K. Ours.
+/// Default margin below the servo's switch-off temperature, K. Design choice.
 const TEMPERATURE_MARGIN_K: f64 = 10.0;
 
 struct Checker<'a> {
     joints: &'a [Joint],
     check: Check,
     findings: Vec<String>,
-    /// Joint to the place of the servo that moves it.
-    moved: BTreeMap<usize, String>,
+    /// Location of the servo by joint index.
+    assigned: BTreeMap<usize, String>,
 }
 
-/// The ports of a map, or everything that is wrong.
+/// Returns the ports of a map, or all errors.
 pub(super) fn ports(
     file: &MapFile,
     joints: &[Joint],
@@ -36,7 +37,7 @@ pub(super) fn ports(
         joints,
         check,
         findings: Vec::new(),
-        moved: BTreeMap::new(),
+        assigned: BTreeMap::new(),
     };
     let ports: Vec<_> = file
         .ports
@@ -53,43 +54,41 @@ pub(super) fn ports(
 }
 
 impl Checker<'_> {
-    fn find(&mut self, place: &str, what: impl AsRef<str>) {
+    fn report(&mut self, place: &str, what: impl AsRef<str>) {
         self.findings.push(format!("{place}: {}", what.as_ref()));
     }
 
-    /// A number within its range, or a finding.
+    /// Reports a value outside its range.
     fn within(&mut self, place: &str, key: &str, value: f64, (low, high): (f64, f64)) {
         // False for NaN.
         if !(value >= low && value <= high) {
-            self.find(place, format!("{key} is {value}, needs {low} to {high}"));
+            self.report(place, format!("{key} is {value}, needs {low} to {high}"));
         }
     }
 
     fn devices(&mut self, ports: &[PortEntry]) {
         if ports.is_empty() {
-            self.find("port", "there is none; a map needs at least one [[port]]");
+            self.report("port", "no port defined; a map needs at least one [[port]]");
         }
         let mut seen = BTreeSet::new();
         for port in ports.iter().filter(|port| !seen.insert(&port.device)) {
-            self.find(
+            self.report(
                 &port.device,
-                "it stands twice; list all its servos under one [[port]]",
+                "device is listed twice; list all its servos under one [[port]]",
             );
         }
     }
 
     fn missing_joints(&mut self) {
         let missing: Vec<&str> = (0..self.joints.len())
-            .filter(|joint| !self.moved.contains_key(joint))
+            .filter(|joint| !self.assigned.contains_key(joint))
             .map(|joint| self.joints[joint].name.as_str())
             .collect();
         if !missing.is_empty() {
             let names = missing.join(", ");
-            self.find(
+            self.report(
                 "servo",
-                format!(
-                    "nothing moves {names}; the daemon believes a robot only with all its joints"
-                ),
+                format!("no servo for {names}; the daemon requires all joints of the robot"),
             );
         }
     }
@@ -103,13 +102,13 @@ impl Checker<'_> {
             entry.answer_within_ms,
             (1.0, 1000.0),
         );
-        let Some(driver) = drivers::named(&entry.driver) else {
+        let Some(driver) = drivers::find(&entry.driver) else {
             let known: Vec<_> = drivers::DRIVERS
                 .iter()
                 .map(|driver| driver.name())
                 .collect();
             let known = known.join(" or ");
-            self.find(
+            self.report(
                 place,
                 format!("driver is {:?}, needs {known}", entry.driver),
             );
@@ -117,17 +116,17 @@ impl Checker<'_> {
         };
         if !driver.bauds().contains(&entry.baud) {
             let known = driver.bauds();
-            self.find(
+            self.report(
                 place,
                 format!("baud is {}, needs one of {known:?}", entry.baud),
             );
         }
         let mut ids = BTreeSet::new();
         for twice in entry.servos.iter().filter(|servo| !ids.insert(servo.id)) {
-            self.find(place, format!("id {} stands twice", twice.id));
+            self.report(place, format!("id {} is used twice", twice.id));
         }
         if entry.servos.is_empty() {
-            self.find(place, "it has no [[port.servo]]");
+            self.report(place, "no [[port.servo]] defined");
         }
         let servos = entry
             .servos
@@ -152,10 +151,10 @@ impl Checker<'_> {
     ) -> Option<MappedServo> {
         let place = format!("{device}, servo {}", entry.id);
         if entry.id > ID_MAX {
-            self.find(&place, format!("ids go from 0 to {ID_MAX}"));
+            self.report(&place, format!("id out of range, needs 0 to {ID_MAX}"));
         }
         if !matches!(entry.direction, 1 | -1) {
-            self.find(
+            self.report(
                 &place,
                 format!("direction is {}, needs 1 or -1", entry.direction),
             );
@@ -174,7 +173,7 @@ impl Checker<'_> {
         if model.is_none() {
             let known: Vec<_> = driver.models().iter().map(|model| model.name).collect();
             let known = known.join(", ");
-            self.find(
+            self.report(
                 &place,
                 format!("model is {:?}, needs one of {known}", entry.model),
             );
@@ -212,16 +211,16 @@ impl Checker<'_> {
 
     fn joint(&mut self, place: &str, name: &str) -> Option<usize> {
         let Some(joint) = self.joints.iter().position(|joint| joint.name == name) else {
-            self.find(place, format!("the robot has no joint {name:?}"));
+            self.report(place, format!("the robot has no joint {name:?}"));
             return None;
         };
-        if let Some(other) = self.moved.insert(joint, place.to_owned()) {
-            self.find(place, format!("{name} is moved by {other} already"));
+        if let Some(other) = self.assigned.insert(joint, place.to_owned()) {
+            self.report(place, format!("{name} is already assigned to {other}"));
         }
         Some(joint)
     }
 
-    /// The limit of its force, told in the unit that the model limits.
+    /// Returns the force limit in the unit of the model.
     fn limit(&mut self, place: &str, model: &Model, entry: &ServoEntry) -> Option<f64> {
         let current = ("current_limit_a", entry.current_limit_a);
         let torque = ("torque_limit_percent", entry.torque_limit_percent);
@@ -230,31 +229,31 @@ impl Checker<'_> {
             LimitKind::Torque => (torque, current),
         };
         if unusable.is_some() {
-            self.find(
+            self.report(
                 place,
                 format!("{} is not limited by {other}; give {key}", model.name),
             );
         }
         let Some(value) = value else {
             let most = model.limit_max;
-            self.find(place, format!("{key} is missing, needs at most {most}"));
+            self.report(place, format!("{key} is missing, needs at most {most}"));
             return None;
         };
         self.within(place, key, value, (0.01, model.limit_max));
         Some(value)
     }
 
-    /// A servo of one turn must reach both ends of its joint within that turn.
+    /// Rejects a single-turn servo that cannot reach both joint limits within its turn.
     fn travel(&mut self, place: &str, servo: &MappedServo) {
         if self.check == Check::Uncalibrated || servo.servo.model.multi_turn {
             return;
         }
         let (lower_rad, upper_rad) = servo.limits_rad;
         let ends = [servo.shaft_rad(lower_rad), servo.shaft_rad(upper_rad)];
-        // False for NaN, which has a finding of its own.
+        // False for NaN, which is reported separately.
         if ends.iter().any(|end| *end < 0.0 || *end >= TAU) {
             let [from, to] = ends;
-            self.find(
+            self.report(
                 place,
                 format!(
                     "the limits of {} are at {from:.3} and {to:.3} rad of its shaft, which turns from 0 to {TAU:.3}; choose \
@@ -266,7 +265,7 @@ impl Checker<'_> {
     }
 }
 
-/// A duration; what is out of range has a finding already.
+/// Returns a duration; out-of-range values are already reported.
 fn seconds(value: f64) -> Duration {
     Duration::try_from_secs_f64(value).unwrap_or_default()
 }

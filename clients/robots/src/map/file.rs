@@ -1,4 +1,4 @@
-//! The servo map as it stands in its TOML file.
+//! TOML format of the servo map.
 
 use robot_model::TWO_HAND_ARM;
 use serde::{Deserialize, Serialize};
@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapFile {
-    /// The robot whose joints these are: one that ships, or a robot file, as the daemon is told.
+    /// Built-in robot or robot file, as configured in the daemon.
     #[serde(default = "two_hand_arm")]
     pub robot: String,
-    /// The serial ports.
+    /// Serial ports.
     #[serde(default, rename = "port")]
     pub ports: Vec<PortEntry>,
 }
@@ -19,19 +19,19 @@ pub struct MapFile {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PortEntry {
-    /// Path of the terminal.
+    /// Path of the serial port.
     pub device: String,
-    /// Family of its servos.
+    /// Servo family.
     pub driver: String,
     /// Line speed, baud.
     pub baud: u32,
-    /// Most cycles per second.
-    #[serde(default = "usual_rate_hz")]
+    /// Maximum cycles per second.
+    #[serde(default = "default_rate_hz")]
     pub rate_hz: f64,
-    /// How long an answer may take, ms.
-    #[serde(default = "usual_answer_ms")]
+    /// Timeout of a reply, ms.
+    #[serde(default = "default_answer_ms")]
     pub answer_within_ms: f64,
-    /// The servos on it.
+    /// Servos on the port.
     #[serde(default, rename = "servo")]
     pub servos: Vec<ServoEntry>,
 }
@@ -40,30 +40,31 @@ pub struct PortEntry {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoEntry {
-    /// The joint that it moves.
+    /// Name of the joint.
     pub joint: String,
-    /// Its id.
+    /// Servo id.
     pub id: u8,
-    /// Its model.
+    /// Servo model.
     pub model: String,
-    /// 1 if the shaft turns as the joint does, -1 if it turns the other way.
+    /// 1 if shaft and joint turn in the same direction, otherwise -1.
     #[serde(default = "forward")]
     pub direction: i8,
-    /// Angle of the shaft where the joint is at 0, rad.
+    /// Shaft angle at joint position 0, rad.
     pub zero_rad: f64,
-    /// Turns of the shaft per turn of the joint.
+    /// Shaft turns per joint turn.
     #[serde(default = "direct")]
     pub gear: f64,
-    /// Most current that it may take, A, for a model that regulates its current.
+    /// Current limit, A, for models with current regulation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub current_limit_a: Option<f64>,
-    /// Most torque that it may give, %, for a model that does not.
+    /// Torque limit, %, for other models.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_limit_percent: Option<f64>,
-    /// Torque of the shaft per current, N·m/A, of the model's sheet; without it efforts are told as zero.
+    /// Shaft torque per current, N·m/A, from the datasheet; without it, efforts are reported as
+    /// zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_per_current_n_m_a: Option<f64>,
-    /// Temperature from which the robot holds, °C; by default 10 below where the servo switches itself off.
+    /// Temperature above which the robot holds, °C; default 10 below the servo's switch-off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature_limit_c: Option<f64>,
 }
@@ -72,13 +73,15 @@ fn two_hand_arm() -> String {
     TWO_HAND_ARM.name.to_string()
 }
 
-/// Ours: what a port at 1 MBd with a few servos reaches; a slower one goes as fast as it can.
-fn usual_rate_hz() -> f64 {
+/// Default rate. Design choice: reached by a port at 1 MBd with a few servos; a slower port runs at
+/// its maximum.
+fn default_rate_hz() -> f64 {
     500.0
 }
 
-/// Ours: half of what the latency timer of an FTDI bridge takes as it is delivered (16 ms); set that to 1 ms.
-fn usual_answer_ms() -> f64 {
+/// Default timeout. Design choice: half of the default latency timer of an FTDI adapter (16 ms),
+/// which must be set to 1 ms.
+fn default_answer_ms() -> f64 {
     8.0
 }
 

@@ -1,8 +1,8 @@
-//! Which servo moves which joint, and how: the servo map, checked.
+//! Servo map: assignment of servos to joints, validated.
 //!
-//! In: a TOML file ([`mod@file`]) and the robot's joints. Out: [`PortMap`]s whose servos each know their joint, or everything that is
-//! wrong with the file at once. Invariants of a map: every joint has exactly one servo, ids are unique on their port, every number
-//! is finite and within what the servo can do, and each servo's travel covers its joint's limits.
+//! Inputs: a TOML file ([`mod@file`]) and the robot's joints. Output: [`PortMap`]s, or all errors
+//! of the file. Invariants: every joint has exactly one servo, ids are unique per port, all numbers
+//! are finite and within the servo's range, and each servo's travel covers its joint's limits.
 
 mod check;
 pub mod file;
@@ -15,38 +15,38 @@ use crate::failure::Failure;
 use crate::joints::{self, Joint};
 use file::MapFile;
 
-/// How much of a map is checked.
+/// Scope of the validation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Check {
-    /// Everything: the robot is to move.
+    /// Everything, for motion.
     Whole,
-    /// Everything but zeros and directions: they are to be found.
+    /// Everything except zeros and directions, for calibration.
     Uncalibrated,
 }
 
-/// A robot of servos.
+/// A validated servo map.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// Its joints, in the order of the payloads.
+    /// Joints in payload order.
     pub joints: Vec<Joint>,
-    /// Its serial ports.
+    /// Serial ports.
     pub ports: Vec<PortMap>,
 }
 
 /// One serial port.
 #[derive(Clone)]
 pub struct PortMap {
-    /// Path of the terminal.
+    /// Path of the serial port.
     pub device: String,
-    /// The family of its servos.
+    /// Servo family.
     pub driver: &'static dyn Driver,
     /// Line speed, baud.
     pub baud: u32,
-    /// Shortest time between two cycles.
+    /// Minimum time between cycles.
     pub period: Duration,
-    /// How long an answer may take.
+    /// Timeout of a reply.
     pub answer_within: Duration,
-    /// Its servos.
+    /// Servos on the port.
     pub servos: Vec<MappedServo>,
 }
 
@@ -61,23 +61,23 @@ impl std::fmt::Debug for PortMap {
 pub struct MappedServo {
     /// Index of the joint in the payloads.
     pub joint: usize,
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// The servo.
+    /// Configuration of the servo.
     pub servo: Servo,
     /// Shaft angle per joint angle: gear with the sign of the direction.
     pub ratio: f64,
-    /// Angle of the shaft where the joint is at 0, rad.
+    /// Shaft angle at joint position 0, rad.
     pub zero_rad: f64,
-    /// Torque of the shaft per current, N·m/A; zero if it is not known.
+    /// Shaft torque per current, N·m/A; 0 if unknown.
     pub torque_per_current_n_m_a: f64,
-    /// Temperature from which the robot holds, °C.
+    /// Temperature above which the robot holds, °C.
     pub temperature_limit_c: f64,
     /// Limits of the joint, rad.
     pub limits_rad: (f64, f64),
 }
 
-/// What is known of one joint.
+/// Measurements of one joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointReading {
     /// Position, rad.
@@ -89,19 +89,19 @@ pub struct JointReading {
 }
 
 impl MappedServo {
-    /// The joint's angle at this angle of the shaft.
+    /// Returns the joint angle for a shaft angle.
     #[must_use]
     pub fn joint_rad(&self, shaft_rad: f64) -> f64 {
         (shaft_rad - self.zero_rad) / self.ratio
     }
 
-    /// The shaft's angle at this angle of the joint.
+    /// Returns the shaft angle for a joint angle.
     #[must_use]
     pub fn shaft_rad(&self, joint_rad: f64) -> f64 {
         self.zero_rad + self.ratio * joint_rad
     }
 
-    /// What a reading of the servo says of the joint.
+    /// Converts a servo reading to the joint.
     #[must_use]
     pub fn joint_reading(&self, reading: &Reading) -> JointReading {
         JointReading {
@@ -111,17 +111,17 @@ impl MappedServo {
         }
     }
 
-    /// How people call it.
+    /// Returns the name for messages: servo id and joint.
     #[must_use]
-    pub fn called(&self) -> String {
+    pub fn label(&self) -> String {
         format!("servo {} ({})", self.servo.id, self.name)
     }
 }
 
-/// Reads a map's text, unchecked.
+/// Reads a map without validation.
 ///
 /// # Errors
-/// [`Failure::Map`] if it is not there or is not such a file.
+/// [`Failure::Map`] if the file is missing or not valid TOML of a map.
 pub fn read(path: &Path) -> Result<MapFile, Failure> {
     let refused = |why: String| Failure::Map {
         file: path.display().to_string(),
@@ -132,23 +132,23 @@ pub fn read(path: &Path) -> Result<MapFile, Failure> {
     toml::from_str(&text).map_err(|error| refused(error.to_string()))
 }
 
-/// Reads and checks a map.
+/// Reads and validates a map.
 ///
 /// # Errors
-/// [`Failure::Map`] with everything that is wrong.
+/// [`Failure::Map`] with all errors.
 pub fn load(path: &Path, check: Check) -> Result<Map, Failure> {
     let file = read(path)?;
-    checked(&file, check).map_err(|findings| Failure::Map {
+    validate(&file, check).map_err(|findings| Failure::Map {
         file: path.display().to_string(),
         findings,
     })
 }
 
-/// Checks a map.
+/// Validates a map.
 ///
 /// # Errors
-/// Everything that is wrong, each with its place.
-pub fn checked(file: &MapFile, check: Check) -> Result<Map, Vec<String>> {
-    let joints = joints::of(&file.robot).map_err(|why| vec![format!("robot: {why}")])?;
+/// All errors, each with its location.
+pub fn validate(file: &MapFile, check: Check) -> Result<Map, Vec<String>> {
+    let joints = joints::load(&file.robot).map_err(|why| vec![format!("robot: {why}")])?;
     check::ports(file, &joints, check).map(|ports| Map { joints, ports })
 }

@@ -1,4 +1,4 @@
-//! What a port counted and timed.
+//! Counts and times of a port.
 
 use std::fmt;
 
@@ -6,28 +6,28 @@ use hdrhistogram::Histogram;
 
 use crate::drivers::wire::WireError;
 
-/// Longest time that is told apart, ns.
+/// Longest recorded time, ns.
 const LONGEST_NS: u64 = 10_000_000_000;
-/// Digits that times are told with.
+/// Significant digits of times.
 const DIGITS: u8 = 2;
 
 /// Counts and times since the start.
 #[derive(Clone, Debug)]
 pub struct Figures {
-    /// From the begin of one cycle to the begin of the next, ns.
+    /// Time between the starts of two cycles, ns.
     pub period: Histogram<u64>,
-    /// Bulk reads, ns.
+    /// Duration of bulk reads, ns.
     pub read: Histogram<u64>,
-    /// Whole cycles, ns.
+    /// Duration of cycles, ns.
     pub cycle: Histogram<u64>,
-    /// Answers that did not come.
-    pub silent: u64,
-    /// Answers that were damaged.
+    /// Missing replies.
+    pub unanswered: u64,
+    /// Damaged replies.
     pub damaged: u64,
-    /// What servos refused.
-    pub refused: u64,
-    /// Times that the port was lost.
-    pub troubles: u64,
+    /// Requests rejected by servos.
+    pub rejected: u64,
+    /// Failures of the port.
+    pub failures: u64,
     begun_ns: Option<u64>,
 }
 
@@ -41,10 +41,10 @@ impl Default for Figures {
             period: times(),
             read: times(),
             cycle: times(),
-            silent: 0,
+            unanswered: 0,
             damaged: 0,
-            refused: 0,
-            troubles: 0,
+            rejected: 0,
+            failures: 0,
             begun_ns: None,
         }
     }
@@ -54,15 +54,15 @@ impl Figures {
     /// Counts a failure.
     pub(super) fn count(&mut self, error: &WireError) {
         match error {
-            WireError::Silent(_) => self.silent += 1,
+            WireError::NoReply(_) => self.unanswered += 1,
             WireError::Damaged(_) => self.damaged += 1,
-            WireError::Refused { .. } | WireError::OtherMode { .. } => self.refused += 1,
+            WireError::Rejected { .. } | WireError::WrongMode { .. } => self.rejected += 1,
             WireError::Port(_) => {}
         }
         self.begun_ns = None;
     }
 
-    /// Times a cycle.
+    /// Records the times of a cycle.
     pub(super) fn time(&mut self, begun_ns: u64, read_ns: u64, ended_ns: u64) {
         self.read
             .saturating_record(read_ns.saturating_sub(begun_ns));
@@ -75,7 +75,7 @@ impl Figures {
     }
 }
 
-/// Median, 99th percentile and longest, ms.
+/// Formats median, 99th percentile and maximum, ms.
 fn times(times: &Histogram<u64>) -> String {
     let ms = |ns: u64| ns as f64 * 1e-6;
     let [p50, p99] = [0.5, 0.99].map(|quantile| ms(times.value_at_quantile(quantile)));
@@ -96,8 +96,8 @@ impl fmt::Display for Figures {
         }
         write!(
             f,
-            "{} silent, {} damaged, {} refused, {} times lost",
-            self.silent, self.damaged, self.refused, self.troubles
+            "{} without reply, {} damaged, {} rejected, {} port failures",
+            self.unanswered, self.damaged, self.rejected, self.failures
         )
     }
 }

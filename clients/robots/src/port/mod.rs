@@ -1,13 +1,15 @@
-//! One serial port: takes its servos over, then reads all, writes all and looks after one, cycle for cycle, on a thread of its own.
+//! One serial port: takes over its servos, then cyclically reads and writes all servos and monitors
+//! one, on a separate thread.
 //!
-//! * **In:** goals from the robot ([`Shared`]). **Out:** [`Report`]s: that the servos hold, what they measured, what is wrong.
-//! * **A cycle** is one bulk read, one bulk write and the health of one servo, in turn. It begins when its time has come and the
-//!   one before has ended: the bus sets the rate.
-//! * **Trouble** (a servo that does not answer three times in a row, is loose, too hot, or complains; a port that is gone) ends the
-//!   cycles. Nothing is written any more, so every servo that can hold goes on holding. Then the port is taken over anew, again and
-//!   again, until all is well.
-//! * **Nothing jumps:** a servo gets torque only when its goal is where it stands. Goals of an earlier life of the port are not
-//!   written: after trouble the robot must have said where it goes from there.
+//! * **Input:** set-points from the robot ([`Shared`]). **Output:** [`Report`]s: servos hold,
+//!   measurements, failures.
+//! * **A cycle** is one bulk read, one bulk write and a health check of one servo in turn. It
+//!   starts when it is due and the previous one has ended, so the servo bus limits the rate.
+//! * **A failure** ends the cycles: three missing replies in a row, torque off, overheating, a
+//!   servo error, or loss of the port. No more goals are written, so working servos keep holding.
+//!   The port then retries the take-over until it succeeds.
+//! * **No jumps:** a servo gets torque only with its current position as goal. Set-points of an
+//!   earlier session of the port are discarded.
 
 pub mod figures;
 mod take_over;
@@ -25,59 +27,62 @@ use crate::drivers::wire::{Wire, WireError};
 use crate::map::{JointReading, MappedServo, PortMap};
 use figures::Figures;
 
-/// Failed exchanges in a row that are noise; one more is trouble. Ours: below it the daemon's own limit of age decides.
+/// Tolerated consecutive failed exchanges. Design choice: noise; the daemon's own age limit applies
+/// before one more.
 const MISSES_MAX: u32 = 2;
-/// Time between two attempts to take a port over. Ours.
+/// Interval between take-over attempts after a failure. Design choice.
 const RETRY_EVERY: Duration = Duration::from_millis(200);
-/// Attempts to take a port over before that is trouble: an exchange with each of its servos may meet noise. Ours.
+/// Immediate take-over attempts before a failure is reported. Design choice: noise may disturb an
+/// exchange with any servo.
 const ATTEMPTS: u32 = 3;
-/// How soon a stop request is seen while waiting.
+/// Interval between checks for a stop request.
 const POLL: Duration = Duration::from_millis(20);
-/// Multiple of a shaft's top speed above which a reading that passed its checksum is damaged all the same. Ours.
+/// Multiple of the shaft's speed limit above which a reading with a valid checksum is rejected as
+/// damaged. Design choice.
 const JUMP_FACTOR: f64 = 4.0;
-/// Jump that is always believed, rad: a few steps of the encoder. Ours.
+/// Jump that is always accepted, rad: a few encoder steps. Design choice.
 const JUMP_FLOOR_RAD: f64 = 0.02;
 
-/// What a port tells the robot.
+/// Report of a port to the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Report {
-    /// All servos hold: where, rad, each with its joint. A new life begins.
+    /// All servos hold; a new session starts.
     Holding {
-        /// Which life of the port this is.
-        life: u32,
-        /// Joint and position.
+        /// Number of the session.
+        session: u32,
+        /// Joint index and held position, rad.
         held_rad: Vec<(usize, f64)>,
     },
     /// All servos were read.
     Read {
-        /// When the question went out.
+        /// Time of the request.
         captured_ns: u64,
-        /// Joint and what it measured.
+        /// Joint index and measurement.
         joints: Vec<(usize, JointReading)>,
     },
-    /// Something is wrong, in words. What holds goes on holding.
-    Trouble(String),
+    /// Failure text. Working servos keep holding.
+    Failure(String),
 }
 
-/// What the robot tells a port.
+/// Data that the robot and a port thread share.
 #[derive(Debug)]
 pub struct Shared {
     goals: Mutex<Goals>,
-    /// Set to end the thread.
+    /// Stop request to the thread.
     pub stop: Arc<AtomicBool>,
-    /// What the port counted and timed so far.
+    /// Counts and times of the port so far.
     pub figures: Mutex<Figures>,
 }
 
-/// Goals for one life of a port.
+/// Set-points for one session of a port.
 #[derive(Clone, Copy, Debug, Default)]
 struct Goals {
-    life: u32,
+    session: u32,
     position_rad: Option<[f64; JOINTS]>,
 }
 
 impl Shared {
-    /// Without goals.
+    /// Creates shared data without set-points.
     #[must_use]
     pub fn new(stop: Arc<AtomicBool>) -> Self {
         Self {
@@ -87,17 +92,17 @@ impl Shared {
         }
     }
 
-    /// Orders these positions, rad, in this life of the port.
-    pub fn order(&self, life: u32, position_rad: &[f64; JOINTS]) {
+    /// Sets the positions, rad, for one session of the port.
+    pub fn set_goals(&self, session: u32, position_rad: &[f64; JOINTS]) {
         *lock(&self.goals) = Goals {
-            life,
+            session: session,
             position_rad: Some(*position_rad),
         };
     }
 
-    fn ordered(&self, life: u32) -> Option<[f64; JOINTS]> {
+    fn goals(&self, session: u32) -> Option<[f64; JOINTS]> {
         let goals = *lock(&self.goals);
-        goals.position_rad.filter(|_| goals.life == life)
+        goals.position_rad.filter(|_| goals.session == session)
     }
 
     fn is_stopped(&self) -> bool {
@@ -105,45 +110,49 @@ impl Shared {
     }
 }
 
-/// A thread that panicked left nothing half-done in there.
+/// Ignores poisoning: a panic leaves the data consistent.
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs one port until it is stopped, or until nobody takes its reports any more, which go out with its index.
+/// Runs one port until a stop request or until the receiver of its reports is dropped. Reports
+/// carry `index`.
 pub fn run(map: &PortMap, index: usize, to: &Sender<(usize, Report)>, shared: &Shared) {
     let mut port = Port {
         map,
         servos: map.servos.iter().map(|mapped| mapped.servo).collect(),
         shared,
-        life: 0,
+        session: 0,
         readings: Vec::new(),
-        before: Vec::new(),
+        previous: Vec::new(),
         read_ns: 0,
-        looked_after: 0,
+        monitored: 0,
     };
     let tell = |report| to.send((index, report)).is_ok();
     while !shared.is_stopped() {
-        let trouble = match take_over_patiently(map) {
+        let trouble = match take_over_with_retries(map) {
             Ok((mut wire, held_rad)) => {
-                port.life += 1;
-                let life = port.life;
-                if !tell(Report::Holding { life, held_rad }) {
+                port.session += 1;
+                let life = port.session;
+                if !tell(Report::Holding {
+                    session: life,
+                    held_rad,
+                }) {
                     return;
                 }
                 port.cycles(&mut wire, &tell)
             }
             Err(trouble) => trouble,
         };
-        if shared.is_stopped() || !tell(Report::Trouble(trouble)) {
+        if shared.is_stopped() || !tell(Report::Failure(trouble)) {
             return;
         }
-        lock(&shared.figures).troubles += 1;
+        lock(&shared.figures).failures += 1;
         wait(shared, RETRY_EVERY);
     }
 }
 
-fn take_over_patiently(map: &PortMap) -> Result<take_over::Taken, String> {
+fn take_over_with_retries(map: &PortMap) -> Result<take_over::Taken, String> {
     let mut taken = take_over::take_over(map);
     for _ in 1..ATTEMPTS {
         if taken.is_err() {
@@ -164,20 +173,20 @@ struct Port<'a> {
     map: &'a PortMap,
     servos: Vec<crate::drivers::Servo>,
     shared: &'a Shared,
-    life: u32,
+    session: u32,
     readings: Vec<Reading>,
-    /// The readings of the cycle before, and when.
-    before: Vec<Reading>,
+    /// Readings of the previous cycle.
+    previous: Vec<Reading>,
     read_ns: u64,
-    /// Whose turn it is.
-    looked_after: usize,
+    /// Index of the servo whose health was read last.
+    monitored: usize,
 }
 
 impl Port<'_> {
-    /// Cycles until something is wrong, and says what; until a stop request, and says nothing.
+    /// Runs cycles until a failure, which it returns as text, or a stop request (empty text).
     fn cycles(&mut self, wire: &mut Wire, tell: &impl Fn(Report) -> bool) -> String {
         let (mut misses, mut due_ns) = (0, now_ns());
-        self.before.clear();
+        self.previous.clear();
         while !self.shared.is_stopped() {
             let begun_ns = now_ns();
             if begun_ns < due_ns {
@@ -201,7 +210,7 @@ impl Port<'_> {
         String::new()
     }
 
-    /// One cycle; trouble if a servo has some.
+    /// Runs one cycle; returns a failure of a servo.
     fn cycle(
         &mut self,
         wire: &mut Wire,
@@ -221,56 +230,57 @@ impl Port<'_> {
         if !tell(report) {
             self.shared.stop.store(true, Ordering::Relaxed);
         }
-        if let Some(goals_rad) = self.shared.ordered(self.life) {
+        if let Some(goals_rad) = self.shared.goals(self.session) {
             let shaft = |mapped: &MappedServo| mapped.shaft_rad(goals_rad[mapped.joint]);
             let goals_rad: Vec<f64> = self.map.servos.iter().map(shaft).collect();
             driver.write_goals(wire, &self.servos, &goals_rad)?;
         }
-        let trouble = self.look_after(wire)?;
+        let trouble = self.monitor(wire)?;
         lock(&self.shared.figures).time(begun_ns, read_ns, now_ns());
         Ok(trouble)
     }
 
-    /// A shaft that moved faster than it can was misread: the checksum of protocol 1.0 lets one damage in 256 pass.
+    /// Rejects a reading faster than the shaft can move: the checksum of protocol 1.0 misses one in
+    /// 256 errors.
     fn check_jumps(&mut self, now_ns: u64) -> Result<(), WireError> {
         let elapsed_s = now_ns.saturating_sub(self.read_ns) as f64 * 1e-9;
-        let pairs = self.before.iter().zip(&self.readings).zip(&self.servos);
+        let pairs = self.previous.iter().zip(&self.readings).zip(&self.servos);
         for ((before, reading), servo) in pairs {
             let allowed_rad = JUMP_FLOOR_RAD + JUMP_FACTOR * servo.speed_max_rad_s * elapsed_s;
             if (reading.position_rad - before.position_rad).abs() > allowed_rad {
                 return Err(WireError::Damaged(servo.id));
             }
         }
-        self.before.clone_from(&self.readings);
+        self.previous.clone_from(&self.readings);
         self.read_ns = now_ns;
         Ok(())
     }
 
-    /// Asks one servo how it is: the first that gave an alert, otherwise the next in turn.
-    fn look_after(&mut self, wire: &mut Wire) -> Result<Option<String>, WireError> {
+    /// Checks the health of one servo: the first with an alert, otherwise the next in turn.
+    fn monitor(&mut self, wire: &mut Wire) -> Result<Option<String>, WireError> {
         let alerted = self.readings.iter().position(|reading| reading.alert);
-        self.looked_after = (self.looked_after + 1) % self.servos.len();
-        let mapped = &self.map.servos[alerted.unwrap_or(self.looked_after)];
+        self.monitored = (self.monitored + 1) % self.servos.len();
+        let mapped = &self.map.servos[alerted.unwrap_or(self.monitored)];
         let health = self.map.driver.health(wire, mapped.servo.id)?;
-        let called = mapped.called();
-        if let [complaint, ..] = health.complaints[..] {
-            return Ok(Some(format!("{called} says that {complaint}")));
+        let called = mapped.label();
+        if let [complaint, ..] = health.errors[..] {
+            return Ok(Some(format!("{called} reports an error: {complaint}")));
         }
         if health.temperature_c >= mapped.temperature_limit_c {
             let (now_c, limit_c) = (health.temperature_c, mapped.temperature_limit_c);
             return Ok(Some(format!(
-                "{called} is at {now_c} °C, allowed are {limit_c}"
+                "{called} is at {now_c} °C, the limit is {limit_c} °C"
             )));
         }
         if !health.torque_on {
             return Ok(Some(format!(
-                "{called} is loose: its torque was switched off, or its power was lost"
+                "{called} has no torque: it was switched off, or its power was lost"
             )));
         }
         Ok(None)
     }
 
     fn explained(&self, error: &WireError) -> String {
-        take_over::explained(self.map, error)
+        take_over::error_text(self.map, error)
     }
 }

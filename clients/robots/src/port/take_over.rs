@@ -1,105 +1,109 @@
-//! Taking the servos of a port over so that nothing moves: before the first cycle, and after every trouble.
+//! Take-over of the servos of a port without motion: before the first cycle and after every
+//! failure.
 //!
-//! All are looked at before any is touched. A servo that holds goes on holding what it holds: a grip outlives this process. A loose
-//! one gets its settings, then the place where it stands as its goal, and only then torque.
+//! All servos are checked before any is changed. A servo with torque keeps its goal, so that a grip
+//! survives a restart. A servo without torque gets its settings, its current position as goal, and
+//! then torque.
 
 use super::PortMap;
 use crate::drivers::State;
 use crate::drivers::wire::{Wire, WireError};
 use crate::map::MappedServo;
 
-/// How far outside its limits a joint may stand, rad: what the daemon believes of one.
+/// Tolerance of the joint limits, rad, as in the daemon.
 const MARGIN_RAD: f64 = 0.05;
-/// How much cooler than its limit a servo must be before the robot goes on, K. Ours.
-const COOLER_K: f64 = 5.0;
+/// Required distance below the temperature limit, K. Design choice.
+const COOLDOWN_K: f64 = 5.0;
 
-/// The open port, and where each joint is held, rad.
+/// The open port and the held position of each joint, rad.
 pub(super) type Taken = (Wire, Vec<(usize, f64)>);
 
-/// Opens the port and takes its servos over, or says in words why not.
+/// Opens the port and takes over its servos; returns an error text on failure.
 pub(super) fn take_over(map: &PortMap) -> Result<Taken, String> {
     let protocol = map.driver.protocol();
     let mut wire = Wire::open(&map.device, map.baud, protocol, map.answer_within)?;
     let states: Vec<State> = map
         .servos
         .iter()
-        .map(|mapped| look(map, &mut wire, mapped))
+        .map(|mapped| check_servo(map, &mut wire, mapped))
         .collect::<Result<_, _>>()?;
     let held = map.servos.iter().zip(states).map(|(mapped, state)| {
-        let shaft_rad = hold(map, &mut wire, mapped, state).map_err(|e| explained(map, &e))?;
+        let shaft_rad = hold(map, &mut wire, mapped, state).map_err(|e| error_text(map, &e))?;
         Ok((mapped.joint, mapped.joint_rad(shaft_rad)))
     });
     let held = held.collect::<Result<Vec<_>, String>>()?;
     let servos: Vec<_> = map.servos.iter().map(|mapped| mapped.servo).collect();
     map.driver
         .choose_reading(&mut wire, &servos)
-        .map_err(|error| explained(map, &error))?;
+        .map_err(|error| error_text(map, &error))?;
     Ok((wire, held))
 }
 
-/// An error with the joint that it concerns, and what to do.
-pub(super) fn explained(map: &PortMap, error: &WireError) -> String {
+/// Returns the error text with the joint and advice.
+pub(super) fn error_text(map: &PortMap, error: &WireError) -> String {
     let device = &map.device;
-    let (WireError::Silent(id)
+    let (WireError::NoReply(id)
     | WireError::Damaged(id)
-    | WireError::Refused { id, .. }
-    | WireError::OtherMode { id, .. }) = error
+    | WireError::Rejected { id, .. }
+    | WireError::WrongMode { id, .. }) = error
     else {
         return format!("{device}: {error}");
     };
     let mapped = map.servos.iter().find(|mapped| mapped.servo.id == *id);
     let joint = mapped.map_or("no joint", |mapped| mapped.name.as_str());
     let advice = match error {
-        WireError::Silent(_) => "; check its power, cable and id (atas-robot probe)",
+        WireError::NoReply(_) => "; check its power, cable and id (atas-robot probe)",
         WireError::Damaged(_) => "; check the cable, and that no two servos have this id",
         _ => "",
     };
     format!("{device}: {error} ({joint}){advice}")
 }
 
-/// Whether a servo is what the map says, is well, and holds.
-fn look(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<State, String> {
-    let (driver, servo, called) = (map.driver, &mapped.servo, mapped.called());
-    let known = |error: WireError| explained(map, &error);
+/// Checks model, health and position of a servo; returns its torque state.
+fn check_servo(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<State, String> {
+    let (driver, servo, called) = (map.driver, &mapped.servo, mapped.label());
+    let known = |error: WireError| error_text(map, &error);
     let number = driver.model_number(wire, servo.id).map_err(known)?;
     if number != servo.model.number {
         let found = driver.models().iter().find(|model| model.number == number);
         let found = found.map_or(format!("model {number}"), |model| model.name.to_owned());
         let (device, needed) = (&map.device, servo.model.name);
         return Err(format!(
-            "{device}: {called} is {found}, the map says {needed}; check ids and models (atas-robot probe)"
+            "{device}: {called} is {found}, the map requires {needed}; check ids and models \
+             (atas-robot probe)"
         ));
     }
     let health = driver.health(wire, servo.id).map_err(known)?;
-    if let [complaint, ..] = health.complaints[..] {
+    if let [complaint, ..] = health.errors[..] {
         return Err(format!(
-            "{called} says that {complaint}; take its load away, then its power, and give it back"
+            "{called} reports an error: {complaint}; remove its load, then switch its power off \
+             and on"
         ));
     }
-    let cool_c = mapped.temperature_limit_c - COOLER_K;
+    let cool_c = mapped.temperature_limit_c - COOLDOWN_K;
     if health.temperature_c > cool_c {
         let now_c = health.temperature_c;
         return Err(format!(
-            "{called} is at {now_c} °C; the robot goes on below {cool_c}"
+            "{called} is at {now_c} °C; the robot continues below {cool_c} °C"
         ));
     }
     let state = driver.state(wire, servo).map_err(known)?;
-    stands_within(map, wire, mapped)?;
+    check_position(map, wire, mapped)?;
     Ok(state)
 }
 
-/// A joint outside its limits would be believed by nobody: its zero or its direction is wrong, or somebody pushed it there.
-fn stands_within(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(), String> {
-    let shaft_rad = position_rad(map, wire, mapped).map_err(|error| explained(map, &error))?;
+/// Rejects a joint outside its limits: its zero or direction is wrong, or it was moved by hand.
+fn check_position(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(), String> {
+    let shaft_rad = position_rad(map, wire, mapped).map_err(|error| error_text(map, &error))?;
     let joint_rad = mapped.joint_rad(shaft_rad);
     let (lower_rad, upper_rad) = mapped.limits_rad;
     if joint_rad >= lower_rad - MARGIN_RAD && joint_rad <= upper_rad + MARGIN_RAD {
         return Ok(());
     }
     Err(format!(
-        "{} stands at {joint_rad:.3} rad, allowed are {lower_rad:.3} to {upper_rad:.3}; move it there by hand, or correct its zero and \
-         direction (atas-robot calibrate)",
-        mapped.called()
+        "{} is at {joint_rad:.3} rad, its limits are {lower_rad:.3} to {upper_rad:.3}; move it \
+         there by hand, or correct its zero and direction (atas-robot calibrate)",
+        mapped.label()
     ))
 }
 
@@ -109,10 +113,10 @@ fn position_rad(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<
     reading
         .first()
         .map(|reading| reading.position_rad)
-        .ok_or(WireError::Silent(mapped.servo.id))
+        .ok_or(WireError::NoReply(mapped.servo.id))
 }
 
-/// Makes a servo hold, and says where, rad of its shaft.
+/// Makes a servo hold; returns the held shaft angle, rad.
 fn hold(
     map: &PortMap,
     wire: &mut Wire,
@@ -125,7 +129,7 @@ fn hold(
             driver.limit(wire, servo)?;
             Ok(goal_rad)
         }
-        State::Loose => {
+        State::TorqueOff => {
             driver.configure(wire, servo)?;
             let here_rad = driver.rounded(position_rad(map, wire, mapped)?);
             driver.write_goals(wire, &[*servo], &[here_rad])?;

@@ -1,4 +1,4 @@
-//! The other subcommands, as a person or a script uses them.
+//! Tests of the other subcommands.
 
 use std::fs::File;
 use std::process::{Command, Stdio};
@@ -7,7 +7,7 @@ use atas_robots::map::file::MapFile;
 use serde_json::Value;
 use shm_bus::{Bus, FreshBus};
 
-use crate::rig::{HAND, Program, Rig, STEP_RAD, middle_rad, play, two_hands, wait_until};
+use crate::rig::{HAND, Program, Rig, STEP_RAD, middle_rad, start_chains, two_hands, wait_until};
 
 fn json(program: &Program) -> Value {
     serde_json::from_str(&program.printed())
@@ -15,7 +15,7 @@ fn json(program: &Program) -> Value {
 }
 
 #[test]
-fn the_list_names_every_model_and_its_limit() {
+fn list_shows_models_and_limits() {
     let mut list = Program::start(&["list", "--format", "json"]);
     assert_eq!(list.finish(), Some(0));
     let drivers = json(&list);
@@ -36,8 +36,8 @@ fn the_list_names_every_model_and_its_limit() {
 }
 
 #[test]
-fn probe_finds_who_is_there() {
-    let chains = play(&mut two_hands(), &middle_rad());
+fn probe_finds_connected_servos() {
+    let chains = start_chains(&mut two_hands(), &middle_rad());
     for (chain, driver, model) in [
         (&chains[0], "dynamixel", "xm430-w350"),
         (&chains[1], "feetech", "sts3215"),
@@ -57,7 +57,7 @@ fn probe_finds_who_is_there() {
 }
 
 #[test]
-fn hz_tells_the_rate_of_the_states() {
+fn hz_reports_the_state_rate() {
     let rig = Rig::start();
     let mut hz = Program::start(&[
         "hz",
@@ -78,11 +78,11 @@ fn hz_tells_the_rate_of_the_states() {
 }
 
 #[test]
-fn hz_tells_of_a_bus_that_nobody_made_and_makes_none() {
+fn hz_rejects_missing_bus() {
     for more in [&[][..], &["--seconds", "1", "--format", "json"]] {
         let bus = FreshBus::new("typo");
         let mut hz = Program::start(&[&["hz", "--bus", bus.as_str()], more].concat());
-        assert_eq!(hz.finish(), Some(6), "{}", hz.log());
+        assert_eq!(hz.finish(), Some(9), "{}", hz.log());
         assert!(hz.log().contains("could not find the bus"), "{}", hz.log());
         assert_eq!(hz.printed(), "");
         assert!(Bus::find(&bus).is_err());
@@ -90,7 +90,7 @@ fn hz_tells_of_a_bus_that_nobody_made_and_makes_none() {
 }
 
 #[test]
-fn a_person_finds_zero_and_direction() {
+fn calibrate_determines_zero_and_direction() {
     let mut rig = Rig::start();
     rig.program.signal(rustix::process::Signal::TERM);
     rig.program.finish();
@@ -108,14 +108,14 @@ fn a_person_finds_zero_and_direction() {
     ]);
     calibrate.wait_for("support it, then press Enter");
     calibrate.enter();
-    calibrate.wait_for("put it to 0, then press Enter");
+    calibrate.wait_for("move it to 0, then press Enter");
     assert!(
         !chains[0].servo(5, |servo| servo.holds()),
-        "it is let go for the person's hand"
+        "torque is off while the user moves the joint"
     );
     chains[0].servo(5, |servo| servo.turn_to(2.0));
     calibrate.enter();
-    calibrate.wait_for("move it a little in its positive direction");
+    calibrate.wait_for("move it slightly in its positive direction");
     chains[0].servo(5, |servo| servo.turn_to(1.98));
     calibrate.enter();
     calibrate.wait_for("its shaft turned by -0.0");
@@ -132,20 +132,20 @@ fn a_person_finds_zero_and_direction() {
 }
 
 #[test]
-fn only_who_is_asked_to_lets_go() {
+fn relax_switches_only_requested_servos_off() {
     let mut rig = Rig::start();
     let map = rig.map.to_str().unwrap().to_owned();
     let mut relax = Program::start(&["relax", &map, "--yes"]);
     assert_eq!(
         relax.finish(),
-        Some(4),
-        "the port is another process's: {}",
+        Some(11),
+        "another process uses the port: {}",
         relax.log()
     );
     rig.program.signal(rustix::process::Signal::TERM);
     assert_eq!(rig.program.finish(), Some(0));
     let mut relax = Program::start(&["relax", &map]);
-    assert_eq!(relax.finish(), Some(2), "nobody said yes");
+    assert_eq!(relax.finish(), Some(2), "no confirmation");
     assert!((0..22).all(|joint| rig.servo(joint, |servo| servo.holds())));
     let mut relax = Program::start(&["relax", &map, "--yes", "--joint", "right_wrist_roll"]);
     assert_eq!(relax.finish(), Some(0), "{}", relax.log());
@@ -156,7 +156,7 @@ fn only_who_is_asked_to_lets_go() {
 }
 
 #[test]
-fn played_servos_are_driven_as_others_are() {
+fn run_drives_emulated_servos() {
     let folder = tempfile::TempDir::new().unwrap();
     let (path, out) = (
         folder.path().join("robot.toml"),
@@ -182,13 +182,13 @@ fn played_servos_are_driven_as_others_are() {
 }
 
 #[test]
-fn a_wrong_map_is_refused_with_everything_that_is_wrong() {
+fn invalid_map_is_rejected_with_all_errors() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("robot.toml");
     let check = |text: &str, words: &[&str]| {
         std::fs::write(&path, text).unwrap();
         let mut run = Program::start(&["run", path.to_str().unwrap()]);
-        assert_eq!(run.finish(), Some(3), "{}", run.log());
+        assert_eq!(run.finish(), Some(7), "{}", run.log());
         for words in words {
             assert!(run.log().contains(words), "{}", run.log());
         }
@@ -196,8 +196,8 @@ fn a_wrong_map_is_refused_with_everything_that_is_wrong() {
     check(
         "",
         &[
-            "there is none; a map needs at least one [[port]]",
-            "nothing moves left_shoulder_yaw",
+            "no port defined; a map needs at least one [[port]]",
+            "no servo for left_shoulder_yaw",
         ],
     );
     check("prt = 1", &["unknown field `prt`"]);
@@ -205,7 +205,7 @@ fn a_wrong_map_is_refused_with_everything_that_is_wrong() {
 }
 
 #[test]
-fn completions_and_pages_are_made() {
+fn completions_and_manual_pages_are_generated() {
     let mut completions = Program::start(&["completions", "bash"]);
     assert_eq!(completions.finish(), Some(0));
     assert!(completions.printed().contains("atas-robot"));
@@ -217,9 +217,9 @@ fn completions_and_pages_are_made() {
 
 /// As in `atas-robot list | head -1`.
 #[test]
-fn a_closed_pipe_is_no_failure_and_a_full_disk_is_one() {
+fn closed_pipe_succeeds_and_full_disk_fails() {
     for line in ["list", "list --format json", "completions zsh", "--help"] {
-        let told = |sink: Stdio| {
+        let reported = |sink: Stdio| {
             let output = Command::new(env!("CARGO_BIN_EXE_atas-robot"))
                 .args(line.split_whitespace())
                 .stdout(sink)
@@ -230,21 +230,21 @@ fn a_closed_pipe_is_no_failure_and_a_full_disk_is_one() {
         };
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        assert_eq!(told(writer.into()), (Some(0), String::new()), "{line}");
+        assert_eq!(reported(writer.into()), (Some(0), String::new()), "{line}");
         let full = File::options().write(true).open("/dev/full").unwrap();
-        let (code, stderr) = told(full.into());
+        let (code, stderr) = reported(full.into());
         assert_eq!(code, Some(1), "{line}: {stderr}");
         assert!(stderr.contains("could not write to standard output"));
     }
 }
 
 #[test]
-fn errors_are_json_where_results_are() {
+fn errors_are_json_with_json_format() {
     for (line, exit) in [
-        ("probe /dev/none --format json", 4),
+        ("probe /dev/none --format json", 11),
         ("hz --format=json --seconds soon", 2),
         ("emulate no.toml --out no.json --format json", 2),
-        ("emulate no.toml --out out.toml --format json", 3),
+        ("emulate no.toml --out out.toml --format json", 7),
     ] {
         let mut program = Program::start(&line.split(' ').collect::<Vec<_>>());
         assert_eq!(program.finish(), Some(exit), "{line}");

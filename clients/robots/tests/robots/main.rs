@@ -1,8 +1,8 @@
-//! The whole program in front of servos that are played, and its parts.
+//! Tests of `atas-robot` with emulated servos, and of its parts.
 
 mod commands;
+mod failures;
 mod map;
 mod process;
 mod rig;
 mod robot;
-mod trouble;

@@ -1,4 +1,4 @@
-//! Servo maps: what is wrong is found at once, each with its place.
+//! Tests of servo maps: all errors are reported at once, each with its location.
 
 use std::path::Path;
 
@@ -9,16 +9,16 @@ use proptest::prelude::*;
 use crate::rig::two_hands;
 
 #[test]
-fn a_good_map_survives_its_own_text() {
+fn valid_map_round_trips() {
     let file = two_hands();
     let text = toml::to_string(&file).unwrap();
     assert_eq!(toml::from_str::<MapFile>(&text).unwrap(), file);
-    let map = map::checked(&file, Check::Whole).unwrap();
+    let map = map::validate(&file, Check::Whole).unwrap();
     assert_eq!((map.joints.len(), map.ports.len()), (22, 2));
 }
 
 #[test]
-fn the_map_that_is_shipped_is_a_good_one() {
+fn shipped_map_is_valid() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("two_hand_arm.toml");
     let map = map::load(&path, Check::Whole).unwrap();
     let families: Vec<_> = map.ports.iter().map(|port| port.driver.name()).collect();
@@ -26,7 +26,7 @@ fn the_map_that_is_shipped_is_a_good_one() {
 }
 
 #[test]
-fn every_finding_is_told_at_once() {
+fn all_errors_are_reported_at_once() {
     let mut file = two_hands();
     file.ports[0].baud = 1;
     file.ports[0].rate_hz = f64::NAN;
@@ -44,12 +44,12 @@ fn every_finding_is_told_at_once() {
     right[0].joint = "right_shoulder_pitch".to_owned();
     right[2].zero_rad = 0.0;
     right[3].torque_limit_percent = None;
-    let findings = map::checked(&file, Check::Whole).unwrap_err();
+    let findings = map::validate(&file, Check::Whole).unwrap_err();
     for words in [
         "/dev/dynamixel: baud is 1, needs one of",
         "rate_hz is NaN, needs 1 to 10000",
         "servo 1: the robot has no joint \"left_tail\"",
-        "id 3 stands twice",
+        "id 3 is used twice",
         "servo 4: direction is 0, needs 1 or -1",
         "servo 5: gear is 0, needs",
         "servo 6: current_limit_a is 40, needs",
@@ -57,10 +57,10 @@ fn every_finding_is_told_at_once() {
         "servo 8: xm430-w350 is not limited by torque_limit_percent; give current_limit_a",
         "servo 9: temperature_limit_c is inf",
         "servo 10: zero_rad is NaN",
-        "right_shoulder_pitch is moved by /dev/feetech, servo 1 already",
+        "right_shoulder_pitch is already assigned to /dev/feetech, servo 1",
         "the limits of right_elbow_pitch are at",
         "servo 4: torque_limit_percent is missing",
-        "nothing moves left_shoulder_yaw, right_shoulder_yaw",
+        "no servo for left_shoulder_yaw, right_shoulder_yaw",
     ] {
         let found = findings.iter().any(|finding| finding.contains(words));
         assert!(found, "{words:?} is not in {findings:#?}");
@@ -69,18 +69,18 @@ fn every_finding_is_told_at_once() {
 }
 
 #[test]
-fn zeros_that_are_still_to_be_found_are_no_finding() {
+fn uncalibrated_map_may_have_invalid_zeros() {
     let mut file = two_hands();
     file.ports[1].servos[2].zero_rad = 0.0;
-    assert!(map::checked(&file, Check::Uncalibrated).is_ok());
-    assert!(map::checked(&file, Check::Whole).is_err());
+    assert!(map::validate(&file, Check::Uncalibrated).is_ok());
+    assert!(map::validate(&file, Check::Whole).is_err());
 }
 
 #[test]
-fn a_joint_and_its_shaft_agree() {
+fn joint_and_shaft_angles_round_trip() {
     let mut file = two_hands();
     file.ports[0].servos[4].gear = 2.5;
-    let map = map::checked(&file, Check::Whole).unwrap();
+    let map = map::validate(&file, Check::Whole).unwrap();
     for servo in map.ports.iter().flat_map(|port| &port.servos) {
         let (lower_rad, upper_rad) = servo.limits_rad;
         for joint_rad in [lower_rad, 0.0, upper_rad] {
@@ -91,9 +91,9 @@ fn a_joint_and_its_shaft_agree() {
 }
 
 proptest! {
-    /// Whatever a file says, it is understood or refused.
+    /// Property: any values are accepted or rejected without a panic.
     #[test]
-    fn no_number_makes_it_panic(
+    fn arbitrary_numbers_do_not_panic(
         zero_rad in any::<f64>(),
         gear in any::<f64>(),
         rate_hz in any::<f64>(),
@@ -105,6 +105,6 @@ proptest! {
         (file.ports[0].rate_hz, file.ports[0].answer_within_ms) = (rate_hz, answer_within_ms);
         let servo = &mut file.ports[0].servos[0];
         (servo.zero_rad, servo.gear, servo.direction, servo.id) = (zero_rad, gear, direction, id);
-        let _ = map::checked(&file, Check::Whole);
+        let _ = map::validate(&file, Check::Whole);
     }
 }

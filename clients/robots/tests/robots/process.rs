@@ -1,4 +1,4 @@
-//! Joint states out, commands in, and what happens when either ends.
+//! Tests of `atas-robot run`: joint states, commands, and the end of either.
 
 use std::time::Duration;
 
@@ -8,16 +8,16 @@ use shm_schemas::JointCommand;
 
 use crate::rig::{HAND, Rig, STEP_RAD, VALID_NS, middle_rad, shaft_rad, wait_until};
 
-/// A finger of each hand.
+/// One fingertip joint of each hand.
 const FINGERS: [usize; 2] = [6, HAND + 6];
 
 #[test]
-fn joint_states_come_and_commands_are_obeyed() {
+fn states_are_published_and_commands_executed() {
     let mut rig = Rig::start();
     assert_eq!((rig.state.joint_count, rig.state.commanded_count), (22, 22));
     assert_eq!(
         rig.state.command_epoch, rig.state.stamp.writer_epoch,
-        "what it holds was no daemon's command"
+        "the held positions are not from a daemon's command"
     );
     for (joint, middle_rad) in middle_rad().into_iter().enumerate() {
         for told_rad in [
@@ -31,7 +31,7 @@ fn joint_states_come_and_commands_are_obeyed() {
         }
         assert!(rig.servo(joint, |servo| servo.holds()));
     }
-    rig.forget_speeds();
+    rig.reset_speeds();
     for joint in FINGERS {
         let wanted_rad = middle_rad()[joint] + 0.2;
         rig.move_to(joint, wanted_rad);
@@ -42,10 +42,7 @@ fn joint_states_come_and_commands_are_obeyed() {
         assert_eq!(rig.state.command_epoch, 7);
         assert!(rig.state.command_sequence > 0);
     }
-    assert!(
-        rig.fastest_rad_s() < 5.6,
-        "the servos limit their speed themselves"
-    );
+    assert!(rig.fastest_rad_s() < 5.6, "the servos limit their speed");
     let (before, _) = (rig.state.stamp, rig.next_state());
     assert!(rig.state.stamp.captured_ns > before.captured_ns);
     assert_eq!(rig.state.stamp.writer_epoch, before.writer_epoch);
@@ -54,14 +51,14 @@ fn joint_states_come_and_commands_are_obeyed() {
     assert_eq!(rig.program.finish(), Some(0));
     let log = rig.program.log();
     assert!(
-        log.contains("the servos go on holding") && log.contains("Hz: a cycle every"),
+        log.contains("the servos keep holding") && log.contains("Hz: a cycle every"),
         "{log}"
     );
     assert!((0..22).all(|joint| rig.servo(joint, |servo| servo.holds())));
 }
 
 #[test]
-fn limits_of_force_are_those_of_the_map() {
+fn force_limits_match_the_map() {
     let rig = Rig::start();
     let limits = [0, HAND].map(|joint| rig.servo(joint, |servo| servo.current_max_a()));
     assert!(
@@ -72,7 +69,7 @@ fn limits_of_force_are_those_of_the_map() {
 }
 
 #[test]
-fn when_commands_end_the_servos_hold_with_torque() {
+fn servos_hold_after_commands_end() {
     let mut rig = Rig::start();
     for joint in FINGERS {
         rig.move_to(joint, middle_rad()[joint] - 0.15);
@@ -86,7 +83,7 @@ fn when_commands_end_the_servos_hold_with_torque() {
     assert!((0..22).all(|joint| rig.servo(joint, |servo| servo.holds())));
     let told_rad = rig.state.commanded_rad[FINGERS[0]];
     assert!((told_rad - (middle_rad()[FINGERS[0]] - 0.15)).abs() < 1e-9);
-    // Another daemon may follow, from there.
+    // Another daemon may continue from there.
     rig.begin_commands(8);
     rig.move_to(FINGERS[0], middle_rad()[FINGERS[0]]);
     wait_until("the other daemon", || {
@@ -95,9 +92,10 @@ fn when_commands_end_the_servos_hold_with_torque() {
     });
 }
 
-/// What also depends on whether the command before has expired is judged in `sim-backend/src/drive.rs`, by the same code.
+/// Rules that depend on the expiry of the previous command are tested in
+/// `sim-backend/src/drive.rs`, which uses the same validator.
 #[test]
-fn a_command_that_breaks_the_contract_moves_nothing() {
+fn invalid_command_causes_no_motion() {
     let mut rig = Rig::start();
     let joint = FINGERS[0];
     rig.move_to(joint, middle_rad()[joint] + 0.1);
@@ -108,7 +106,7 @@ fn a_command_that_breaks_the_contract_moves_nothing() {
         ("not a number", |c| c.position_rad[6] = f64::NAN),
         ("too fast", |c| c.velocity_rad_s[6] = 30.0),
         ("too few joints", |c| c.joint_count = 21),
-        ("for ever", |c| c.valid_until_ns = u64::MAX),
+        ("unlimited validity", |c| c.valid_until_ns = u64::MAX),
         ("expired", |c| c.valid_until_ns = 1),
     ];
     for (what, change) in changes {
@@ -119,12 +117,12 @@ fn a_command_that_breaks_the_contract_moves_nothing() {
         rig.command.stamp.sequence += 1;
         change(&mut rig.command);
         rig.command.seal();
-        rig.send_as_it_is();
+        rig.send_unchanged();
         rig.has_new_state();
-        let told = rig.state.stamp.sequence;
+        let output = rig.state.stamp.sequence;
         wait_until("some states", || {
             rig.has_new_state();
-            rig.state.stamp.sequence > told + 5
+            rig.state.stamp.sequence > output + 5
         });
         assert_eq!(rig.goals_rad(), goals_rad, "{what}");
         rig.command = good;
@@ -135,17 +133,19 @@ fn a_command_that_breaks_the_contract_moves_nothing() {
     let log = rig.program.log();
     let refused = log
         .lines()
-        .find_map(|line| line.strip_suffix(" commands refused"));
+        .find_map(|line| line.strip_suffix(" commands rejected"));
     assert!(refused.unwrap().parse::<u32>().unwrap() >= 7, "{log}");
 }
 
-/// A grip is what the servos are commanded beyond where they are; it outlives this process and is told by the next.
+/// A grip is a commanded position beyond the measured one. It survives a restart and the next
+/// process reports it.
 #[test]
-fn killed_and_started_again_it_keeps_the_grip_and_nothing_jumps() {
+fn grip_survives_restart_without_jump() {
     let mut rig = Rig::start();
     let joint = FINGERS[1];
     let wall_rad = middle_rad()[joint];
-    // This shaft turns against its joint or with it: the wall is upwards for the shaft.
+    // The shaft may turn against its joint; the obstacle blocks the positive direction of the
+    // shaft.
     let sign = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };
     rig.servo(joint, |servo| {
         servo.block_at(Some(shaft_rad(joint, wall_rad)))
@@ -153,7 +153,7 @@ fn killed_and_started_again_it_keeps_the_grip_and_nothing_jumps() {
     let pressed_rad = wall_rad + sign * 0.02;
     rig.move_to(joint, pressed_rad);
     std::thread::sleep(Duration::from_millis(100));
-    rig.forget_speeds();
+    rig.reset_speeds();
     let epoch = rig.state.stamp.writer_epoch;
     rig.restart();
     wait_until("the next process", || {
@@ -164,7 +164,7 @@ fn killed_and_started_again_it_keeps_the_grip_and_nothing_jumps() {
     assert!((rig.state.position_rad[joint] - wall_rad).abs() <= STEP_RAD);
     assert_ne!(
         rig.state.command_epoch, 0,
-        "the daemon believes what is told only then"
+        "the daemon requires a non-zero epoch"
     );
     assert!(rig.fastest_rad_s() < 0.05, "something moved");
     assert!((0..22).all(|joint| rig.servo(joint, |servo| servo.holds())));

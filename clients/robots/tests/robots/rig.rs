@@ -1,4 +1,5 @@
-//! Two chains of servos that are played, the real program, and a daemon's place on a bus of its own.
+//! Test rig: two chains of emulated servos, the real program, and a private bus with the test as
+//! daemon.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -6,7 +7,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use atas_robots::emulator::{Chain, Planned};
+use atas_robots::emulator::{Chain, PlannedServo};
 use atas_robots::joints;
 use atas_robots::map::file::{MapFile, PortEntry, ServoEntry};
 use rustix::process::{Pid, Signal, kill_process};
@@ -15,27 +16,27 @@ use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
 use shm_schemas::{JointCommand, JointState};
 use tempfile::TempDir;
 
-/// How long to wait for something that must happen, before the test fails instead of hanging.
+/// Timeout of waits.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Joints of one hand, each with a servo: left Dynamixel, right Feetech.
+/// Joints of one hand, one servo each: left Dynamixel, right Feetech.
 pub(crate) const HAND: usize = 11;
-/// Longest time for which a command may be valid, ns.
+/// Maximum validity of a command, ns.
 pub(crate) const VALID_NS: u64 = 100_000_000;
-/// A step of the encoders, rad.
+/// Encoder step, rad.
 pub(crate) const STEP_RAD: f64 = core::f64::consts::TAU / 4096.0;
 
-/// Where the servos stand at the start: in the middle of their joints' travel, rad.
+/// Returns the initial positions, rad: the middle of each joint's travel.
 pub(crate) fn middle_rad() -> Vec<f64> {
-    let joints = joints::of("two-hand-arm").unwrap();
+    let joints = joints::load("two-hand-arm").unwrap();
     let middle = joints
         .iter()
         .map(|joint| 0.5 * (joint.lower_rad + joint.upper_rad));
     middle.collect()
 }
 
-/// A map of the two-hand arm; every second shaft turns against its joint.
+/// Returns a map of the two-hand arm; every second shaft turns against its joint.
 pub(crate) fn two_hands() -> MapFile {
-    let joints = joints::of("two-hand-arm").unwrap();
+    let joints = joints::load("two-hand-arm").unwrap();
     let servo = |(index, joint): (usize, &joints::Joint)| {
         let is_left = index < HAND;
         ServoEntry {
@@ -57,7 +58,7 @@ pub(crate) fn two_hands() -> MapFile {
         driver: driver.to_owned(),
         baud: 1_000_000,
         rate_hz: 500.0,
-        // A busy machine lets the played servos wait for longer than a wire would.
+        // Long timeout: a busy machine may delay the emulated servos.
         answer_within_ms: 300.0,
         servos: servos.to_vec(),
     };
@@ -70,22 +71,22 @@ pub(crate) fn two_hands() -> MapFile {
     }
 }
 
-/// The angle of the shaft of a servo of that map.
+/// Returns the shaft angle for a joint angle, in that map.
 pub(crate) fn shaft_rad(joint: usize, joint_rad: f64) -> f64 {
     let direction = if joint.is_multiple_of(2) { 1.0 } else { -1.0 };
     core::f64::consts::PI + direction * joint_rad
 }
 
-/// Plays the servos of a map where they stand, and puts their terminals into it.
-pub(crate) fn play(map: &mut MapFile, standing_rad: &[f64]) -> Vec<Chain> {
+/// Starts emulated servos at the given positions and writes their terminals to the map.
+pub(crate) fn start_chains(map: &mut MapFile, standing_rad: &[f64]) -> Vec<Chain> {
     let mut joint = 0;
     let chains = map.ports.iter_mut().map(|port| {
-        let planned: Vec<Planned> = port
+        let planned: Vec<PlannedServo> = port
             .servos
             .iter()
             .map(|servo| {
                 joint += 1;
-                Planned {
+                PlannedServo {
                     id: servo.id,
                     model: servo.model.clone(),
                     position_rad: shaft_rad(joint - 1, standing_rad[joint - 1]),
@@ -99,7 +100,7 @@ pub(crate) fn play(map: &mut MapFile, standing_rad: &[f64]) -> Vec<Chain> {
     chains.collect()
 }
 
-/// A running `atas-robot`. Killed if the test forgets it; its log is shown if the test failed.
+/// A running `atas-robot`, killed on drop. Its log is printed if the test failed.
 pub(crate) struct Program {
     child: Child,
     folder: TempDir,
@@ -130,7 +131,7 @@ impl Program {
         self.child.stdin.as_mut().unwrap().write_all(b"\n").unwrap();
     }
 
-    /// Waits for the end, without more input: the exit code.
+    /// Closes the input and waits; returns the exit code.
     pub(crate) fn finish(&mut self) -> Option<i32> {
         drop(self.child.stdin.take());
         let mut status = None;
@@ -141,12 +142,12 @@ impl Program {
         status.unwrap().code()
     }
 
-    /// What it has said to people so far.
+    /// Returns standard error so far.
     pub(crate) fn log(&self) -> String {
         self.read("log")
     }
 
-    /// What it has printed so far.
+    /// Returns standard output so far.
     pub(crate) fn printed(&self) -> String {
         self.read("out")
     }
@@ -162,7 +163,7 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // It may have ended already; both calls then have nothing to do.
+        // Both calls fail harmlessly if the process has already ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
         if std::thread::panicking() {
@@ -171,16 +172,16 @@ impl Drop for Program {
     }
 }
 
-/// Waits until something holds.
+/// Waits until a condition is true.
 pub(crate) fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
     let deadline = Instant::now() + PATIENCE;
     while !holds() {
-        assert!(Instant::now() < deadline, "{what} never came");
+        assert!(Instant::now() < deadline, "timed out waiting for {what}");
         std::thread::sleep(Duration::from_millis(1));
     }
 }
 
-/// Everything together; the test is the daemon.
+/// Servos, program and bus; the test acts as daemon.
 pub(crate) struct Rig {
     pub(crate) chains: Vec<Chain>,
     pub(crate) program: Program,
@@ -194,12 +195,12 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// Servos in the middle of their travel, taken over.
+    /// Starts everything, with the servos in the middle of their travel.
     pub(crate) fn start() -> Self {
         let (bus, folder) = (FreshBus::new("robot"), TempDir::new().unwrap());
         let node = Bus::open(&bus, "test", Realtime::No).unwrap();
         let mut map = two_hands();
-        let chains = play(&mut map, &middle_rad());
+        let chains = start_chains(&mut map, &middle_rad());
         let path = folder.path().join("robot.toml");
         std::fs::write(&path, toml::to_string(&map).unwrap()).unwrap();
         let mut rig = Self {
@@ -226,14 +227,14 @@ impl Rig {
         self.bus.as_str()
     }
 
-    /// The program dies and is started again.
+    /// Kills the program and starts it again.
     pub(crate) fn restart(&mut self) {
         self.program.signal(Signal::KILL);
         self.program.finish();
         self.program = Self::run(&self.map, &self.bus);
     }
 
-    /// A daemon that goes on from where the robot is commanded to.
+    /// Starts a new command stream from the commanded positions.
     pub(crate) fn begin_commands(&mut self, writer_epoch: u64) {
         self.command = JointCommand {
             joint_count: self.state.joint_count,
@@ -243,12 +244,12 @@ impl Rig {
         self.command.stamp.writer_epoch = writer_epoch;
     }
 
-    /// Whether a state came since the last look.
+    /// Returns whether a new state arrived.
     pub(crate) fn has_new_state(&mut self) -> bool {
         self.states.newest(&mut self.state).unwrap()
     }
 
-    /// Waits for a state.
+    /// Waits for a new state.
     pub(crate) fn next_state(&mut self) {
         wait_until("a joint state", || {
             self.states.newest(&mut self.state).unwrap()
@@ -256,21 +257,21 @@ impl Rig {
         assert!(self.state.is_intact());
     }
 
-    /// Sends the command as it stands, valid for a while.
+    /// Sends the current command with new validity.
     pub(crate) fn send(&mut self) {
         self.command.stamp.sequence += 1;
         self.command.stamp.captured_ns = now_ns();
         self.command.valid_until_ns = now_ns() + VALID_NS - 1_000_000;
         self.command.seal();
-        self.send_as_it_is();
+        self.send_unchanged();
     }
 
-    /// Sends the command with all that a test has made of it.
-    pub(crate) fn send_as_it_is(&self) {
+    /// Sends the command without changes.
+    pub(crate) fn send_unchanged(&self) {
         self.commands.send(&self.command).unwrap();
     }
 
-    /// Moves a joint slowly to a position, rad, and waits until its servo was told.
+    /// Moves a joint slowly to a position, rad, until its servo has this goal.
     pub(crate) fn move_to(&mut self, joint: usize, position_rad: f64) {
         let from_rad = self.command.position_rad[joint];
         for step in 1..=100 {
@@ -286,7 +287,7 @@ impl Rig {
         });
     }
 
-    /// Looks at the servo of a joint, or does something to it.
+    /// Calls `act` with the servo of a joint.
     pub(crate) fn servo<T>(
         &self,
         joint: usize,
@@ -295,21 +296,21 @@ impl Rig {
         self.chains[joint / HAND].servo((joint % HAND) as u8 + 1, act)
     }
 
-    /// Goals of all servos, rad of their shafts.
+    /// Returns the goals of all servos, shaft rad.
     pub(crate) fn goals_rad(&self) -> Vec<f64> {
         (0..2 * HAND)
             .map(|joint| self.servo(joint, |servo| servo.goal_rad()))
             .collect()
     }
 
-    /// Forgets how fast the servos were.
-    pub(crate) fn forget_speeds(&self) {
+    /// Resets the maximum speeds of the servos.
+    pub(crate) fn reset_speeds(&self) {
         (0..2 * HAND).for_each(|joint| {
             self.servo(joint, |servo| servo.fastest_rad_s());
         });
     }
 
-    /// The fastest of all servos since then, rad/s.
+    /// Returns the maximum speed of all servos since the reset, rad/s.
     pub(crate) fn fastest_rad_s(&self) -> f64 {
         (0..2 * HAND)
             .map(|joint| self.servo(joint, |servo| servo.fastest_rad_s()))

@@ -1,4 +1,4 @@
-//! The robot without ports: what is told, what is obeyed, and what trouble does.
+//! Tests of the robot without ports: reported states, accepted commands, failures.
 
 use std::sync::OnceLock;
 
@@ -12,10 +12,10 @@ use shm_schemas::capacity::JOINTS;
 
 const MS_NS: u64 = 1_000_000;
 
-/// Read once: the properties ask for it often.
+/// Loaded once, because the property tests use it often.
 fn joints() -> &'static [Joint] {
     static JOINTS: OnceLock<Vec<Joint>> = OnceLock::new();
-    JOINTS.get_or_init(|| joints::of("two-hand-arm").unwrap())
+    JOINTS.get_or_init(|| joints::load("two-hand-arm").unwrap())
 }
 
 fn held_rad(joint: usize) -> f64 {
@@ -24,7 +24,7 @@ fn held_rad(joint: usize) -> f64 {
 
 fn holding(life: u32, joints: core::ops::Range<usize>) -> Report {
     Report::Holding {
-        life,
+        session: life,
         held_rad: joints.map(|joint| (joint, held_rad(joint))).collect(),
     }
 }
@@ -40,11 +40,11 @@ fn read(captured_ns: u64, joints: core::ops::Range<usize>) -> Report {
     }
 }
 
-/// Two ports that hold.
-fn whole() -> Robot {
+/// Creates a robot whose two ports hold.
+fn ready_robot() -> Robot {
     let mut robot = Robot::new(joints().to_vec(), 2, || 5);
     assert_eq!(robot.report(0, holding(1, 0..11)), Change::None);
-    assert_eq!(robot.report(1, holding(1, 11..22)), Change::Whole);
+    assert_eq!(robot.report(1, holding(1, 11..22)), Change::Ready);
     robot
 }
 
@@ -61,8 +61,8 @@ fn command(sequence: u64) -> JointCommand {
 }
 
 #[test]
-fn a_state_says_that_every_port_was_read_and_is_as_old_as_the_oldest() {
-    let mut robot = whole();
+fn state_requires_all_ports_and_has_oldest_time() {
+    let mut robot = ready_robot();
     assert!(robot.state().is_none());
     robot.report(0, read(3, 0..11));
     robot.report(0, read(6, 0..11));
@@ -72,57 +72,61 @@ fn a_state_says_that_every_port_was_read_and_is_as_old_as_the_oldest() {
     assert!(state.is_intact());
     assert_eq!((state.stamp.captured_ns, state.stamp.sequence), (4, 0));
     assert_eq!((state.joint_count, state.commanded_count), (22, 22));
-    assert!(robot.state().is_none(), "nothing is told twice");
+    assert!(robot.state().is_none(), "no state is sent twice");
 }
 
 #[test]
-fn trouble_ends_states_and_obedience_and_the_next_life_is_another_robot() {
-    let mut robot = whole();
+fn failure_stops_states_until_next_session() {
+    let mut robot = ready_robot();
     assert!(robot.command(&command(1), 0));
-    assert_eq!(robot.orders(1).map(|(life, _)| life), Some(1));
-    let why = "it rains".to_owned();
+    assert_eq!(robot.setpoints(1).map(|(life, _)| life), Some(1));
+    let why = "a failure".to_owned();
     assert_eq!(
-        robot.report(1, Report::Trouble(why.clone())),
-        Change::Broken(why.clone())
+        robot.report(1, Report::Failure(why.clone())),
+        Change::Failed(why.clone())
     );
-    assert_eq!(robot.report(1, Report::Trouble(why)), Change::None, "known");
     assert_eq!(
-        robot.report(1, Report::Trouble("it snows".to_owned())),
-        Change::StillBroken("it snows".to_owned())
+        robot.report(1, Report::Failure(why)),
+        Change::None,
+        "known failure"
+    );
+    assert_eq!(
+        robot.report(1, Report::Failure("another failure".to_owned())),
+        Change::FailedAgain("another failure".to_owned())
     );
     robot.report(0, read(1, 0..11));
     robot.report(1, read(1, 11..22));
-    assert!(robot.state().is_none() && robot.orders(0).is_none());
+    assert!(robot.state().is_none() && robot.setpoints(0).is_none());
     assert!(!robot.command(&command(2), MS_NS));
 
-    assert_eq!(robot.report(1, holding(2, 11..22)), Change::Whole);
+    assert_eq!(robot.report(1, holding(2, 11..22)), Change::Ready);
     assert!(
-        robot.orders(1).is_none(),
-        "nobody has ordered anything in this life"
+        robot.setpoints(1).is_none(),
+        "no command was accepted in this session"
     );
     assert!(
         robot.command(&command(1), 2 * MS_NS),
-        "any writer may begin"
+        "any writer may start"
     );
-    assert_eq!(robot.orders(1).map(|(life, _)| life), Some(2));
+    assert_eq!(robot.setpoints(1).map(|(life, _)| life), Some(2));
 }
 
 #[test]
-fn commands_for_no_joints_are_not_counted_as_refused() {
-    let mut robot = whole();
+fn command_without_joints_is_not_counted() {
+    let mut robot = ready_robot();
     let mut answer = JointCommand::default();
     answer.seal();
     assert!(!robot.command(&answer, 0));
-    assert_eq!(robot.refused(), 0);
+    assert_eq!(robot.rejected(), 0);
 }
 
 proptest! {
-    /// Whatever is sent, what the servos are told is finite, within the limits, and no farther than the joints can go.
+    /// Property: all set-points are finite, within the limits, and reachable at the joints' speed.
     #[test]
-    fn nothing_outside_the_limits_is_ordered(
+    fn setpoints_stay_within_limits(
         steps in proptest::collection::vec((0..22_usize, -20.0..20.0_f64, 0..4_u8, 0..200_u64), 1..60),
     ) {
-        let (mut robot, known) = (whole(), joints());
+        let (mut robot, known) = (ready_robot(), joints());
         let mut last_rad: [f64; JOINTS] = core::array::from_fn(|joint| if joint < 22 { held_rad(joint) } else { 0.0 });
         let (mut next, mut now_ns, mut obeyed_ns) = (command(0), 0, None);
         for (joint, by_rad, odd, later_ms) in steps {
@@ -138,7 +142,7 @@ proptest! {
             };
             next.seal();
             if robot.command(&next, now_ns) {
-                let (_, ordered_rad) = robot.orders(0).unwrap();
+                let (_, ordered_rad) = robot.setpoints(0).unwrap();
                 let since_s = obeyed_ns.map_or(0.0, |then: u64| (now_ns - then) as f64 * 1e-9);
                 for (index, limits) in known.iter().enumerate() {
                     let q_rad = ordered_rad[index];

@@ -1,27 +1,28 @@
-//! A rigid block, pressed: what closes is the fingertips' own compression, δ(F) = a·F^p.
+//! Fit of fingertip compression δ(F) = a·F^p to presses on a rigid block, where closing equals
+//! compression.
 
 use serde::Serialize;
 
-/// Exponents that a fingertip can have: the daemon's own range.
+/// Candidate exponents × 100; range accepted by the daemon.
 const EXPONENTS: core::ops::RangeInclusive<u32> = 20..=100;
-/// Fewest points of a press.
+/// Minimum points of a press.
 const POINTS_MIN: usize = 10;
 
-/// How fingertips compress.
+/// Compression of a fingertip.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Block {
-    /// Compression of one fingertip at 1 N, m.
+    /// Compression at 1 N, m.
     pub tip_compression_m: f64,
-    /// Exponent of its compression over force.
+    /// Exponent p.
     pub tip_exponent: f64,
     /// Root mean square error of the closing, m.
     pub error_m: f64,
 }
 
-/// From total closing, m, and normal force, N, of presses on something rigid by so many fingertips at once. `None` if that is
-/// too little, or does not get stiffer as a fingertip does.
+/// Fits (total closing in m, normal force in N) of `tips` fingertips pressed at once, for forces
+/// above `from_n`. Returns `None` with too few points, or if closing does not grow with force.
 #[must_use]
-pub fn press_block(points: &[(f64, f64)], from_n: f64, tips: u32) -> Option<Block> {
+pub fn fit_block(points: &[(f64, f64)], from_n: f64, tips: u32) -> Option<Block> {
     let pressed: Vec<(f64, f64)> = points
         .iter()
         .copied()
@@ -31,7 +32,7 @@ pub fn press_block(points: &[(f64, f64)], from_n: f64, tips: u32) -> Option<Bloc
         return None;
     }
     EXPONENTS
-        .filter_map(|hundredths| line(&pressed, f64::from(hundredths) / 100.0))
+        .filter_map(|hundredths| fit_line(&pressed, f64::from(hundredths) / 100.0))
         .min_by(|a, b| a.error_m.total_cmp(&b.error_m))
         .map(|best| Block {
             tip_compression_m: best.tip_compression_m / f64::from(tips),
@@ -39,8 +40,8 @@ pub fn press_block(points: &[(f64, f64)], from_n: f64, tips: u32) -> Option<Bloc
         })
 }
 
-/// The best line of closing over F^p; where the fingers first touched is not known, so it has an offset.
-fn line(pressed: &[(f64, f64)], exponent: f64) -> Option<Block> {
+/// Fits closing = slope·F^p + offset; the offset is the unknown closing at first contact.
+fn fit_line(pressed: &[(f64, f64)], exponent: f64) -> Option<Block> {
     let count = pressed.len() as f64;
     let powers: Vec<f64> = pressed.iter().map(|(_, f)| f.powf(exponent)).collect();
     let x = powers.iter().sum::<f64>() / count;

@@ -1,53 +1,54 @@
-//! How silence moves: with time, and with the temperature where a recording has one.
+//! Drift of the unloaded sensor over time, and over temperature if recorded.
 
 use serde::{Deserialize, Serialize};
 
-use super::silence::{FRAMES_MIN, SURE, flicker, mean};
+use super::silence::{FRAMES_MIN, SIGNIFICANT_SIGMAS, mean, noise_std};
 use super::{AXES, Calibration};
 
-/// Least change of temperature that tells anything, K. Ours: several steps of what sensors report.
+/// Smallest temperature change for a temperature estimate, K. Design choice: several steps of the
+/// sensors' resolution.
 pub const WARMING_MIN_K: f64 = 0.5;
 
-/// A silent recording.
+/// Recording of an unloaded sensor.
 #[derive(Clone, Debug, Default)]
-pub struct Quiet {
-    /// Per frame its values, in the device's unit.
+pub struct UnloadedRecording {
+    /// Values per frame, device units.
     pub frames: Vec<Vec<f64>>,
-    /// Per frame its time, s.
+    /// Time per frame, s.
     pub times_s: Vec<f64>,
-    /// Per frame the sensor's temperature, °C; empty where there is none.
+    /// Sensor temperature per frame, °C; empty if not recorded.
     pub temperatures_c: Vec<f64>,
 }
 
-/// How the zero moves. What noise alone may look like is taken away.
+/// Drift of the zero beyond the effect of noise.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drift {
-    /// How long silence lasted, s.
+    /// Duration of the recording, s.
     pub watched_s: f64,
-    /// How far the force on each element moves in a minute, N.
+    /// Drift of each element's force, N per minute.
     pub element_n_min: Vec<f64>,
-    /// What warmth does.
+    /// Temperature effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub warmth: Option<Warmth>,
+    pub warmth: Option<TemperatureEffect>,
 }
 
-/// What a kelvin does to forces. Of a sensor that warms up while it drifts for other reasons, it holds both.
+/// Force change per kelvin; includes any other drift during warm-up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Warmth {
-    /// How far the temperature moved, K.
+pub struct TemperatureEffect {
+    /// Temperature range, K.
     pub span_k: f64,
-    /// The total force along `f_n`, `f_t1`, `f_t2`, N per kelvin.
+    /// Total force along `f_n`, `f_t1`, `f_t2`, N per kelvin.
     pub total_n_k: [f64; AXES],
-    /// The same of each element.
+    /// Each element's force, N per kelvin.
     pub element_n_k: Vec<[f64; AXES]>,
 }
 
 impl Drift {
-    /// Of what a calibration makes of silence. `None` if it is too short to tell.
+    /// Estimates the drift of a recording; `None` if it is too short.
     #[must_use]
-    pub fn of(calibration: &Calibration, quiet: &Quiet) -> Option<Self> {
+    pub fn from_recording(calibration: &Calibration, quiet: &UnloadedRecording) -> Option<Self> {
         let watched_s = quiet.times_s.last()? - quiet.times_s.first()?;
         if quiet.frames.len() < FRAMES_MIN || watched_s <= 0.0 {
             return None;
@@ -67,11 +68,11 @@ impl Drift {
         Some(Self {
             watched_s,
             element_n_min: elements.iter().map(in_a_minute).collect(),
-            warmth: Warmth::of(&quiet.temperatures_c, &elements),
+            warmth: TemperatureEffect::from_forces(&quiet.temperatures_c, &elements),
         })
     }
 
-    /// The element that moves most, and how far in a minute, N.
+    /// Returns the element with the largest drift, N per minute.
     #[must_use]
     pub fn worst(&self) -> (usize, f64) {
         let worst = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
@@ -79,7 +80,6 @@ impl Drift {
         elements.fold((0, 0.0), worst)
     }
 
-    /// Whether every number is one.
     pub(super) fn is_finite(&self) -> bool {
         let warmth = self.warmth.iter();
         let of_warmth =
@@ -93,8 +93,8 @@ impl Drift {
     }
 }
 
-impl Warmth {
-    fn of(temperatures_c: &[f64], elements: &[Vec<[f64; AXES]>]) -> Option<Self> {
+impl TemperatureEffect {
+    fn from_forces(temperatures_c: &[f64], elements: &[Vec<[f64; AXES]>]) -> Option<Self> {
         let coldest = temperatures_c.iter().copied().fold(f64::INFINITY, f64::min);
         let warmest = temperatures_c
             .iter()
@@ -120,9 +120,9 @@ impl Warmth {
         })
     }
 
-    /// The greatest of the total force's axes, N per kelvin.
+    /// Returns the largest component of `total_n_k`, N per kelvin.
     #[must_use]
-    pub fn total_most_n_k(&self) -> f64 {
+    pub fn largest_total_n_k(&self) -> f64 {
         self.total_n_k
             .iter()
             .map(|n_k| n_k.abs())
@@ -130,7 +130,7 @@ impl Warmth {
     }
 }
 
-/// Slopes of forces over something, N per unit of it, by least squares; nearer to 0 by what noise alone may make of them.
+/// Returns least-squares slopes of forces over `over`, reduced by the effect of noise.
 fn slopes(over: &[f64], forces_n: &[[f64; AXES]]) -> [f64; AXES] {
     let middle = mean(over.iter().copied());
     let spread: f64 = over.iter().map(|at| (at - middle).powi(2)).sum();
@@ -142,7 +142,7 @@ fn slopes(over: &[f64], forces_n: &[[f64; AXES]]) -> [f64; AXES] {
             .map(|(at, n)| (at - middle) * n)
             .sum();
         let slope = product / spread;
-        let chance = SURE * flicker(along()) / spread.sqrt();
+        let chance = SIGNIFICANT_SIGMAS * noise_std(along()) / spread.sqrt();
         slope.signum() * (slope.abs() - chance).max(0.0)
     })
 }

@@ -1,94 +1,96 @@
-//! Fits a calibration to presses whose total force is known, and judges it on presses that were left out.
+//! Fits a calibration to presses of known total force; estimates its error by cross-validation.
 
 use shm_schemas::Layout;
 
-use super::least_squares::Normal;
+use super::least_squares::NormalEquations;
 use super::{AXES, Calibration, FORMAT, Model, Quality, Silence};
 
-/// A force of the reference, N, and how far what is told is from it, N.
+/// Known force and error of the calibrated force, N.
 type Pair = ([f64; AXES], [f64; AXES]);
 
-/// Parts that the presses are dealt into for judging: each is left out once.
+/// Cross-validation folds.
 const FOLDS: usize = 5;
-/// How far the matrices of elements may be expected to lie apart, over their size (ours: gains spread by 3 %, crosstalk is a few
-/// per cent).
-const DEPARTURE: f64 = 0.05;
-/// Ridges of a resultant that are tried, over what is seen of each term, the weakest first. Ours: from what only settles what presses
-/// do not tell, to what no longer follows them.
+/// Expected deviation of element matrices from the shared one, relative to its size. Design choice:
+/// gains vary by 3 %, crosstalk is a few per cent.
+const ELEMENT_DEVIATION: f64 = 0.05;
+/// Candidate ridges of a resultant model, relative to each term's sum of squares, ascending. Design
+/// choice: from just resolving undetermined terms to suppressing the measured ones.
 const RIDGES: [f64; 7] = [1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
-/// Entries of one element's matrix.
 const ENTRIES: usize = AXES * AXES;
 
 /// One frame of a press.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// Values of the fingertip in the device's unit, element by element.
+    /// Values of the fingertip in device units, element by element.
     pub values: Vec<f64>,
-    /// The known force `[f_n, f_t1, f_t2]` along the axes that an element at the pole of the fingertip has, N.
+    /// Known force `[f_n, f_t1, f_t2]`, N, along the element axes at the fingertip's pole.
     pub force_n: [f64; AXES],
 }
 
-/// One press, from touch to letting go: never split between fitting and judging.
+/// One press, from contact to release; cross-validation keeps it whole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Press {
-    /// Its frames.
+    /// Frames.
     pub points: Vec<Point>,
 }
 
-/// A calibration, and how it did on presses that it was not fitted to.
+/// Calibration with its cross-validation errors.
 #[derive(Clone, Debug)]
-pub struct Fitted {
-    /// The calibration.
+pub struct FitResult {
+    /// Calibration.
     pub calibration: Calibration,
-    /// Known force and error of every frame, N.
+    /// Known force and cross-validation error per frame, N.
     pub residuals: Vec<([f64; AXES], [f64; AXES])>,
 }
 
-/// Why presses make no calibration.
+/// Reason why presses cannot be fitted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// Too few presses.
     #[error(
-        "could not calibrate with {0} presses, needs {FOLDS} or more, in different directions and places"
+        "could not calibrate with {0} presses: needs {FOLDS} or more; add presses in different \
+         directions and places"
     )]
-    Few(usize),
-    /// Widths that do not belong together.
+    TooFewPresses(usize),
+    /// Wrong number of values per frame.
     #[error(
-        "could not calibrate {found} values per frame, needs {needed}: {AXES} for each element of the layout"
+        "could not calibrate {found} values per frame: needs {needed}, {AXES} for each element of \
+         the layout"
     )]
     Width {
-        /// Found.
+        /// Number found.
         found: usize,
-        /// Needed.
+        /// Number needed.
         needed: usize,
     },
-    /// A number that is none.
+    /// A value is not finite.
     #[error(
-        "could not calibrate because press {0} holds a number that is not finite; leave that press out"
+        "could not calibrate: press {0} holds a number that is not finite; leave that press out"
     )]
     NotFinite(usize),
-    /// Directions that were not pressed.
+    /// Missing press directions.
     #[error(
-        "could not tell all axes apart; press along the normal and push along both tangential axes as well"
+        "could not determine all axes: the presses do not cover every direction; press along the \
+         normal and push along both tangential axes"
     )]
     Undetermined,
 }
 
-/// Fits and judges.
+/// Fits a calibration and estimates its error.
 ///
 /// # Errors
-/// [`FitError`] that says which presses are missing.
+/// [`FitError`] with the missing or invalid presses.
 pub fn fit(
     presses: &[Press],
     silence: &Silence,
     model: Model,
     layout: &Layout,
     source: &str,
-) -> Result<Fitted, FitError> {
+) -> Result<FitResult, FitError> {
     check(presses, silence, model, layout)?;
     let all: Vec<usize> = (0..presses.len()).collect();
-    let ridge = ridge(presses, &all, silence, model)?;
-    let newtons = fit_some(presses, &all, silence, model, layout, ridge)?;
+    let ridge = select_ridge(presses, &all, silence, model)?;
+    let newtons = fit_subset(presses, &all, silence, model, layout, ridge)?;
     let mut calibration = Calibration {
         format: FORMAT,
         source: source.to_owned(),
@@ -100,16 +102,16 @@ pub fn fit(
     };
     let mut residuals = Vec::new();
     for fold in 0..FOLDS {
-        let (left_out, others) = deal(&all, fold);
-        // Neither the fit nor its ridge has seen what it is judged by.
-        let ridge = self::ridge(presses, &others, silence, model)?;
+        let (left_out, others) = split_fold(&all, fold);
+        // Exclude the left-out presses from fit and ridge.
+        let ridge = self::select_ridge(presses, &others, silence, model)?;
         let judged = Calibration {
-            newtons: fit_some(presses, &others, silence, model, layout, ridge)?,
+            newtons: fit_subset(presses, &others, silence, model, layout, ridge)?,
             ..calibration.clone()
         };
         for point in left_out.iter().flat_map(|&press| &presses[press].points) {
-            let told_n = total_n(&judged, layout, &point.values);
-            let error_n = core::array::from_fn(|axis| told_n[axis] - point.force_n[axis]);
+            let fitted_n = total_n(&judged, layout, &point.values);
+            let error_n = core::array::from_fn(|axis| fitted_n[axis] - point.force_n[axis]);
             residuals.push((point.force_n, error_n));
         }
     }
@@ -129,20 +131,20 @@ pub fn fit(
             0.0
         }
     });
-    Ok(Fitted {
+    Ok(FitResult {
         calibration,
         residuals,
     })
 }
 
-/// The total force that a calibration tells, along the axes at the pole, N.
+/// Returns the calibrated total force along the axes at the pole, N.
 #[must_use]
 pub fn total_n(calibration: &Calibration, layout: &Layout, values: &[f64]) -> [f64; AXES] {
     let mut total_n = [0.0; AXES];
     for element in 0..calibration.elements_out() {
         let force_n = calibration.force_n(element, values);
         let turned = match calibration.model {
-            Model::Matrix => turn(layout, element),
+            Model::Matrix => rotation_to_pole(layout, element),
             Model::Resultant | Model::ResultantSquares => IDENTITY,
         };
         for (total_n, row) in total_n.iter_mut().zip(turned) {
@@ -154,8 +156,8 @@ pub fn total_n(calibration: &Calibration, layout: &Layout, values: &[f64]) -> [f
 
 const IDENTITY: [[f64; AXES]; AXES] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// From an element's axes to those at the pole: how the force `[f_n, f_t1, f_t2]` of one looks from the other.
-fn turn(layout: &Layout, element: usize) -> [[f64; AXES]; AXES] {
+/// Returns the rotation of `[f_n, f_t1, f_t2]` from an element's axes to the pole's.
+fn rotation_to_pole(layout: &Layout, element: usize) -> [[f64; AXES]; AXES] {
     let axes = |element: usize| {
         [
             layout.normal[element].map(|n| -n),
@@ -175,7 +177,7 @@ fn check(
     layout: &Layout,
 ) -> Result<(), FitError> {
     if presses.len() < FOLDS {
-        return Err(FitError::Few(presses.len()));
+        return Err(FitError::TooFewPresses(presses.len()));
     }
     let found = silence.zero.len();
     let needed = match model {
@@ -204,10 +206,9 @@ fn check(
 
 type Newtons = Vec<[Vec<f64>; AXES]>;
 
-/// A frame without the silence in it, and its known force, N.
+/// Frame minus zero, and its known force, N.
 type Known = (Vec<f64>, [f64; AXES]);
 
-/// The frames of some presses.
 fn frames(presses: &[Press], of: &[usize], silence: &Silence) -> Vec<Known> {
     let points = of.iter().flat_map(|&press| &presses[press].points);
     let known = |point: &Point| {
@@ -217,17 +218,17 @@ fn frames(presses: &[Press], of: &[usize], silence: &Silence) -> Vec<Known> {
     points.map(known).collect()
 }
 
-/// Some presses as one part that is left out and the others.
-fn deal(of: &[usize], fold: usize) -> (Vec<usize>, Vec<usize>) {
+/// Splits presses into the left-out fold and the others.
+fn split_fold(of: &[usize], fold: usize) -> (Vec<usize>, Vec<usize>) {
     let places = of.iter().enumerate();
     let (left_out, others): (Vec<_>, Vec<_>) = places.partition(|(place, _)| place % FOLDS == fold);
     let presses = |of: Vec<(usize, &usize)>| of.into_iter().map(|(_, press)| *press).collect();
     (presses(left_out), presses(others))
 }
 
-/// The ridge that tells presses best which were left out, the weakest of equal ones; `None` for a model that has none. Presses at
-/// places that differ a little look like terms that are not there: a ridge that is too weak follows them.
-fn ridge(
+/// Selects the ridge with the smallest error on left-out presses; `None` for the matrix model. Too
+/// weak a ridge fits differences in press position as sensor terms.
+fn select_ridge(
     presses: &[Press],
     of: &[usize],
     silence: &Silence,
@@ -238,7 +239,7 @@ fn ridge(
     }
     let mut errors = [0.0; RIDGES.len()];
     for fold in 0..FOLDS {
-        let (left_out, others) = deal(of, fold);
+        let (left_out, others) = split_fold(of, fold);
         let (left_out, others) = (
             frames(presses, &left_out, silence),
             frames(presses, &others, silence),
@@ -249,8 +250,8 @@ fn ridge(
             for (values, force_n) in &left_out {
                 let terms = expand(values, model);
                 for (row, force_n) in rows.iter().zip(force_n) {
-                    let told_n: f64 = row.iter().zip(&terms).map(|(n, term)| n * term).sum();
-                    *error += (told_n - force_n).powi(2);
+                    let fitted_n: f64 = row.iter().zip(&terms).map(|(n, term)| n * term).sum();
+                    *error += (fitted_n - force_n).powi(2);
                 }
             }
         }
@@ -259,7 +260,7 @@ fn ridge(
     Ok(best.map(|(_, ridge)| ridge))
 }
 
-fn fit_some(
+fn fit_subset(
     presses: &[Press],
     of: &[usize],
     silence: &Silence,
@@ -274,9 +275,11 @@ fn fit_some(
     }
 }
 
-/// One matrix for all elements, then how each departs from it.
+/// Fits a shared matrix, then each element's deviation from it.
 fn matrices(points: &[Known], layout: &Layout) -> Result<Newtons, FitError> {
-    let turns: Vec<_> = (0..layout.count).map(|e| turn(layout, e)).collect();
+    let turns: Vec<_> = (0..layout.count)
+        .map(|e| rotation_to_pole(layout, e))
+        .collect();
     let shared_row = |values: &[f64], k: usize| {
         let mut row = [0.0; ENTRIES];
         for (turn, value) in turns.iter().zip(values.chunks_exact(AXES)) {
@@ -286,7 +289,7 @@ fn matrices(points: &[Known], layout: &Layout) -> Result<Newtons, FitError> {
         }
         row
     };
-    let mut normal = Normal::new(ENTRIES);
+    let mut normal = NormalEquations::new(ENTRIES);
     for (values, force_n) in points {
         (0..AXES).for_each(|k| normal.add(&shared_row(values, k), force_n[k]));
     }
@@ -296,7 +299,7 @@ fn matrices(points: &[Known], layout: &Layout) -> Result<Newtons, FitError> {
     let departures = if layout.count == 1 {
         vec![0.0; ENTRIES]
     } else {
-        // What the shared matrix leaves over is what the elements' own can be asked to explain.
+        // The deviations are fitted to the shared matrix's residual.
         let left = |values: &[f64], force_n: &[f64; AXES], k: usize| {
             let row = shared_row(values, k);
             force_n[k] - row.iter().zip(&shared).map(|(a, x)| a * x).sum::<f64>()
@@ -307,7 +310,7 @@ fn matrices(points: &[Known], layout: &Layout) -> Result<Newtons, FitError> {
             .sum();
         let variance = squares / (AXES * points.len()) as f64;
         let size = shared.iter().map(|x| x * x).sum::<f64>() / AXES as f64;
-        let mut normal = Normal::new(ENTRIES * layout.count);
+        let mut normal = NormalEquations::new(ENTRIES * layout.count);
         let mut row = vec![0.0; ENTRIES * layout.count];
         for (values, force_n) in points {
             #[expect(
@@ -324,7 +327,7 @@ fn matrices(points: &[Known], layout: &Layout) -> Result<Newtons, FitError> {
                 normal.add(&row, left(values, force_n, k));
             }
         }
-        let ridge = variance / (DEPARTURE * DEPARTURE * size);
+        let ridge = variance / (ELEMENT_DEVIATION * ELEMENT_DEVIATION * size);
         normal
             .solve(&vec![ridge.max(f64::MIN_POSITIVE); ENTRIES * layout.count])
             .unwrap_or_else(|| vec![0.0; ENTRIES * layout.count])
@@ -339,7 +342,6 @@ fn matrices(points: &[Known], layout: &Layout) -> Result<Newtons, FitError> {
     Ok(departures.chunks_exact(ENTRIES).map(matrix).collect())
 }
 
-/// The terms of all values of a fingertip.
 fn expand(values: &[f64], model: Model) -> Vec<f64> {
     let elements = values.chunks_exact(AXES);
     elements
@@ -352,10 +354,9 @@ fn expand(values: &[f64], model: Model) -> Vec<f64> {
         .collect()
 }
 
-/// Sums for each axis of one force from all terms.
-fn normals(points: &[Known], model: Model) -> [Normal; AXES] {
+fn normals(points: &[Known], model: Model) -> [NormalEquations; AXES] {
     let elements = points.first().map_or(0, |(values, _)| values.len() / AXES);
-    let mut normals = [(); AXES].map(|()| Normal::new(elements * model.terms()));
+    let mut normals = [(); AXES].map(|()| NormalEquations::new(elements * model.terms()));
     for (values, force_n) in points {
         let row = expand(values, model);
         for (normal, force_n) in normals.iter_mut().zip(force_n) {
@@ -365,8 +366,7 @@ fn normals(points: &[Known], model: Model) -> [Normal; AXES] {
     normals
 }
 
-/// Each axis of one force, with a ridge over what is seen of each term.
-fn solve(normals: &[Normal; AXES], ridge: f64) -> Result<[Vec<f64>; AXES], FitError> {
+fn solve(normals: &[NormalEquations; AXES], ridge: f64) -> Result<[Vec<f64>; AXES], FitError> {
     let mut rows = [const { Vec::new() }; AXES];
     for (row, normal) in rows.iter_mut().zip(normals) {
         *row = normal

@@ -1,15 +1,14 @@
-//! Least squares with a ridge, by normal equations and Cholesky's decomposition.
+//! Ridge regression by normal equations and Cholesky decomposition.
 
 /// Sums over rows `a·x = b`: `aᵀa` (lower triangle, row by row) and `aᵀb`.
 #[derive(Clone, Debug)]
-pub(super) struct Normal {
+pub(super) struct NormalEquations {
     unknowns: usize,
     squares: Vec<f64>,
     products: Vec<f64>,
 }
 
-impl Normal {
-    /// No row yet.
+impl NormalEquations {
     pub(super) fn new(unknowns: usize) -> Self {
         Self {
             unknowns,
@@ -18,10 +17,9 @@ impl Normal {
         }
     }
 
-    /// Takes in one row.
     pub(super) fn add(&mut self, row: &[f64], value: f64) {
         for (i, &a) in row.iter().enumerate() {
-            // Elements that a press does not reach say nothing.
+            // Elements outside a press contribute nothing.
             if a == 0.0 {
                 continue;
             }
@@ -33,13 +31,13 @@ impl Normal {
         }
     }
 
-    /// A ridge for each unknown, over what was seen of it.
+    /// Returns `ridge` times each unknown's sum of squares.
     pub(super) fn scaled(&self, ridge: f64) -> Vec<f64> {
         let seen = |i: usize| self.squares[i * self.unknowns + i];
         (0..self.unknowns).map(|i| ridge * seen(i)).collect()
     }
 
-    /// The solution with a ridge on each unknown; `None` if some unknown cannot be told.
+    /// Solves the system with a ridge per unknown; returns `None` if it is singular.
     pub(super) fn solve(&self, ridge: &[f64]) -> Option<Vec<f64>> {
         let n = self.unknowns;
         let mut lower = self.squares.clone();
@@ -80,8 +78,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plane_is_found_and_what_cannot_be_told_is_not() {
-        let mut normal = Normal::new(3);
+    fn plane_is_solved_and_singular_system_rejected() {
+        let mut normal = NormalEquations::new(3);
         for i in 0..20 {
             let row = [1.0, f64::from(i), f64::from(i * i % 7)];
             normal.add(&row, 2.0 - 0.5 * row[1] + 3.0 * row[2]);
@@ -90,7 +88,7 @@ mod tests {
         for (found, expected) in found.iter().zip([2.0, -0.5, 3.0]) {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
-        let mut twice = Normal::new(2);
+        let mut twice = NormalEquations::new(2);
         (1..9).for_each(|i| twice.add(&[f64::from(i), f64::from(2 * i)], 1.0));
         assert_eq!(twice.solve(&[0.0; 2]), None);
         assert!(twice.solve(&[1.0; 2]).is_some());

@@ -1,20 +1,23 @@
-//! Calibration: from what a device says to newtons, fitted to presses whose force is known, and kept in a file.
+//! Calibration: converts device values to newtons; fitted to presses of known force, stored in a
+//! file.
 //!
 //! ```text
-//!  silence ─▶ zero, noise, drift ─┐
-//!  presses with references ───────┼─▶ Calibration ─▶ FILE.toml ─▶ atas-sensor --calibration FILE ─▶ HandFrame
-//!  a rigid block, pressed ────────┴─▶ thresholds, compression of the tip ─▶ what the daemon's configuration includes
+//! unloaded recording ─▶ zero, noise, drift ─┐
+//! presses with references ──────────────────┼─▶ Calibration ─▶ FILE.toml ─▶ atas-sensor
+//! presses on a rigid block ─────────────────┴─▶ thresholds, compression ─▶ daemon configuration
 //! ```
 //!
-//! Two models. **Matrix**: each element has a 3 × 3 matrix of its own, which holds its scale, its axes and its crosstalk.
-//! Only the total force of a press need be known: the elements share one matrix, from which each departs as far as the
-//! presses say so. **Resultant**: one force from all values of a fingertip, linear or with squares and products, for skins
-//! whose values are no forces, such as magnetic ones.
-//!
-//! * **In:** numbers in the device's own units, forces in newtons. **Out:** a [`Calibration`], and how good it is on presses
-//!   that it was not fitted to.
-//! * **Invariants:** what a file says is finite and fits its model, or it is refused; the same presses give the same bits.
-//! * **Absent on purpose:** the device and the bus; files with rows (`atas calibrate` reads them); filters.
+//! * **Matrix** model: each element has a 3 × 3 matrix with scale, axes and crosstalk. The fit
+//!   needs only the total force of a press: elements share one matrix and deviate as far as the
+//!   presses require.
+//! * **Resultant** model: one force from all values of a fingertip, linear or with squares and
+//!   products; for skins that do not measure forces, such as magnetic ones.
+//! * **Inputs:** device values, forces in newtons. **Outputs:** a [`Calibration`] and its error on
+//!   left-out presses.
+//! * **Invariants:** non-finite or mismatched files are rejected; equal presses give bit-identical
+//!   results.
+//! * **Out of scope:** devices, the bus, filters, and recorded tables (`atas calibrate` reads
+//!   them).
 
 mod block;
 mod drift;
@@ -22,97 +25,97 @@ mod fit;
 mod least_squares;
 mod silence;
 
-pub use block::{Block, press_block};
-pub use drift::{Drift, Quiet, WARMING_MIN_K, Warmth};
-pub use fit::{FitError, Fitted, Point, Press, fit, total_n};
-pub use silence::{Silence, Thresholds, listen};
+pub use block::{Block, fit_block};
+pub use drift::{Drift, TemperatureEffect, UnloadedRecording, WARMING_MIN_K};
+pub use fit::{FitError, FitResult, Point, Press, fit, total_n};
+pub use silence::{Silence, Thresholds, measure_silence};
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-/// What this version writes and reads.
+/// Version of the file format.
 pub const FORMAT: u32 = 1;
-/// Values of one element.
+/// Values per element.
 pub const AXES: usize = 3;
 
-/// How the values of a fingertip become forces.
+/// Conversion from a fingertip's values to forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Model {
-    /// A matrix per element.
+    /// One matrix per element.
     Matrix,
     /// One force, linear in all values.
     Resultant,
-    /// One force, with the squares and products of each element's values.
+    /// One force, with squares and products.
     ResultantSquares,
 }
 
-/// One fingertip's calibration.
+/// Calibration of one fingertip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// Version of the file.
+    /// Version of the file format.
     pub format: u32,
-    /// Where it comes from, in words.
+    /// Origin, free text.
     pub source: String,
-    /// How values become forces.
+    /// Model of the conversion.
     pub model: Model,
-    /// What every value says of silence, in the device's unit, element by element.
+    /// Unloaded values in device units, element by element.
     pub zero: Vec<f64>,
-    /// N per unit: of every element (matrix) or of the whole (resultant) the rows of `f_n`, `f_t1` and `f_t2`.
+    /// Rows of `f_n`, `f_t1` and `f_t2`, N per unit, per element (matrix) or for the fingertip
+    /// (resultant).
     pub newtons: Vec<[Vec<f64>; AXES]>,
-    /// How good it is.
+    /// Accuracy.
     pub quality: Quality,
-    /// How its zero moved when it was calibrated; for people, nothing is corrected by it.
+    /// Drift of the zero during calibration; informative only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<Drift>,
 }
 
-/// How good a calibration is.
+/// Accuracy of a calibration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quality {
-    /// Presses that it was fitted to.
+    /// Number of fitted presses.
     pub presses: u32,
-    /// Ridge of a resultant, over what was seen of each term: the one of several that told presses best which were left out.
+    /// Ridge of a resultant model, relative to each term's sum of squares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ridge: Option<f64>,
-    /// Root mean square error of the force along `f_n`, `f_t1`, `f_t2` on presses that were left out, N.
+    /// Root mean square error along `f_n`, `f_t1`, `f_t2` on left-out presses, N.
     pub error_n: [f64; AXES],
-    /// The same over the root mean square of the known force.
+    /// `error_n` divided by the root mean square of the known force.
     pub error_share: [f64; AXES],
-    /// Standard deviation of the total force in silence, N.
+    /// Standard deviation of the unloaded total force, N.
     pub noise_n: [f64; AXES],
-    /// How far the total force moved in a minute of silence, N.
+    /// Drift of the unloaded total force, N per minute.
     pub drift_n_min: f64,
 }
 
-/// A calibration that cannot be used.
+/// Error of a calibration file.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationError {
     /// The file cannot be read or written.
     #[error("could not {verb} {path}: {error}")]
     File {
-        /// What was tried.
+        /// Failed operation.
         verb: &'static str,
-        /// The file.
+        /// Path.
         path: String,
-        /// Why not.
+        /// Cause.
         error: std::io::Error,
     },
-    /// It is not what it should be.
+    /// The content is invalid.
     #[error("could not use the calibration {path}: {reason}")]
     Content {
-        /// The file.
+        /// Path.
         path: String,
-        /// Why not.
+        /// Cause.
         reason: String,
     },
 }
 
 impl Model {
-    /// Terms of one element.
     const fn terms(self) -> usize {
         match self {
             Self::Matrix | Self::Resultant => AXES,
@@ -120,17 +123,16 @@ impl Model {
         }
     }
 
-    /// The terms of one element's values.
     fn expand(self, [x, y, z]: [f64; AXES]) -> [f64; 3 * AXES] {
         [x, y, z, x * x, y * y, z * z, x * y, y * z, z * x]
     }
 }
 
 impl Calibration {
-    /// Reads a file.
+    /// Reads a calibration file.
     ///
     /// # Errors
-    /// [`CalibrationError`] with the file and what is wrong with it.
+    /// [`CalibrationError`] with the file and the cause.
     pub fn open(path: &Path) -> Result<Self, CalibrationError> {
         let name = || path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|error| CalibrationError::File {
@@ -150,7 +152,7 @@ impl Calibration {
     /// Writes a new file.
     ///
     /// # Errors
-    /// [`CalibrationError`] when it exists or cannot be written.
+    /// [`CalibrationError`] if it exists or cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), CalibrationError> {
         let failed = |error| CalibrationError::File {
             verb: "write",
@@ -162,19 +164,19 @@ impl Calibration {
         std::io::Write::write_all(&mut file, text.as_bytes()).map_err(failed)
     }
 
-    /// Elements that a device must have.
+    /// Returns the device's element count.
     #[must_use]
     pub fn elements_in(&self) -> usize {
         self.zero.len() / AXES
     }
 
-    /// Elements of a frame that it gives.
+    /// Returns the element count of its output.
     #[must_use]
     pub fn elements_out(&self) -> usize {
         self.newtons.len()
     }
 
-    /// `[f_n, f_t1, f_t2]`, N, of one element of the frame, from all values of the fingertip. As finite as these are.
+    /// Returns `[f_n, f_t1, f_t2]`, N, of one frame element; finite if the values are.
     #[must_use]
     pub fn force_n(&self, element: usize, values: &[f64]) -> [f64; AXES] {
         let Some(rows) = self.newtons.get(element) else {
@@ -204,14 +206,13 @@ impl Calibration {
         force_n
     }
 
-    /// The same for values whose zero has just been taken: the silence of then is no longer in them.
+    /// Clears the stored zero, for a device that has just been zeroed.
     #[must_use]
-    pub fn of_zeroed(mut self) -> Self {
+    pub fn without_zero(mut self) -> Self {
         self.zero.fill(0.0);
         self
     }
 
-    /// The terms of one element, with the silence taken out.
     fn terms(&self, element: usize, values: &[f64]) -> [f64; 3 * AXES] {
         let value = |axis: usize| {
             let index = AXES * element + axis;

@@ -1,48 +1,48 @@
-//! What a sensor says of silence: its zero, its noise, its drift, and the thresholds that follow.
+//! Unloaded sensor: zero, noise, drift, and resulting contact thresholds.
 
 use serde::Serialize;
 
 use super::{AXES, Calibration};
 
-/// Fewest frames that tell noise (ours: a standard deviation within 10 %).
+/// Minimum frames of a noise estimate. Design choice: standard deviation within 10 %.
 pub(super) const FRAMES_MIN: usize = 50;
 
-/// Standard deviations that are no chance (ours).
-pub(super) const SURE: f64 = 3.0;
+/// Standard deviations of a significant change. Design choice.
+pub(super) const SIGNIFICANT_SIGMAS: f64 = 3.0;
 
-/// A sensor in silence, in its own unit.
+/// Zero and noise of an unloaded sensor, in device units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Silence {
-    /// Mean of every value.
+    /// Mean per value.
     pub zero: Vec<f64>,
-    /// Standard deviation of every value, without what changes slowly.
+    /// Standard deviation per value, without slow changes.
     pub noise: Vec<f64>,
 }
 
-/// Thresholds in multiples of the noise.
+/// Contact thresholds derived from noise and drift.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Thresholds {
-    /// Normal force that counts as a touch, N.
+    /// Normal force at which contact begins, N.
     pub touch_on_n: f64,
-    /// Normal force below which a touch has ended, N.
+    /// Normal force below which contact ends, N.
     pub touch_off_n: f64,
-    /// Weakest element that takes part in the friction estimate, N.
+    /// Smallest element force used by the friction estimate, N.
     pub element_floor_n: f64,
-    /// Standard deviation of the total force in silence, N.
+    /// Standard deviation of the unloaded total force, N.
     pub noise_n: [f64; AXES],
-    /// How far the total force moved in a minute, N.
+    /// Drift of the total force, N per minute.
     pub drift_n_min: f64,
 }
 
-/// Listens to frames of one width. `None` if there are too few to tell.
+/// Estimates zero and noise from frames of equal width; `None` with too few.
 #[must_use]
-pub fn listen(frames: &[Vec<f64>]) -> Option<Silence> {
+pub fn measure_silence(frames: &[Vec<f64>]) -> Option<Silence> {
     if frames.len() < FRAMES_MIN {
         return None;
     }
     let width = frames[0].len();
     let zero = (0..width).map(|value| mean(frames.iter().map(|frame| frame[value])));
-    let noise = (0..width).map(|value| flicker(frames.iter().map(|frame| frame[value])));
+    let noise = (0..width).map(|value| noise_std(frames.iter().map(|frame| frame[value])));
     Some(Silence {
         zero: zero.collect(),
         noise: noise.collect(),
@@ -50,10 +50,11 @@ pub fn listen(frames: &[Vec<f64>]) -> Option<Silence> {
 }
 
 impl Thresholds {
-    /// From the same silence in newtons: a touch begins `multiple` standard deviations above it, and ends at half of that. What
-    /// drifts in a minute is added, since a zero is seldom younger.
+    /// Derives thresholds from the unloaded recording. Contact begins at `multiple` standard
+    /// deviations and ends at half of that. Both include one minute of drift, because a zero is
+    /// usually older.
     #[must_use]
-    pub fn of(
+    pub fn from_recording(
         calibration: &Calibration,
         frames: &[Vec<f64>],
         seconds: f64,
@@ -73,10 +74,10 @@ impl Thresholds {
             })
             .collect();
         let noise_n: [f64; AXES] =
-            core::array::from_fn(|axis| flicker(totals.iter().map(|total| total[axis])));
+            core::array::from_fn(|axis| noise_std(totals.iter().map(|total| total[axis])));
         let tenth = (totals.len() / 10).max(1);
-        // What both ends differ by chance is no drift.
-        let chance = SURE * (2.0 / tenth as f64).sqrt();
+        // Differences within noise are not drift.
+        let chance = SIGNIFICANT_SIGMAS * (2.0 / tenth as f64).sqrt();
         let ends = |axis: usize| {
             let end = |of: &[[f64; AXES]]| mean(of.iter().map(|total| total[axis]));
             let moved_n = end(&totals[totals.len() - tenth..]) - end(&totals[..tenth]);
@@ -84,7 +85,7 @@ impl Thresholds {
         };
         let drift_n_min = (0..AXES).map(ends).fold(0.0, f64::max) * 60.0 / seconds;
         let element_noise_n = elements.map(|element| {
-            flicker(
+            noise_std(
                 frames
                     .iter()
                     .map(|frame| calibration.force_n(element, frame)[0]),
@@ -105,8 +106,8 @@ pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// Standard deviation against a running mean of 32 frames: what changes slowly is drift.
-pub(super) fn flicker(values: impl Iterator<Item = f64>) -> f64 {
+/// Returns the standard deviation around a running mean of 32 frames.
+pub(super) fn noise_std(values: impl Iterator<Item = f64>) -> f64 {
     let values: Vec<f64> = values.collect();
     let around = |index: usize| {
         let from = index.saturating_sub(16);
@@ -114,6 +115,6 @@ pub(super) fn flicker(values: impl Iterator<Item = f64>) -> f64 {
         mean(values[from..to].iter().copied())
     };
     let squares = (0..values.len()).map(|index| (values[index] - around(index)).powi(2));
-    // A mean of 32 takes one part of 32 of the variance away.
+    // The running mean removes 1/32 of the variance.
     (mean(squares) * 32.0 / 31.0).sqrt()
 }

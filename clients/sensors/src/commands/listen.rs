@@ -1,4 +1,4 @@
-//! `hz` and `echo`: what of a hand arrives at a reader of the bus.
+//! `hz` and `echo`: print a hand's frame rate or frames.
 
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -9,32 +9,31 @@ use shm_schemas::service::HAND_FRAME;
 use shm_schemas::{Hand, HandFrame};
 
 use super::{print, stop_on_signal};
-use crate::cli::{Format, Listen};
+use crate::cli::{BusArgs, Format};
 use crate::failure::Failure;
 
-/// Pause between two looks: well below what the bus buffers at any sensor's rate. Ours.
+/// Pause between bus reads. Design choice: the bus buffers far longer.
 const PAUSE: Duration = Duration::from_millis(5);
 const SECOND_NS: u64 = 1_000_000_000;
 
-fn subscribe(at: &Listen) -> Result<Subscriber<HandFrame>, Failure> {
-    let node = Bus::join(&at.bus, "sensor-listener", Realtime::No).map_err(Failure::Bus)?;
-    let service = HAND_FRAME[usize::from(at.hand != Hand::LEFT)];
+fn subscribe(args: &BusArgs) -> Result<Subscriber<HandFrame>, Failure> {
+    let node = Bus::join(&args.bus, "sensor-listener", Realtime::No).map_err(Failure::Bus)?;
+    let service = HAND_FRAME[usize::from(args.hand != Hand::LEFT)];
     node.subscriber(service).map_err(Failure::Bus)
 }
 
-/// Prints rates once a second.
-pub(super) fn hz(at: &Listen, seconds: Option<u64>) -> Result<(), Failure> {
+pub(super) fn hz(args: &BusArgs, seconds: Option<u64>) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
-    let mut frames = subscribe(at)?;
+    let mut frames = subscribe(args)?;
     let begun_ns = now_ns();
-    let mut second = Second::default();
+    let mut second = RateWindow::default();
     let mut printed = 0;
     while !stop.load(Ordering::Relaxed) && seconds.is_none_or(|end| printed < end) {
         frames
             .drain(256, |frame| second.take(frame))
             .map_err(Failure::Bus)?;
         if now_ns() - begun_ns >= (printed + 1) * SECOND_NS {
-            print(&second.line(at))?;
+            print(&second.line(args))?;
             second.begin_next();
             printed += 1;
         }
@@ -43,9 +42,9 @@ pub(super) fn hz(at: &Listen, seconds: Option<u64>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What came within a second.
+/// Frame statistics of one second.
 #[derive(Default)]
-struct Second {
+struct RateWindow {
     frames: u64,
     lost: u64,
     min_ns: Option<u64>,
@@ -55,7 +54,7 @@ struct Second {
     newest: Option<(u64, u64, u64)>,
 }
 
-impl Second {
+impl RateWindow {
     fn take(&mut self, frame: &HandFrame) {
         let stamp = frame.stamp;
         self.frames += 1;
@@ -78,20 +77,20 @@ impl Second {
         };
     }
 
-    /// Mean period, ns, over the frames that had one before them.
+    /// Returns the mean period, ns; `None` without two consecutive frames.
     fn mean_ns(&self) -> Option<f64> {
         self.min_ns?;
         Some(self.sum_ns as f64 / self.frames as f64)
     }
 
-    fn line(&self, at: &Listen) -> String {
+    fn line(&self, args: &BusArgs) -> String {
         let ms = |ns: f64| (ns / 1e4).round() / 100.0;
         let (min, mean) = (self.min_ns.map(|ns| ms(ns as f64)), self.mean_ns().map(ms));
         let max = self.min_ns.map(|_| ms(self.max_ns as f64));
-        if at.format == Format::Json {
+        if args.format == Format::Json {
             let period = json!({ "min": min, "mean": mean, "max": max });
             return json!({
-                "hand": at.hand.to_string(),
+                "hand": args.hand.to_string(),
                 "frames": self.frames,
                 "lost": self.lost,
                 "rate_hz": self.frames,
@@ -104,20 +103,19 @@ impl Second {
                 "{} Hz, {} lost; period {mean:.2} ms ({min:.2} to {max:.2})",
                 self.frames, self.lost
             ),
-            _ => format!("{} Hz: nothing to compare", self.frames),
+            _ => format!("{} Hz: too few frames for a period", self.frames),
         }
     }
 }
 
-/// Prints frames.
-pub(super) fn echo(at: &Listen, limit: Option<u64>) -> Result<(), Failure> {
+pub(super) fn echo(args: &BusArgs, limit: Option<u64>) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
-    let mut frames = subscribe(at)?;
+    let mut frames = subscribe(args)?;
     let mut lines = Vec::new();
     let mut printed = 0;
     while !stop.load(Ordering::Relaxed) {
         frames
-            .drain(256, |frame| lines.push(line(frame, at.format)))
+            .drain(256, |frame| lines.push(line(frame, args.format)))
             .map_err(Failure::Bus)?;
         for line in lines.drain(..) {
             if limit.is_some_and(|limit| printed >= limit) {
@@ -134,14 +132,13 @@ pub(super) fn echo(at: &Listen, limit: Option<u64>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// One frame.
 fn line(frame: &HandFrame, format: Format) -> String {
     let fingers = (frame.finger_count as usize).min(frame.force_n.len());
     let valid = |finger: usize, element: usize| frame.valid_mask[finger] >> element & 1 == 1;
     let sum = |finger: usize| {
         let mut sum = [0.0_f32; 3];
-        let felt = frame.force_n[finger].iter().enumerate();
-        for (_, force_n) in felt.filter(|(element, _)| valid(finger, *element)) {
+        let measured = frame.force_n[finger].iter().enumerate();
+        for (_, force_n) in measured.filter(|(element, _)| valid(finger, *element)) {
             sum.iter_mut().zip(force_n).for_each(|(s, f)| *s += f);
         }
         sum

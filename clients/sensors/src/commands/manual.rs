@@ -1,4 +1,4 @@
-//! Completions and manual pages from the same table as the command line.
+//! Shell completions and manual pages.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -6,7 +6,6 @@ use std::path::Path;
 use crate::cli;
 use crate::failure::Failure;
 
-/// Prints completions.
 pub(super) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut cli::command(), "atas-sensor", &mut script);
@@ -16,7 +15,7 @@ pub(super) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
         .map_err(Failure::Table)
 }
 
-/// Writes one page for the program and one for each subcommand.
+/// Writes one page per program and subcommand.
 pub(super) fn pages(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(cli::command(), folder))

@@ -1,4 +1,4 @@
-//! What each subcommand does.
+//! Subcommands.
 
 mod listen;
 mod manual;
@@ -10,7 +10,7 @@ use std::io::{self, ErrorKind, Write};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use atas_process::end;
+use atas_process::shutdown;
 use clap::{ArgMatches, FromArgMatches};
 use serde_json::{Value, json};
 
@@ -19,18 +19,18 @@ use crate::failure::Failure;
 use crate::plan::Plan;
 use crate::wire::{SENSORS, named};
 
-/// Does what was said. A reader that has seen enough, as in `atas-sensor list | head -1`, ends it in order.
+/// Executes the command line. A closed pipe (`atas-sensor list | head -1`) is not a failure.
 ///
 /// # Errors
-/// Everything that [`Failure`] names.
+/// Every [`Failure`].
 pub fn run(matches: &ArgMatches) -> Result<(), Failure> {
-    match obey(matches) {
+    match dispatch(matches) {
         Err(Failure::Table(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         ended => ended,
     }
 }
 
-fn obey(matches: &ArgMatches) -> Result<(), Failure> {
+fn dispatch(matches: &ArgMatches) -> Result<(), Failure> {
     if let Some((name, arguments)) = matches.subcommand()
         && let Some(sensor) = named(name)
     {
@@ -41,15 +41,14 @@ fn obey(matches: &ArgMatches) -> Result<(), Failure> {
         Tool::Hand { file } => read::run(Plan::from_file(&file)?),
         Tool::List { format } => list(format),
         Tool::Probe { device, format } => probe::run(&device, format),
-        Tool::Hz { at, seconds } => listen::hz(&at, seconds),
-        Tool::Echo { at, frames } => listen::echo(&at, frames),
+        Tool::Hz { bus_args, seconds } => listen::hz(&bus_args, seconds),
+        Tool::Echo { bus_args, frames } => listen::echo(&bus_args, frames),
         Tool::Replay(arguments) => replay::run(arguments),
         Tool::Completions { shell } => manual::completions(shell),
         Tool::Man { folder } => manual::pages(&folder),
     }
 }
 
-/// The list of sensors.
 fn list(format: Format) -> Result<(), Failure> {
     if format == Format::Json {
         let sensors: Vec<Value> = SENSORS
@@ -80,7 +79,6 @@ fn list(format: Format) -> Result<(), Failure> {
     Ok(())
 }
 
-/// One line on standard output.
 fn print(line: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     writeln!(out, "{line}")
@@ -88,8 +86,8 @@ fn print(line: &str) -> Result<(), Failure> {
         .map_err(Failure::Table)
 }
 
-/// Set when SIGINT or SIGTERM comes.
+/// Returns a flag that SIGINT and SIGTERM set.
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
-    end::on_signals(&end::SIGNALS, end::AT_ONCE)
-        .map_err(|error| Failure::Usage(format!("could not watch for signals: {error}")))
+    shutdown::install_stop_flag(&shutdown::SIGNALS, shutdown::IMMEDIATE_EXIT)
+        .map_err(|error| Failure::Usage(format!("could not install the signal handlers: {error}")))
 }

@@ -1,7 +1,7 @@
-//! `probe`: which sensor is on a port?
+//! `probe`: identifies the sensor on a port.
 //!
-//! Every sensor whose way fits the device is tried: the port is opened at its speed, the device is left to stream, then
-//! told to begin and asked, with default options. A zero is never taken.
+//! Tries every sensor with a fitting transport, at its speed and with default options: first
+//! listens, then starts and polls. Never zeroes the device.
 
 use std::time::Duration;
 
@@ -12,24 +12,23 @@ use super::print;
 use crate::cli::{self, Format};
 use crate::failure::Failure;
 use crate::transport::{self, Input, READ_BYTES, Transport};
-use crate::wire::{Driver, Event, Request, SENSORS, SensorType, Way};
+use crate::wire::{Driver, Event, Interface, Request, SENSORS, SensorType};
 
-/// How long a device may take to show itself. Ours: three frames of the slowest sensor.
-const LISTEN: Duration = Duration::from_millis(300);
-/// Frames that prove a sensor. Ours: one may be chance.
-const PROOF: u64 = 2;
+/// Listening time. Design choice: three frames of the slowest sensor.
+const LISTEN_TIME: Duration = Duration::from_millis(300);
+/// Frames that identify a sensor. Design choice: one may be a coincidence.
+const FRAMES_TO_IDENTIFY: u64 = 2;
 
-/// What one driver made of the port.
+/// Result of one driver on the port.
 struct Finding {
     sensor: &'static SensorType,
     frames: u64,
     junk_bytes: u64,
     rate_hz: f64,
-    /// Frames of another kind: what they are.
+    /// Type of frames of another kind.
     foreign: Option<&'static str>,
 }
 
-/// Probes and prints.
 pub(super) fn run(device: &str, format: Format) -> Result<(), Failure> {
     let outcome = probe(device);
     if let (Format::Json, Err(failure)) = (format, &outcome) {
@@ -53,7 +52,7 @@ pub(super) fn run(device: &str, format: Format) -> Result<(), Failure> {
     }
     if found.is_empty() {
         return print(&format!(
-            "{device}: nothing that a known sensor sends; check cable and power"
+            "{device}: no known sensor recognised; check cable and power"
         ));
     }
     for finding in &found {
@@ -71,25 +70,28 @@ pub(super) fn run(device: &str, format: Format) -> Result<(), Failure> {
     Ok(())
 }
 
-fn fits(way: Way, device: &str) -> bool {
+fn fits(way: Interface, device: &str) -> bool {
     let is_path = device.starts_with('/') || device.starts_with('.');
     match way {
-        Way::Serial { .. } => is_path,
-        Way::WebSocket { .. } => device.starts_with("ws://"),
-        Way::Udp { .. } => !is_path && !device.starts_with("ws://"),
+        Interface::Serial { .. } => is_path,
+        Interface::WebSocket { .. } => device.starts_with("ws://"),
+        Interface::Udp { .. } => !is_path && !device.starts_with("ws://"),
     }
 }
 
 fn probe(device: &str) -> Result<Vec<Finding>, Failure> {
     let mut found = Vec::new();
-    for sensor in SENSORS.iter().filter(|sensor| fits(sensor.way, device)) {
+    for sensor in SENSORS
+        .iter()
+        .filter(|sensor| fits(sensor.interface, device))
+    {
         let mut transport =
-            transport::open(sensor.way, device).map_err(|reason| Failure::Open {
+            transport::open(sensor.interface, device).map_err(|reason| Failure::Open {
                 device: device.to_owned(),
                 reason,
             })?;
-        let finding = listen(sensor, transport.as_mut())?;
-        if finding.frames >= PROOF {
+        let finding = identify(sensor, transport.as_mut())?;
+        if finding.frames >= FRAMES_TO_IDENTIFY {
             found.push(finding);
         }
     }
@@ -97,7 +99,7 @@ fn probe(device: &str) -> Result<Vec<Finding>, Failure> {
     Ok(found)
 }
 
-/// The sensor's driver with default options.
+/// Creates the sensor's driver with default options.
 fn default_driver(sensor: &SensorType) -> Result<Box<dyn Driver>, Failure> {
     let usage = |reason: String| Failure::Usage(reason);
     let line = ["atas-sensor", sensor.name, "--device", "-", "--dry-run"];
@@ -114,9 +116,12 @@ fn default_driver(sensor: &SensorType) -> Result<Box<dyn Driver>, Failure> {
     (sensor.driver)(matches, &request).map_err(usage)
 }
 
-fn listen(sensor: &'static SensorType, transport: &mut dyn Transport) -> Result<Finding, Failure> {
+fn identify(
+    sensor: &'static SensorType,
+    transport: &mut dyn Transport,
+) -> Result<Finding, Failure> {
     let mut driver = default_driver(sensor)?;
-    let dialogue = driver.dialogue();
+    let dialogue = driver.messages();
     let mut finding = Finding {
         sensor,
         frames: 0,
@@ -125,37 +130,37 @@ fn listen(sensor: &'static SensorType, transport: &mut dyn Transport) -> Result<
         foreign: None,
     };
     let mut buffer = vec![0; READ_BYTES];
-    // First only listen; then say what this sensor is told, and ask.
-    for told in [false, true] {
-        if told && transport.takes_messages() && finding.frames == 0 {
-            // A device that does not take it is another one.
+    // First listen only, then start and poll.
+    for started in [false, true] {
+        if started && transport.accepts_messages() && finding.frames == 0 {
+            // Another device may not accept the command.
             let _ = transport.write(&dialogue.start);
         }
         let (begun_ns, before) = (now_ns(), finding.frames);
-        let listen_ns = LISTEN.as_nanos() as u64;
-        let mut asked_ns = 0;
+        let listen_ns = LISTEN_TIME.as_nanos() as u64;
+        let mut polled_ns = 0;
         while now_ns() - begun_ns < listen_ns {
-            if told && !dialogue.poll.is_empty() && now_ns() - asked_ns > 20_000_000 {
+            if started && !dialogue.poll.is_empty() && now_ns() - polled_ns > 20_000_000 {
                 let _ = transport.write(&dialogue.poll);
-                asked_ns = now_ns();
+                polled_ns = now_ns();
             }
             if let Input::Bytes(length) = transport.read(&mut buffer, Duration::from_millis(10)) {
                 driver.receive(&buffer[..length], &mut |event| match event {
                     Event::Frame(_) => finding.frames += 1,
-                    Event::Foreign(kind) => {
+                    Event::OtherKind(kind) => {
                         finding.frames += 1;
                         finding.foreign = Some(kind);
                     }
                     Event::Acknowledged(_) => {}
                 });
-                asked_ns = 0;
+                polled_ns = 0;
             }
         }
         let seconds = (now_ns() - begun_ns) as f64 / 1e9;
         finding.rate_hz = finding
             .rate_hz
             .max((finding.frames - before) as f64 / seconds);
-        if finding.frames >= PROOF {
+        if finding.frames >= FRAMES_TO_IDENTIFY {
             break;
         }
     }

@@ -1,7 +1,7 @@
-//! Reads the devices of a plan until they end or a signal comes.
+//! Reads a plan's devices until they end or a signal arrives.
 //!
-//! One device is read on this thread. Several have a thread each, because a device that connects slowly must not hold
-//! up the others, and this thread publishes what they bring.
+//! One device is read on this thread. Several have a thread each, because a slow connection must
+//! not delay the others; this thread publishes.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,14 +16,13 @@ use crate::port;
 use crate::reading::{Batch, Health, Output};
 use crate::table::Table;
 
-/// Batches that may wait for the publisher. Ours: a second of the fastest device would be more than any pause.
-const WAITING: usize = 1024;
+/// Queued batches. Design choice: a second of the fastest device exceeds any pause.
+const QUEUE_BATCHES: usize = 1024;
 
-/// Reads.
 pub(super) fn run(plan: Plan) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
-    let seats = plan.seats();
-    let Some(place) = plan.place else {
+    let seats = plan.slots();
+    let Some(place) = plan.destination else {
         return plan
             .ports
             .into_iter()
@@ -62,21 +61,20 @@ fn read(port: Port, output: &mut dyn Output, stop: &AtomicBool) -> Result<(), Fa
     outcome
 }
 
-/// What a port's thread hands over.
-enum Parcel {
+/// Message of a port thread.
+enum PortMessage {
     Readings(usize, Batch),
     Health(usize, Health),
 }
 
-/// The output of one of several ports.
 struct Sender {
     port: usize,
-    to: SyncSender<Parcel>,
+    to: SyncSender<PortMessage>,
 }
 
 impl Sender {
-    /// A publisher that is gone stops all ports itself; until then their parcels are worth nothing.
-    fn send(&self, parcel: Parcel) {
+    /// Ignores a closed queue; the publisher then stops all ports.
+    fn send(&self, parcel: PortMessage) {
         let _ = self.to.send(parcel);
     }
 }
@@ -84,20 +82,20 @@ impl Sender {
 impl Output for Sender {
     fn readings(&mut self, batch: &Batch) -> Result<(), Failure> {
         if !batch.is_empty() {
-            self.send(Parcel::Readings(self.port, batch.clone()));
+            self.send(PortMessage::Readings(self.port, batch.clone()));
         }
         Ok(())
     }
 
     fn health(&mut self, health: &Health) -> Result<(), Failure> {
-        self.send(Parcel::Health(self.port, *health));
+        self.send(PortMessage::Health(self.port, *health));
         Ok(())
     }
 }
 
-/// Reads several devices. The first failure ends all.
+/// Reads several devices. The first failure stops all.
 fn read_all(ports: Vec<Port>, output: &mut HandOutput, stop: &AtomicBool) -> Result<(), Failure> {
-    let (to, from) = sync_channel(WAITING);
+    let (to, from) = sync_channel(QUEUE_BATCHES);
     thread::scope(|scope| {
         let threads: Vec<_> = ports
             .into_iter()
@@ -109,7 +107,7 @@ fn read_all(ports: Vec<Port>, output: &mut HandOutput, stop: &AtomicBool) -> Res
                 };
                 scope.spawn(move || {
                     let outcome = read(port, &mut sender, stop);
-                    // One finger less is another hand: the others end too.
+                    // A hand must be complete, so all ports stop.
                     stop.store(true, Ordering::Relaxed);
                     outcome
                 })
@@ -127,12 +125,11 @@ fn read_all(ports: Vec<Port>, output: &mut HandOutput, stop: &AtomicBool) -> Res
     })
 }
 
-/// Publishes until all ports have ended.
-fn publish(from: &Receiver<Parcel>, output: &mut HandOutput) -> Result<(), Failure> {
+fn publish(from: &Receiver<PortMessage>, output: &mut HandOutput) -> Result<(), Failure> {
     for parcel in from {
         match parcel {
-            Parcel::Readings(port, batch) => output.readings(port, &batch)?,
-            Parcel::Health(port, health) => output.health(port, &health)?,
+            PortMessage::Readings(port, batch) => output.readings(port, &batch)?,
+            PortMessage::Health(port, health) => output.health(port, &health)?,
         }
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! `replay`: a recording instead of a device.
+//! `replay`: publishes a recording instead of a device.
 
 use std::io::{self, Write};
 
@@ -7,7 +7,7 @@ use crate::cli::ReplayArgs;
 use crate::failure::Failure;
 use crate::replay::{Pace, Source, play};
 
-/// Plays, and says what was played.
+/// Plays the recording and prints a summary.
 pub(super) fn run(arguments: ReplayArgs) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
     let speed = Pace::Speed(arguments.speed);
@@ -18,7 +18,7 @@ pub(super) fn run(arguments: ReplayArgs) -> Result<(), Failure> {
         layout: arguments.layout,
         fingers: arguments.fingers,
     };
-    let (played, outcome) = play(&source, pace, arguments.again, &arguments.bus, &stop);
+    let (played, outcome) = play(&source, pace, arguments.repeat, &arguments.bus, &stop);
     if outcome.is_ok() || played.frames > 0 {
         let name = source.name();
         let _ = writeln!(io::stderr(), "{name}, {} hand: {played}", source.hand);

@@ -1,17 +1,18 @@
-//! Recorded frames, played onto the bus as the process of a sensor would publish them.
+//! Replay of recorded frames onto the bus, as a sensor process would publish them.
 //!
 //! ```text
 //! recording ─┐
-//! table ─────┴▶ Source (frames as they were) ─▶ Timeline (which, and when) ─▶ player (fresh stamps) ─▶ bus
-//!               a thread that reads ahead
+//! table ─────┴▶ Source (recorded frames) ─▶ Timeline (spacing) ─▶ player (new stamps) ─▶ bus
+//!               read-ahead thread
 //! ```
 //!
-//! * **In:** the files of one run, or a table that `--dry-run` printed. **Out:** frames with the recorded layout, masks and
-//!   forces, bit for bit; epoch, sequence and time of this process.
-//! * **Invariants:** what is played goes forward, with the gaps that it was recorded with. A frame that was damaged when it
-//!   was recorded, or is not newer than all before, is left out and counted. A recording that ends in damage is played as
-//!   far as it can be read; then the damage is the failure.
-//! * **Absent on purpose:** joints and commands: a robot that is played back would not be where the daemon thinks.
+//! * **Input:** the files of one run, or a table from `--dry-run`. **Output:** frames with the
+//!   recorded layout, masks and forces, bit for bit; epoch, sequence and time of this process.
+//! * **Invariants:** frames are played forward, with the recorded gaps. Frames that were damaged
+//!   when recorded, or are not newer than all before, are skipped and counted. A damaged recording
+//!   is played up to the damage, which is then the error.
+//! * **Not included:** joints and commands. A replayed robot would not be at the position that the
+//!   daemon commands.
 
 mod player;
 mod recording;
@@ -23,38 +24,41 @@ use std::path::{Path, PathBuf};
 use shm_schemas::{Hand, HandFrame};
 
 use crate::failure::Failure;
-pub use player::{Played, play};
+pub use player::{ReplaySummary, play};
 use recording::Recording;
 use table::Table;
 pub use timeline::{Pace, Timeline};
 
-/// What to play.
+/// Source of a replay.
 #[derive(Clone, Debug)]
 pub struct Source {
     /// The files of one run in order, or one table.
     pub files: Vec<PathBuf>,
-    /// Whose frames.
+    /// Hand of the frames.
     pub hand: Hand,
-    /// What a table does not say of itself: the layout of its fingertips, by default one made for its columns.
+    /// Fingertip layout of a table; default: a layout for the number of its columns.
     pub layout: Option<String>,
-    /// The same: its fingertips, by default one.
+    /// Number of fingertips of a table; default: one.
     pub fingers: Option<usize>,
 }
 
-/// Frames in the order in which they were recorded, or why there are no more.
+/// Frames in recorded order, or the error that ends them.
 pub type Frames = Box<dyn Iterator<Item = Result<HandFrame, String>>>;
 
 impl Source {
-    /// Looks at what there is to play.
+    /// Checks the source.
     ///
     /// # Errors
-    /// [`Failure::Recording`] when there is nothing to play; [`Failure::Usage`] when what was said does not fit it.
+    /// [`Failure::Recording`] if there is nothing to play; [`Failure::Usage`] if options do not fit
+    /// the source.
     pub fn check(&self) -> Result<(), Failure> {
-        let told = self.layout.is_some() || self.fingers.is_some();
+        let reported = self.layout.is_some() || self.fingers.is_some();
         match (self.is_recording()?, &*self.files) {
-            (true, _) if told => {
+            (true, _) if reported => {
                 return Err(Failure::Usage(
-                    "could not use --layout or --fingers: a recording has its own, only a table is told".to_owned(),
+                    "could not use --layout or --fingers: they are for tables; a recording \
+                     contains its layout"
+                        .to_owned(),
                 ));
             }
             (false, [_, _, ..]) => {
@@ -68,14 +72,14 @@ impl Source {
         match self.frames()?.next() {
             Some(Ok(_)) => Ok(()),
             Some(Err(reason)) => Err(Failure::Recording(reason)),
-            None => Err(Failure::Recording(self.nothing())),
+            None => Err(Failure::Recording(self.no_frames_error())),
         }
     }
 
-    /// The frames, from the first.
+    /// Opens the frames from the first.
     ///
     /// # Errors
-    /// [`Failure::Recording`] when a file cannot be opened.
+    /// [`Failure::Recording`] if a file cannot be opened.
     pub fn frames(&self) -> Result<Frames, Failure> {
         if self.is_recording()? {
             return Ok(Box::new(Recording::new(&self.files, self.hand)));
@@ -89,7 +93,7 @@ impl Source {
         Ok(Box::new(table.map_err(Failure::Recording)?))
     }
 
-    /// What is played, for reports.
+    /// Returns the name of the source for reports.
     #[must_use]
     pub fn name(&self) -> String {
         self.files[0].display().to_string()
@@ -100,7 +104,7 @@ impl Source {
             .map_err(|error| Failure::Recording(format!("{error:#}")))
     }
 
-    fn nothing(&self) -> String {
+    fn no_frames_error(&self) -> String {
         format!("could not play {}: it has no frames", self.name())
     }
 }
@@ -122,7 +126,7 @@ fn listed(files: &[PathBuf]) -> String {
     names.collect::<Vec<_>>().join(", ")
 }
 
-/// The parser of records draws pictures over several lines; the first says what it is about.
+/// Returns the first line of an error. The record parser adds drawings on further lines.
 fn one_line(error: &impl std::fmt::Display) -> String {
     let text = format!("{error:#}");
     let line = text.lines().next().unwrap_or_default();

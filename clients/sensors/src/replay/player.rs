@@ -1,4 +1,4 @@
-//! Plays frames: each at its time, with a stamp of now.
+//! Player: publishes frames at their times, with new stamps.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,113 +11,116 @@ use shm_schemas::{HandFrame, Stamp};
 
 use super::{Frames, Pace, Source, Timeline};
 use crate::failure::Failure;
-use crate::port::{POLL, REPORT_EVERY};
+use crate::port::{READ_TIMEOUT, REPORT_EVERY};
 use crate::reading::Health;
 use crate::writer::{BURST, BURST_PAUSE, HandWriter};
 
-/// Frames that are read ahead (ours: half a second at 1 kHz, longer than unpacking a piece of a recording takes).
-const AHEAD: usize = 512;
-/// How far behind its time a frame may be before time is shifted for all that follow, ns. Ours: as much as a reader of the bus
-/// buffers at 1 kHz.
-const BEHIND_NS: u64 = 50_000_000;
+/// Frames read ahead. Design choice: half a second at 1 kHz, longer than decompressing a chunk of a
+/// recording.
+const FRAMES_AHEAD: usize = 512;
+/// Delay of a frame at which all later times are shifted, ns. Design choice: the buffer of a bus
+/// reader at 1 kHz.
+const DELAY_MAX_NS: u64 = 50_000_000;
 
-/// What was played.
+/// Summary of a replay.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Played {
+pub struct ReplaySummary {
     /// Frames.
     pub frames: u64,
-    /// Frames that were lost when it was recorded.
+    /// Frames lost during recording.
     pub lost: u64,
-    /// Recorded frames that were left out: damaged, or not newer than all before.
-    pub left_out: u64,
-    /// How often this machine did not keep up.
+    /// Recorded frames that were skipped: damaged, or not newer than all before.
+    pub skipped: u64,
+    /// Number of times that this machine was too slow.
     pub delays: u64,
 }
 
-impl fmt::Display for Played {
+impl fmt::Display for ReplaySummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             frames,
             lost,
-            left_out,
+            skipped: left_out,
             delays,
         } = self;
         write!(
             f,
-            "{frames} frames played, {lost} lost when recorded, {left_out} left out, {delays} delays"
+            "{frames} frames played, {lost} lost when recorded, {left_out} skipped, {delays} delays"
         )
     }
 }
 
-/// Plays to the end, round after round with `again`, or until a stop request. What was played is known in every case.
+/// Plays to the end, repeatedly with `again`, or until a stop request. The summary is valid in
+/// every case.
 ///
 /// # Errors
-/// [`Failure::Recording`] or [`Failure::Usage`] before anything is played, [`Failure::Torn`] at damage, [`Failure::Bus`].
+/// [`Failure::Recording`] or [`Failure::Usage`] before the first frame, [`Failure::Torn`] at
+/// damage, [`Failure::Bus`].
 pub fn play(
     source: &Source,
     pace: Pace,
     again: bool,
     bus: &BusName,
     stop: &AtomicBool,
-) -> (Played, Result<(), Failure>) {
+) -> (ReplaySummary, Result<(), Failure>) {
     let opened = source.check().and_then(|()| {
         let name = source.name();
         HandWriter::open(bus, source.hand, [("replay", &*name)].into_iter())
     });
     let writer = match opened {
         Ok(writer) => writer,
-        Err(failure) => return (Played::default(), Err(failure)),
+        Err(failure) => return (ReplaySummary::default(), Err(failure)),
     };
     let mut player = Player {
         writer,
         timeline: Timeline::new(pace),
         source,
         stop,
-        played: Played::default(),
+        played: ReplaySummary::default(),
         next_sequence: 0,
         due_ns: now_ns(),
         at_once: 0,
         next_report_ns: 0,
     };
     let outcome = thread::scope(|scope| {
-        let (to, from) = sync_channel(AHEAD);
+        let (to, from) = sync_channel(FRAMES_AHEAD);
         scope.spawn(move || read(source, again, &to));
-        // It owns the receiving end: when it ends, the reader does.
+        // The player owns the receiver: when it ends, the reading thread ends.
         player.run(from)
     });
     let goodbye = player.report(false);
     (player.played, outcome.and(goodbye))
 }
 
-/// What the reading thread hands over.
-enum Parcel {
+/// Message of the reading thread.
+enum ReaderMessage {
     Frame(Box<HandFrame>),
     NextRound,
     Failure(Failure),
 }
 
-/// Reads until the end, or until nobody listens.
-fn read(source: &Source, again: bool, to: &SyncSender<Parcel>) {
+/// Reads until the end, or until the receiver is gone.
+fn read(source: &Source, again: bool, to: &SyncSender<ReaderMessage>) {
     loop {
         let failure = match source.frames() {
             Ok(frames) => match read_round(frames, to) {
                 Ok(()) if !again => return,
                 Ok(()) => None,
-                Err(reason) => Some(Failure::Torn(reason)),
+                Err(reason) => Some(Failure::RecordingDamaged(reason)),
             },
             Err(failure) => Some(failure),
         };
         let is_over = failure.is_some();
-        let parcel = failure.map_or(Parcel::NextRound, Parcel::Failure);
+        let parcel = failure.map_or(ReaderMessage::NextRound, ReaderMessage::Failure);
         if to.send(parcel).is_err() || is_over {
             return;
         }
     }
 }
 
-fn read_round(frames: Frames, to: &SyncSender<Parcel>) -> Result<(), String> {
+fn read_round(frames: Frames, to: &SyncSender<ReaderMessage>) -> Result<(), String> {
     for frame in frames {
-        if to.send(Parcel::Frame(Box::new(frame?))).is_err() {
+        if to.send(ReaderMessage::Frame(Box::new(frame?))).is_err() {
             break;
         }
     }
@@ -129,9 +132,9 @@ struct Player<'a> {
     timeline: Timeline,
     source: &'a Source,
     stop: &'a AtomicBool,
-    played: Played,
+    played: ReplaySummary,
     next_sequence: u64,
-    /// When the last frame was due.
+    /// Due time of the last frame.
     due_ns: u64,
     /// Frames since the last pause.
     at_once: usize,
@@ -139,13 +142,13 @@ struct Player<'a> {
 }
 
 impl Player<'_> {
-    fn run(&mut self, from: Receiver<Parcel>) -> Result<(), Failure> {
+    fn run(&mut self, from: Receiver<ReaderMessage>) -> Result<(), Failure> {
         self.report_when_due(now_ns())?;
         while !self.is_stopped() {
-            match from.recv_timeout(POLL) {
-                Ok(Parcel::Frame(frame)) => self.take(*frame)?,
-                Ok(Parcel::NextRound) => self.timeline.begin_round(),
-                Ok(Parcel::Failure(failure)) => return Err(failure),
+            match from.recv_timeout(READ_TIMEOUT) {
+                Ok(ReaderMessage::Frame(frame)) => self.publish(*frame)?,
+                Ok(ReaderMessage::NextRound) => self.timeline.begin_round(),
+                Ok(ReaderMessage::Failure(failure)) => return Err(failure),
                 Err(RecvTimeoutError::Timeout) => self.report_when_due(now_ns())?,
                 Err(RecvTimeoutError::Disconnected) => break,
             }
@@ -153,10 +156,10 @@ impl Player<'_> {
         Ok(())
     }
 
-    fn take(&mut self, mut frame: HandFrame) -> Result<(), Failure> {
+    fn publish(&mut self, mut frame: HandFrame) -> Result<(), Failure> {
         let step = Some(frame.stamp).filter(|_| frame.is_intact());
-        let Some(step) = step.and_then(|stamp| self.timeline.take(stamp)) else {
-            self.played.left_out += 1;
+        let Some(step) = step.and_then(|stamp| self.timeline.step(stamp)) else {
+            self.played.skipped += 1;
             return Ok(());
         };
         self.due_ns += step.after_ns;
@@ -177,7 +180,7 @@ impl Player<'_> {
         Ok(())
     }
 
-    /// Waits until the frame is due; false if it is not to be played any more.
+    /// Waits until the frame is due. Returns false after a stop request.
     fn wait(&mut self) -> Result<bool, Failure> {
         while !self.is_stopped() {
             let now_ns = now_ns();
@@ -186,19 +189,19 @@ impl Player<'_> {
                 self.catch_up(now_ns);
                 return Ok(true);
             }
-            thread::sleep(Duration::from_nanos(self.due_ns - now_ns).min(POLL));
+            thread::sleep(Duration::from_nanos(self.due_ns - now_ns).min(READ_TIMEOUT));
             self.at_once = 0;
         }
         Ok(false)
     }
 
-    /// A frame that is late goes out at once, but not so many that a reader is overrun, and not with a stamp of long ago.
+    /// Sends late frames at once, but not more than a reader can buffer, and with a recent stamp.
     fn catch_up(&mut self, now_ns: u64) {
         self.at_once += 1;
         if self.at_once.is_multiple_of(BURST) {
             thread::sleep(BURST_PAUSE);
         }
-        if now_ns - self.due_ns > BEHIND_NS {
+        if now_ns - self.due_ns > DELAY_MAX_NS {
             self.played.delays += 1;
             self.due_ns = now_ns;
         }

@@ -1,4 +1,4 @@
-//! One hand's frames out of a recorded run.
+//! Frames of one hand from a recorded run.
 
 use std::path::PathBuf;
 
@@ -7,12 +7,12 @@ use shm_schemas::{Hand, HandFrame};
 
 use super::one_line;
 
-/// The frames, in the order in which the daemon took them in.
+/// Frames in the order in which the daemon received them.
 pub(super) struct Recording {
     frames: Frames,
     name: String,
     hand: Hand,
-    /// Frames found of this hand, and of the other.
+    /// Number of frames of this hand, and of the other.
     found: [u64; 2],
     has_ended: bool,
 }
@@ -20,7 +20,7 @@ pub(super) struct Recording {
 impl Recording {
     pub(super) fn new(files: &[PathBuf], hand: Hand) -> Self {
         Self {
-            frames: Frames::of(files),
+            frames: Frames::open(files),
             name: files[0].display().to_string(),
             hand,
             found: [0; 2],
@@ -28,20 +28,20 @@ impl Recording {
         }
     }
 
-    /// The next frame; `None` at the end, where something must have been found.
+    /// Returns the next frame; `None` at the end. Fails if there were no frames.
     fn read(&mut self) -> Result<Option<HandFrame>, String> {
-        for felt in &mut self.frames {
-            let felt = felt.map_err(|error| one_line(&error))?;
-            let is_other = felt.hand != self.hand;
+        for measured in &mut self.frames {
+            let measured = measured.map_err(|error| one_line(&error))?;
+            let is_other = measured.hand != self.hand;
             self.found[usize::from(is_other)] += 1;
             if !is_other {
-                return Ok(Some(felt.frame));
+                return Ok(Some(measured.frame));
             }
         }
         let Self { name, hand, .. } = self;
         match self.found {
             [0, 0] => Err(format!(
-                "could not play {name}: no sensor was there when it was recorded"
+                "could not play {name}: it was recorded without a sensor"
             )),
             [0, _] => Err(format!(
                 "could not play the {hand} hand of {name}: only the other hand has frames in it"

@@ -1,8 +1,8 @@
-//! Frames out of a table that `--dry-run` printed: its forces in newtons, its times.
+//! Frames from a table of `--dry-run`: its forces in newtons and its times.
 //!
-//! A table does not say which of its elements are of which fingertip, nor what the device said of itself: the fingertips have
-//! equally many elements, and every number is believed. What was a duplicate or late then, is left out; of lost frames only the
-//! time shows.
+//! A table lists neither the fingertips of its elements nor the status of the device. All
+//! fingertips have the same number of elements, and every number counts as valid. Duplicate and
+//! late frames are skipped; lost frames appear only as gaps in time.
 
 use std::fs::File;
 use std::path::Path;
@@ -12,18 +12,18 @@ use shm_schemas::{Hand, HandFrame, Stamp};
 
 use crate::plan;
 
-/// Epoch of what was recorded: any will do.
+/// Epoch of the recorded frames; any value works.
 const EPOCH: u64 = 1;
 
-/// A table being read.
+/// Table being read.
 pub(super) struct Table {
     rows: csv::StringRecordsIntoIter<File>,
     name: String,
     captured: usize,
     arrival: Option<usize>,
-    /// Normal and tangential column of every element, finger by finger.
+    /// Columns of the normal and tangential forces of every element, fingertip by fingertip.
     elements: Vec<[usize; 3]>,
-    /// What all frames have in common.
+    /// Data common to all frames.
     frame: HandFrame,
     fingers: usize,
     valid: u64,
@@ -58,7 +58,8 @@ impl Table {
         let each = elements.len() / fingers.clamp(1, FINGERS);
         if each * fingers != elements.len() || each > ELEMENTS {
             return Err(refuse(&format!(
-                "it has {} elements, which are not those of {fingers} fingertips; say how many with --fingers",
+                "{} elements do not divide into {fingers} fingertips; set their number with \
+                 --fingers",
                 elements.len()
             )));
         }
@@ -82,7 +83,7 @@ impl Table {
         })
     }
 
-    /// The frame of a row; `None` for one that was not newer than all before.
+    /// Returns the frame of a row; `None` if it is not newer than all before.
     fn frame(&mut self, row: &csv::StringRecord) -> Result<Option<HandFrame>, String> {
         self.row += 1;
         let is_old = |arrival: usize| matches!(row.get(arrival), Some("duplicate" | "late"));
@@ -93,7 +94,7 @@ impl Table {
         let captured_ns = cell(self.captured).parse();
         let Ok(captured_ns) = captured_ns else {
             return Err(format!(
-                "could not play {} beyond row {}: its captured_ns is {:?}",
+                "could not play {} after row {}: its captured_ns is {:?}",
                 self.name,
                 self.row,
                 cell(self.captured)
@@ -123,7 +124,8 @@ impl Table {
     }
 }
 
-/// The columns of the forces: of one element without a number, of several numbered from 0.
+/// Returns the columns of the forces: without a number for one element, numbered from 0 for
+/// several.
 fn elements(column: impl Fn(&str) -> Option<usize>) -> Vec<[usize; 3]> {
     let axes = |element: &str| -> Option<[usize; 3]> {
         let axis = |name: &str| column(&format!("{name}{element}_n"));
@@ -146,7 +148,7 @@ impl Iterator for Table {
                 Ok(row) => row,
                 Err(error) => {
                     return Some(Err(format!(
-                        "could not play {} beyond row {}: {error}",
+                        "could not play {} after row {}: {error}",
                         self.name, self.row
                     )));
                 }

@@ -1,29 +1,29 @@
-//! Which recorded frames are played, and how long after one another.
+//! Selection and spacing of replayed frames.
 
 use shm_schemas::Stamp;
 
-/// Time to the next frame where none is recorded, ns: between the rounds of a single frame. Ours: 100 Hz.
-const USUAL_NS: u64 = 10_000_000;
+/// Time to the next frame between the rounds of a single frame, ns. Design choice: 100 Hz.
+const DEFAULT_PERIOD_NS: u64 = 10_000_000;
 
-/// How fast.
+/// Speed of a replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// With the recorded spacing, so many times as fast.
+    /// Recorded spacing, divided by this factor.
     Speed(f64),
-    /// One frame after the other at this rate, Hz, whatever was recorded.
+    /// Fixed rate, Hz.
     Rate(f64),
 }
 
-/// A frame's place.
+/// Position of a frame in the replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Step {
-    /// By how much the sequence advances: more than 1 where frames were lost.
+    /// Increment of the sequence: more than 1 after lost frames.
     pub advance: u64,
-    /// Time since the frame before, ns.
+    /// Time since the previous frame, ns.
     pub after_ns: u64,
 }
 
-/// Goes through the stamps of a recording.
+/// Converts recorded stamps to positions.
 #[derive(Clone, Debug)]
 pub struct Timeline {
     pace: Pace,
@@ -33,28 +33,29 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// Nothing was played yet.
+    /// Creates a timeline before its first frame.
     #[must_use]
     pub fn new(pace: Pace) -> Self {
         Self {
             pace,
             last: None,
             has_begun: false,
-            usual_ns: USUAL_NS,
+            usual_ns: DEFAULT_PERIOD_NS,
         }
     }
 
-    /// The recording begins again.
+    /// Restarts the recording.
     pub fn begin_round(&mut self) {
         self.last = None;
     }
 
-    /// Where the frame with this stamp belongs; `None` if it is not newer than all before.
-    pub fn take(&mut self, stamp: Stamp) -> Option<Step> {
+    /// Returns the position of the frame with this stamp; `None` if it is not newer than all
+    /// before.
+    pub fn step(&mut self, stamp: Stamp) -> Option<Step> {
         let (advance, recorded_ns) = match self.last {
             None if self.has_begun => (1, self.usual_ns),
             None => (1, 0),
-            // Another process of the sensor, on the same clock unless the machine was started anew.
+            // Another process of the sensor, on the same clock unless the machine was restarted.
             Some(last) if last.writer_epoch != stamp.writer_epoch => (
                 1,
                 match stamp.captured_ns.saturating_sub(last.captured_ns) {
@@ -83,7 +84,7 @@ impl Timeline {
         self.has_begun = true;
         Some(Step {
             advance,
-            // Two frames cannot be of one moment.
+            // Two frames cannot have the same time.
             after_ns: after_ns.max(1),
         })
     }
@@ -94,7 +95,7 @@ mod tests {
     use super::{Pace, Step, Timeline};
     use shm_schemas::Stamp;
 
-    /// A recording of epoch, sequence and time, ms; a round begins at epoch 0.
+    /// Recorded epochs, sequences and times, ms; a round begins at epoch 0.
     const RECORDED: [(u64, u64, u64); 11] = [
         (7, 40, 1000),
         (7, 41, 1010),
@@ -117,7 +118,7 @@ mod tests {
                 timeline.begin_round();
                 continue;
             }
-            let step = timeline.take(Stamp {
+            let step = timeline.step(Stamp {
                 sequence,
                 captured_ns: ms * 1_000_000,
                 writer_epoch,
@@ -128,17 +129,17 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_kept_what_is_not_newer_is_left_out_and_rounds_follow_each_other() {
+    fn gaps_are_kept_old_frames_skipped_rounds_repeated() {
         let with = |after_ns: [u64; 7]| {
             let [a, b, c, d, e, f, g] = after_ns;
-            let left_out = None;
+            let skipped = None;
             vec![
                 Some((1, a)),
                 Some((1, b)),
-                left_out,
+                skipped,
                 Some((3, c)),
-                left_out,
-                left_out,
+                skipped,
+                skipped,
                 Some((2, d)),
                 Some((1, e)),
                 Some((1, f)),

@@ -1,6 +1,6 @@
-//! How bytes reach this process: serial terminals, datagrams, WebSocket messages, all behind one trait.
+//! Transports of a device: serial terminals, datagrams, WebSocket messages, behind one trait.
 //!
-//! A stream is cut anywhere; a datagram or a message arrives whole, one per read.
+//! Reads of a stream end at arbitrary bytes. A datagram or message arrives complete, one per read.
 
 pub mod serial;
 pub mod udp;
@@ -14,25 +14,26 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
-use crate::wire::Way;
+use crate::wire::Interface;
 
-/// Bytes that a read may bring at most: the largest datagram, and more than any message of a sensor server.
+/// Largest number of bytes per read: the largest datagram, more than any message of a sensor
+/// server.
 pub const READ_BYTES: usize = 1 << 16;
 
-/// What a read brought.
+/// Result of a read.
 #[derive(Debug)]
 pub enum Input {
-    /// So many bytes.
+    /// Number of bytes.
     Bytes(usize),
-    /// Nothing within the time-out, or a signal came.
-    Quiet,
-    /// The end of a recording.
+    /// No data within the timeout, or a signal.
+    Silence,
+    /// End of a recording.
     End,
     /// The device is gone.
     Gone(io::Error),
 }
 
-/// An open connection to one device.
+/// Open connection to one device.
 pub trait Transport: Send {
     /// Waits for bytes and reads them.
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Input;
@@ -40,15 +41,15 @@ pub trait Transport: Send {
     /// Sends bytes.
     ///
     /// # Errors
-    /// When the device cannot be told anything, is gone, or does not take them in time.
+    /// The device accepts no data, is gone, or does not accept them in time.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Whether the device can be told anything.
-    fn takes_messages(&self) -> bool {
+    /// Returns true if the device accepts messages.
+    fn accepts_messages(&self) -> bool {
         true
     }
 
-    /// Whether this is a regular file, which has an end and no pace of its own.
+    /// Returns true for a regular file, which has an end and no rate.
     fn is_recording(&self) -> bool {
         false
     }
@@ -57,16 +58,16 @@ pub trait Transport: Send {
 /// Opens a device by its path or address.
 ///
 /// # Errors
-/// A sentence that says what is wrong and what to do.
-pub fn open(way: Way, device: &str) -> Result<Box<dyn Transport>, String> {
+/// Cause and remedy as text.
+pub fn open(way: Interface, device: &str) -> Result<Box<dyn Transport>, String> {
     Ok(match way {
-        Way::Serial { baud } => Box::new(serial::Device::open(Path::new(device), baud)?),
-        Way::Udp { port } => Box::new(udp::Udp::open(device, port)?),
-        Way::WebSocket { port } => Box::new(websocket::Client::open(device, port)?),
+        Interface::Serial { baud } => Box::new(serial::Device::open(Path::new(device), baud)?),
+        Interface::Udp { port } => Box::new(udp::Udp::open(device, port)?),
+        Interface::WebSocket { port } => Box::new(websocket::Client::open(device, port)?),
     })
 }
 
-/// Waits until something can be read. False when the time is up.
+/// Waits until data can be read. Returns false after the timeout.
 fn wait_readable(source: &impl AsFd, timeout: Duration) -> Result<bool, Errno> {
     let timeout = Timespec {
         tv_sec: timeout.as_secs().cast_signed(),
@@ -76,7 +77,7 @@ fn wait_readable(source: &impl AsFd, timeout: Duration) -> Result<bool, Errno> {
     Ok(ready > 0)
 }
 
-/// The address with the usual port where it names none.
+/// Returns the address, with the default port if it has none.
 fn with_port(address: &str, port: u16) -> String {
     let host = address.rsplit_once(']').map_or(address, |(_, tail)| tail);
     if host.contains(':') {

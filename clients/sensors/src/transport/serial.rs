@@ -1,9 +1,9 @@
-//! A byte stream from a serial device: opened, locked, read with a time-out, written where the device can be told something.
+//! Serial device as a byte stream: opened, locked, read with a timeout, written if it accepts data.
 //!
-//! A terminal (serial port, USB adapter, pseudo-terminal) is set to raw mode and locked, so that no second process
-//! steals bytes. A FIFO is accepted as a stream that cannot be configured, a regular file as a recording to decode.
-//! What the kernel has buffered before the opening is kept: a decoder resynchronises anyway, and a discarded
-//! acknowledgement would be missed.
+//! A terminal (serial port, USB adapter, pseudo-terminal) is set to raw mode and locked, so that no
+//! second process reads its bytes. A FIFO is a stream without configuration, a regular file a
+//! recording to decode. Bytes that the kernel buffered before opening are kept: a decoder
+//! resynchronises, and a discarded acknowledgement would be missed.
 
 use std::fs::File;
 use std::io;
@@ -18,10 +18,11 @@ use serial2::{CharSize, FlowControl, Parity, SerialPort, Settings, StopBits};
 
 use super::{Input, Transport, wait_readable};
 
-/// How long a write may take, ms: nine bytes take 0.1 ms at 1 MBd, so this is "the device does not listen". Ours.
+/// Timeout of a write: nine bytes take 0.1 ms at 1 MBd, so a longer write means that the device
+/// does not read. Design choice.
 const WRITE_TIMEOUT: Duration = Duration::from_millis(200);
 
-/// An open device.
+/// Open device.
 #[derive(Debug)]
 pub struct Device(Source);
 
@@ -36,10 +37,10 @@ impl Device {
     /// Opens a terminal, a FIFO or a regular file.
     ///
     /// # Errors
-    /// A sentence that says what is wrong and what to do.
+    /// Cause and remedy as text.
     pub fn open(path: &Path, baud: u32) -> Result<Self, String> {
         let kind = std::fs::metadata(path)
-            .map_err(|error| advise(&error))?
+            .map_err(|error| remedy(&error))?
             .file_type();
         let source = if kind.is_char_device() {
             open_terminal(path, baud).map(Source::Terminal)
@@ -49,27 +50,26 @@ impl Device {
             open_stream(path).map(Source::Recording)
         } else {
             return Err(
-                "it is no terminal, FIFO or regular file; give the path of a serial port"
-                    .to_owned(),
+                "not a terminal, FIFO or regular file; give the path of a serial port".to_owned(),
             );
         };
-        let device = Self(source.map_err(|error| advise(&error))?);
+        let device = Self(source.map_err(|error| remedy(&error))?);
         device.lock()?;
         Ok(device)
     }
 
-    /// Two readers of a live device would each get half the bytes.
+    /// Two readers of a device would each receive a part of the bytes.
     fn lock(&self) -> Result<(), String> {
         if self.is_recording() {
             return Ok(());
         }
         rustix::fs::flock(self, FlockOperation::NonBlockingLockExclusive)
-            .map_err(|_| "another process holds it; stop that process (fuser names it)".to_owned())
+            .map_err(|_| "another process uses it; stop that process (`fuser` names it)".to_owned())
     }
 }
 
 impl Transport for Device {
-    fn takes_messages(&self) -> bool {
+    fn accepts_messages(&self) -> bool {
         matches!(self.0, Source::Terminal(_))
     }
 
@@ -78,11 +78,11 @@ impl Transport for Device {
     }
 
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Input {
-        // The size of the kernel's terminal buffer.
+        // Size of the kernel's terminal buffer.
         let room = buffer.len().min(4096);
         let buffer = &mut buffer[..room];
         let outcome = match wait_readable(self, timeout) {
-            Ok(false) => return Input::Quiet,
+            Ok(false) => return Input::Silence,
             Ok(true) => rustix::io::read(self.as_fd(), buffer),
             Err(error) => Err(error),
         };
@@ -93,7 +93,7 @@ impl Transport for Device {
                 "the stream ended",
             )),
             Ok(length) => Input::Bytes(length),
-            Err(Errno::INTR | Errno::AGAIN) => Input::Quiet,
+            Err(Errno::INTR | Errno::AGAIN) => Input::Silence,
             Err(error) => Input::Gone(error.into()),
         }
     }
@@ -140,22 +140,22 @@ fn open_terminal(path: &Path, baud: u32) -> io::Result<SerialPort> {
 }
 
 fn open_stream(path: &Path) -> io::Result<File> {
-    // Non-blocking, because opening a FIFO would otherwise wait for its writer and not see a signal.
+    // Non-blocking: opening a FIFO would otherwise wait for its writer and ignore signals.
     std::fs::OpenOptions::new()
         .read(true)
         .custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed())
         .open(path)
 }
 
-/// What to do about an error on opening.
-fn advise(error: &io::Error) -> String {
+/// Returns the remedy for an error on opening.
+fn remedy(error: &io::Error) -> String {
     let advice = match error.kind() {
         io::ErrorKind::NotFound => {
             "check the path and that the device is plugged in (ls /dev/serial/by-id)"
         }
         io::ErrorKind::PermissionDenied => "add the user to the group that owns it (often dialout)",
         _ if error.raw_os_error() == Some(Errno::NOTTY.raw_os_error()) => {
-            "it is no terminal; give a serial port"
+            "not a terminal; give a serial port"
         }
         _ => "check the device and its cable",
     };

@@ -1,7 +1,7 @@
-//! Datagrams from one peer.
+//! Datagrams of one peer.
 //!
-//! A peer that is not there answers "connection refused", and one that restarts does so for a while: that is silence,
-//! not an end. The driver asks again and the health report says that nothing comes.
+//! A missing or restarting peer answers "connection refused". This counts as silence, not as an
+//! end: the driver repeats its request, and the health report shows missing data.
 
 use std::io;
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
@@ -11,22 +11,22 @@ use rustix::io::Errno;
 
 use super::{Input, Transport, wait_readable, with_port};
 
-/// A socket that hears one peer only.
+/// Socket that receives from one peer only.
 #[derive(Debug)]
 pub struct Udp(UdpSocket);
 
 impl Udp {
-    /// Opens a socket towards `HOST[:PORT]`.
+    /// Opens a socket to `HOST[:PORT]`.
     ///
     /// # Errors
-    /// A sentence that says what is wrong and what to do.
+    /// Cause and remedy as text.
     pub fn open(address: &str, port: u16) -> Result<Self, String> {
         let advise = |error: io::Error| format!("{error}; give the peer as HOST or HOST:PORT");
         let peer = with_port(address, port)
             .to_socket_addrs()
             .map_err(advise)?
             .next()
-            .ok_or("it has no address; give the peer as HOST or HOST:PORT")?;
+            .ok_or("no address found; give the peer as HOST or HOST:PORT")?;
         let any: SocketAddr = if peer.is_ipv4() {
             (Ipv4Addr::UNSPECIFIED, 0).into()
         } else {
@@ -42,13 +42,13 @@ impl Udp {
 impl Transport for Udp {
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Input {
         match wait_readable(&self.0, timeout) {
-            Ok(false) | Err(Errno::INTR) => return Input::Quiet,
+            Ok(false) | Err(Errno::INTR) => return Input::Silence,
             Ok(true) => {}
             Err(error) => return Input::Gone(error.into()),
         }
         match self.0.recv(buffer) {
             Ok(length) => Input::Bytes(length),
-            Err(error) if is_silence(&error) => Input::Quiet,
+            Err(error) if is_silence(&error) => Input::Silence,
             Err(error) => Input::Gone(error),
         }
     }

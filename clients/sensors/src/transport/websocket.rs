@@ -10,18 +10,19 @@ use tungstenite::{Error, Message, WebSocket};
 
 use super::{Input, READ_BYTES, Transport, wait_readable, with_port};
 
-/// How long connecting and the first handshake may take each. Ours: a server on the same machine or in the same room.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Timeout of the connection and of the handshake, each. Design choice: for a server on the same
+/// machine or in the same room.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A connection to one server.
+/// Connection to one server.
 #[derive(Debug)]
 pub struct Client(WebSocket<TcpStream>);
 
 impl Client {
-    /// Connects to `ws://HOST[:PORT]`, or the same without `ws://`.
+    /// Connects to `ws://HOST[:PORT]`; `ws://` may be missing.
     ///
     /// # Errors
-    /// A sentence that says what is wrong and what to do.
+    /// Cause and remedy as text.
     pub fn open(address: &str, port: u16) -> Result<Self, String> {
         let rest = address.strip_prefix("ws://").unwrap_or(address);
         let (host, path) = rest.split_once('/').unwrap_or((rest, ""));
@@ -34,7 +35,7 @@ impl Client {
             .max_frame_size(Some(READ_BYTES));
         let url = format!("ws://{host}/{path}");
         let (socket, _) = tungstenite::client::client_with_config(url, stream, Some(config))
-            .map_err(|error| format!("{error}; it is no WebSocket server"))?;
+            .map_err(|error| format!("{error}; not a WebSocket server"))?;
         socket
             .get_ref()
             .set_nonblocking(true)
@@ -44,12 +45,12 @@ impl Client {
 }
 
 fn connect(host: &str) -> io::Result<TcpStream> {
-    let mut last = io::Error::new(io::ErrorKind::NotFound, "it has no address");
+    let mut last = io::Error::new(io::ErrorKind::NotFound, "no address found");
     for peer in host.to_socket_addrs()? {
-        match TcpStream::connect_timeout(&peer, PATIENCE) {
+        match TcpStream::connect_timeout(&peer, CONNECT_TIMEOUT) {
             Ok(stream) => {
-                stream.set_read_timeout(Some(PATIENCE))?;
-                stream.set_write_timeout(Some(PATIENCE))?;
+                stream.set_read_timeout(Some(CONNECT_TIMEOUT))?;
+                stream.set_write_timeout(Some(CONNECT_TIMEOUT))?;
                 stream.set_nodelay(true)?;
                 return Ok(stream);
             }
@@ -61,13 +62,13 @@ fn connect(host: &str) -> io::Result<TcpStream> {
 
 impl Transport for Client {
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Input {
-        // Messages may already be here, so the socket is asked before it is waited for.
+        // Messages may already be buffered, so the socket is read before waiting.
         for waited in [false, true] {
             match self.0.read() {
                 Ok(Message::Text(text)) => return copy(text.as_bytes(), buffer),
                 Ok(Message::Binary(bytes)) => return copy(&bytes, buffer),
-                // Pings are answered by the library.
-                Ok(_) => return Input::Quiet,
+                // The library answers pings.
+                Ok(_) => return Input::Silence,
                 Err(Error::Io(error)) if error.kind() == io::ErrorKind::WouldBlock => {}
                 Err(error) => return Input::Gone(io::Error::other(error)),
             }
@@ -80,7 +81,7 @@ impl Transport for Client {
                 Err(error) => return Input::Gone(error.into()),
             }
         }
-        Input::Quiet
+        Input::Silence
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
@@ -95,6 +96,6 @@ fn copy(message: &[u8], buffer: &mut [u8]) -> Input {
             room.copy_from_slice(message);
             Input::Bytes(message.len())
         }
-        _ => Input::Quiet,
+        _ => Input::Silence,
     }
 }

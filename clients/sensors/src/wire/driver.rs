@@ -1,128 +1,129 @@
-//! What a sensor is to the rest of this process.
+//! Interface between a sensor driver and the rest of the process.
 
 use clap::{ArgMatches, Command};
 
 use crate::reading::{ByteCounts, Frame, Shape};
 
-/// How a device is reached.
+/// Transport of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// A serial terminal: a byte stream without edges.
+pub enum Interface {
+    /// Serial terminal: a byte stream.
     Serial {
         /// Line speed, baud.
         baud: u32,
     },
     /// Datagrams of a peer `HOST[:PORT]`, one or more records each.
     Udp {
-        /// The port where none is given.
+        /// Default port.
         port: u16,
     },
     /// Messages of a server `ws://HOST:PORT`.
     WebSocket {
-        /// The port where none is given.
+        /// Default port.
         port: u16,
     },
 }
 
-/// How a sensor's zero is taken.
+/// Method of zeroing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Zero {
-    /// The device does it when it is told.
+    /// The device zeroes on request.
     Device,
-    /// The device cannot: the mean of the first frames is subtracted here.
-    Here,
+    /// This process subtracts the mean of the first frames.
+    Host,
 }
 
-/// What every sensor's subcommand takes and a driver may need.
+/// Options of every sensor subcommand that a driver may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// Frames per second that are asked for, or that the stream has.
+    /// Requested frame rate, or rate of the stream, Hz.
     pub rate_hz: u32,
-    /// Whether the present load shall become zero.
+    /// True to make the present load zero.
     pub zero: bool,
 }
 
-/// What is said to a device, and what it is expected to answer.
+/// Messages to a device, and its expected answers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Dialogue {
-    /// Sent once the device is connected; empty for a device that streams by itself.
+pub struct DeviceMessages {
+    /// Message after connecting; empty for a device that streams without a request.
     pub start: Vec<u8>,
-    /// Sent once after the first `start`: takes the zero, where that is a message of its own.
+    /// Message after the first `start` only: zeroes the device, if that is a separate message.
     pub once: Vec<u8>,
-    /// Whether `start` is acknowledged; frames before that follow old settings and are left out.
+    /// True if the device acknowledges `start`. Earlier frames have old settings and are skipped.
     pub acknowledged: bool,
-    /// Sent for every frame, for a device that answers only when it is asked.
+    /// Request for each frame, for a polled device.
     pub poll: Vec<u8>,
-    /// Whether `start` is sent again when nothing comes: a datagram may be lost, a device may restart.
-    pub insist: bool,
-    /// Sent before the end.
+    /// True if `start` is repeated during silence: a datagram may be lost, a device may restart.
+    pub repeat_start: bool,
+    /// Message before the end.
     pub stop: Vec<u8>,
 }
 
-/// What a driver reports while it takes bytes.
+/// Event of a driver while it processes bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
-    /// A valid frame of the expected shape.
+    /// Valid frame of the expected shape.
     Frame(Frame<'a>),
-    /// An acknowledgement: 0 for "accepted", otherwise the device's status.
+    /// Acknowledgement: 0 for "accepted", otherwise the device's status.
     Acknowledged(u32),
-    /// A valid frame of another kind than expected: what it is and which option selects it.
-    Foreign(&'static str),
+    /// Valid frame of another kind, with the option that selects it.
+    OtherKind(&'static str),
 }
 
-/// One device's driver: bytes in, frames out. No clock, no device, no allocation per frame where the format allows it.
+/// Driver of one device: bytes in, frames out. No clock, no device, no allocation per frame where
+/// the format allows it.
 pub trait Driver: Send {
-    /// What every frame holds.
+    /// Returns the shape of every frame.
     fn shape(&self) -> Shape;
 
-    /// Bits of the device's frame counter.
+    /// Returns the width of the device's frame counter, bits.
     fn counter_bits(&self) -> u32 {
         32
     }
 
-    /// What to say to the device.
-    fn dialogue(&self) -> Dialogue;
+    /// Returns the messages to the device.
+    fn messages(&self) -> DeviceMessages;
 
-    /// Takes the next bytes of a stream, or one whole packet.
+    /// Processes the next bytes of a stream, or one complete packet.
     fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>));
 
-    /// The stream ended: what is pending is settled. Packets leave nothing pending.
+    /// Ends the stream and decides pending bytes. Packets leave none pending.
     fn finish(&mut self, _report: &mut dyn FnMut(Event<'_>)) {}
 
-    /// What happened to the bytes so far.
+    /// Returns the byte counts so far.
     fn counts(&self) -> ByteCounts;
 }
 
-/// Makes a driver from the arguments of its subcommand, or says what is wrong.
+/// Creates a driver from the arguments of its subcommand, or returns an error text.
 pub type Make = fn(&ArgMatches, &Request) -> Result<Box<dyn Driver>, String>;
 
-/// One line of the list of sensors: everything that the rest of the process knows about a kind of device.
+/// Entry of the list of sensors: all properties of a kind of device.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorType {
     /// Name of the subcommand.
     pub name: &'static str,
-    /// What it is, for people.
+    /// Description.
     pub about: &'static str,
-    /// Its wire, for people.
+    /// Description of the interface.
     pub wire: &'static str,
-    /// How it is reached.
-    pub way: Way,
+    /// Transport.
+    pub interface: Interface,
     /// Taxels of one fingertip with default options.
     pub taxels: usize,
-    /// Its usual rate, Hz.
+    /// Typical rate, Hz.
     pub rate_hz: &'static str,
-    /// Newtons per unit of x, y, z where the format itself says so; otherwise the unit's sheet has to.
+    /// Newtons per unit of x, y, z if the format defines it; otherwise the unit's data sheet does.
     pub newtons_per_unit: Option<&'static str>,
-    /// Which of its axes give normal and tangential forces, as it is usually mounted.
+    /// Axes of the normal and tangential forces in the usual mounting.
     pub axes: &'static str,
-    /// How its zero is taken.
+    /// Method of zeroing.
     pub zero: Zero,
-    /// How a subcommand line ends, after `atas-sensor NAME`.
+    /// End of an example command line, after `atas-sensor NAME`.
     pub example: &'static str,
     /// Further help.
     pub notes: &'static str,
-    /// Adds the sensor's own options.
+    /// Adds the options of the sensor.
     pub options: fn(Command) -> Command,
-    /// Makes a driver from them, or says what is wrong.
+    /// Creates a driver from the options.
     pub driver: Make,
 }

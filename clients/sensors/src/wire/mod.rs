@@ -1,7 +1,9 @@
-//! The sensors, one file each: what a device sends, what it is told, and the options of its subcommand.
+//! Sensors, one file each: messages of the device, messages to it, and the options of its
+//! subcommand.
 //!
-//! A further sensor is one file here, one line in [`SENSORS`] (with its `mod`), and one table of test vectors in
-//! `tests/vectors/`. Nothing here reads a clock or opens a device, so property tests can hammer all of it.
+//! A new sensor needs one file here, one entry in [`SENSORS`] (with its `mod`), and one table of
+//! test vectors in `tests/vectors/`. This code reads no clock and opens no device, so property
+//! tests cover all of it.
 
 pub mod anyskin;
 mod driver;
@@ -12,9 +14,9 @@ pub mod paxini;
 pub mod paxini_hand;
 pub mod uskin;
 
-pub use driver::{Dialogue, Driver, Event, Make, Request, SensorType, Way, Zero};
+pub use driver::{DeviceMessages, Driver, Event, Interface, Make, Request, SensorType, Zero};
 
-/// Every sensor that can be read.
+/// All supported sensors.
 pub const SENSORS: [SensorType; 7] = [
     optoforce::TYPE,
     paxini::TYPE,
@@ -25,7 +27,7 @@ pub const SENSORS: [SensorType; 7] = [
     papillarray::TYPE,
 ];
 
-/// The sensor with this name.
+/// Returns the sensor with this name.
 #[must_use]
 pub fn named(name: &str) -> Option<&'static SensorType> {
     SENSORS.iter().find(|sensor| sensor.name == name)

@@ -3,32 +3,34 @@
 //! | message | bytes | layout |
 //! |---|---|---|
 //! | request, to the box | 8 | `12 34`, command (`u16`), number of records (`u32`, 0 for endless) |
-//! | record | 36 | `rdt_sequence`, `ft_sequence`, status (`u32` each), Fx Fy Fz Tx Ty Tz (`i32`, counts) |
+//! | record | 36 | `rdt_sequence`, `ft_sequence`, status (`u32`), Fx … Tz (`i32`, counts) |
 //!
-//! Commands: 0 stop, 2 real-time stream, 3 buffered stream (several records in one datagram), `0x42` take the bias.
-//! Status 0 is well; `0x8001_0000` alone is a latched threshold monitor, a warning; bit 31 with anything else means
-//! that the values are not to be trusted. Counts per newton stand on the box's page `http://HOST/netftapi2.xml` as
-//! `cfgcpf`. A datagram whose length is no multiple of 36 is junk, whole. A request may be lost and a box may restart:
-//! the driver asks again when nothing comes. Source: the vendor's manual as public drivers implement it.
+//! Commands: 0 stop, 2 real-time stream, 3 buffered stream (several records per datagram), `0x42`
+//! set the bias. Status 0 means no error. `0x8001_0000` alone is a latched threshold monitor, a
+//! warning. Bit 31 with any other bit means invalid values. The box's page
+//! `http://HOST/netftapi2.xml` lists counts per newton as `cfgcpf`. A datagram whose length is not
+//! a multiple of 36 is junk. A request may be lost and a box may restart, so the driver repeats its
+//! request during silence. Source: the vendor's manual as public drivers implement it.
 
 use clap::{ArgMatches, Args};
 
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
-use crate::wire::{Dialogue, Driver, Event, Request, SensorType, Way, Zero};
+use crate::wire::{DeviceMessages, Driver, Event, Interface, Request, SensorType, Zero};
 
-/// The line in the list of sensors.
+/// Entry in the list of sensors.
 pub const TYPE: SensorType = SensorType {
     name: "netft",
     about: "ATI Net F/T six-axis force/torque sensor over UDP",
     wire: "UDP port 49152, big-endian records of 36 bytes",
-    way: Way::Udp { port: 49_152 },
+    interface: Interface::Udp { port: 49_152 },
     taxels: 1,
     rate_hz: "7000",
     newtons_per_unit: None,
     axes: "-z,x,y",
     zero: Zero::Device,
     example: "--device 192.168.1.1 --hand left --newtons-per-count 1/1000000,1/1000000,1/1000000",
-    notes: "Counts per newton (cfgcpf) stand at http://HOST/netftapi2.xml; pass their reciprocal.",
+    notes: "The page http://HOST/netftapi2.xml lists counts per newton (cfgcpf); pass their \
+        reciprocal.",
     options: <Options as Args>::augment_args,
     driver: make,
 };
@@ -48,13 +50,13 @@ fn make(_matches: &ArgMatches, request: &Request) -> Result<Box<dyn Driver>, Str
     }))
 }
 
-/// A request, count endless.
+/// Returns a request for endless records.
 fn request(command: u16) -> [u8; 8] {
     let [high, low] = command.to_be_bytes();
     [0x12, 0x34, high, low, 0, 0, 0, 0]
 }
 
-/// One box.
+/// Driver of one box.
 struct NetFt {
     zero: bool,
     counts: ByteCounts,
@@ -70,17 +72,17 @@ impl Driver for NetFt {
         }
     }
 
-    fn dialogue(&self) -> Dialogue {
-        Dialogue {
+    fn messages(&self) -> DeviceMessages {
+        DeviceMessages {
             start: request(2).to_vec(),
             once: if self.zero {
                 request(0x42).to_vec()
             } else {
                 Vec::new()
             },
-            insist: true,
+            repeat_start: true,
             stop: request(0).to_vec(),
-            ..Dialogue::default()
+            ..DeviceMessages::default()
         }
     }
 
@@ -96,7 +98,7 @@ impl Driver for NetFt {
         self.counts.data += length;
         for (index, record) in bytes.chunks_exact(RECORD).enumerate() {
             self.counts.frames += 1;
-            pass_on(record, byte_offset + (index * RECORD) as u64, report);
+            report_record(record, byte_offset + (index * RECORD) as u64, report);
         }
     }
 
@@ -105,7 +107,7 @@ impl Driver for NetFt {
     }
 }
 
-fn pass_on(record: &[u8], byte_offset: u64, report: &mut dyn FnMut(Event<'_>)) {
+fn report_record(record: &[u8], byte_offset: u64, report: &mut dyn FnMut(Event<'_>)) {
     let (words, _) = record.as_chunks::<4>();
     let word = |index: usize| u32::from_be_bytes(words[index]);
     let values: [f64; 6] = core::array::from_fn(|axis| f64::from(word(3 + axis).cast_signed()));
@@ -116,9 +118,9 @@ fn pass_on(record: &[u8], byte_offset: u64, report: &mut dyn FnMut(Event<'_>)) {
         status,
         temperature_c: None,
         condition: match status {
-            0 => Condition::Well,
-            LATCHED_MONITOR => Condition::Strained,
-            bits if bits >> 31 == 0 => Condition::Strained,
+            0 => Condition::Normal,
+            LATCHED_MONITOR => Condition::Degraded,
+            bits if bits >> 31 == 0 => Condition::Degraded,
             _ => Condition::Failed,
         },
         values: &values,

@@ -1,29 +1,33 @@
-//! Contactile PapillArray sensors behind the vendor's controller, over USB CDC (PTSCOM 2.0, little-endian).
+//! Contactile PapillArray sensors behind the vendor's controller, over USB CDC (PTSCOM 2.0,
+//! little-endian).
 //!
 //! | message | layout |
 //! |---|---|
-//! | packet | `55 66 77 88`, index size (`u8`), table, blocks, sum of all bytes since the start mark (`u16`), `AA BB CC DD` |
-//! | table | per block: type (`u16`), offset from the byte after the start mark (index size bytes) |
+//! | packet | `55 66 77 88`, index size (`u8`), table, blocks, checksum (`u16`), `AA BB CC DD` |
+//! | table | per block: type (`u16`), offset after the start mark (index size bytes) |
 //! | block 1 | packet counter (`u32`), time in µs (`u64`) |
-//! | block 3 | sensors (`u16`), their offsets; per sensor pillars (`u16`), their offsets; per pillar 2 (`u16`), Fx Fy Fz in N, Dx Dy Dz in mm (`f32`) |
-//! | to the controller | ASCII lines: `f100`, `f250`, `f500`, `f1000` set the rate, `z` takes the bias |
+//! | block 3 | sensors (`u16`), their offsets; per sensor: pillars (`u16`), their offsets |
+//! | pillar | 2 (`u16`), Fx Fy Fz in N, Dx Dy Dz in mm (`f32`) |
+//! | command | ASCII lines: `f100`, `f250`, `f500`, `f1000` set the rate, `z` zeroes |
 //!
-//! Further blocks (global force, slip, friction) are passed over. The end mark may occur inside floats, so every end
-//! mark within the longest packet is tried until sum and structure hold; a start mark may occur there too, which the
-//! sum settles. Source: PTSCOM_2.0_SPEC_SEP22 of the vendor, and a public third-party decoder for the block layouts.
+//! The checksum is the sum of all bytes after the start mark. Other blocks (global force, slip,
+//! friction) are ignored. The end mark may occur inside floats, so every end mark within the
+//! longest packet is tried until checksum and structure match; the checksum also rejects false
+//! start marks. Source: PTSCOM_2.0_SPEC_SEP22 of the vendor, and a public third-party decoder for
+//! the block layouts.
 
 use clap::{ArgMatches, Args, FromArgMatches};
 
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
 use crate::resync::{Candidate, Resync, Wire};
-use crate::wire::{Dialogue, Driver, Event, Request, SensorType, Way, Zero};
+use crate::wire::{DeviceMessages, Driver, Event, Interface, Request, SensorType, Zero};
 
-/// The line in the list of sensors.
+/// Entry in the list of sensors.
 pub const TYPE: SensorType = SensorType {
     name: "papillarray",
     about: "Contactile PapillArray: nine pillars per sensor, one or two sensors on a controller",
     wire: "serial over USB CDC, little-endian packets with a 16-bit sum",
-    way: Way::Serial { baud: 115_200 },
+    interface: Interface::Serial { baud: 115_200 },
     taxels: 9,
     rate_hz: "1000",
     newtons_per_unit: Some("1,1,1"),
@@ -37,9 +41,9 @@ pub const TYPE: SensorType = SensorType {
 
 const START: [u8; 4] = [0x55, 0x66, 0x77, 0x88];
 const END: [u8; 4] = [0xAA, 0xBB, 0xCC, 0xDD];
-/// Bytes of the longest packet that is believed. Two sensors with every known block take 854. Ours; more would hold
-/// back the packets behind a damaged one for longer.
-const LONGEST: usize = 1024;
+/// Longest accepted packet, bytes. Two sensors with every known block take 854. Design choice: a
+/// larger limit would delay the packets after a damaged one.
+const PACKET_MAX: usize = 1024;
 /// Pillars of one sensor.
 const PILLARS: usize = 9;
 /// Sensors of one controller.
@@ -49,7 +53,7 @@ const PILLAR_BYTES: usize = 26;
 
 #[derive(Debug, Args)]
 struct Options {
-    /// Sensors on the controller: sensor i is finger i of the device.
+    /// Sensors on the controller: sensor i is finger i of the device
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=MAX_SENSORS as u64))]
     sensors: u64,
 }
@@ -69,11 +73,11 @@ fn make(matches: &ArgMatches, request: &Request) -> Result<Box<dyn Driver>, Stri
     }))
 }
 
-/// The packets of a controller.
+/// Packet format of a controller.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Format;
 
-/// One packet's pillar forces.
+/// Pillar forces of one packet.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet {
     byte_offset: u64,
@@ -84,7 +88,7 @@ pub struct Packet {
 
 impl Wire for Format {
     type Message = Packet;
-    const LONGEST: usize = LONGEST;
+    const LENGTH_MAX: usize = PACKET_MAX;
     const NESTED: bool = true;
 
     fn examine(&self, bytes: &[u8], byte_offset: u64) -> Candidate<Packet> {
@@ -92,7 +96,7 @@ impl Wire for Format {
         if bytes[..known] != START[..known] {
             return Candidate::None;
         }
-        let bytes = &bytes[..bytes.len().min(LONGEST)];
+        let bytes = &bytes[..bytes.len().min(PACKET_MAX)];
         let Some(body) = bytes.get(START.len()..) else {
             return Candidate::Undecided;
         };
@@ -117,7 +121,7 @@ impl Wire for Format {
                 return Candidate::Valid(packet, START.len() + end + END.len());
             }
         }
-        if bytes.len() < LONGEST && may_go_on(body) {
+        if bytes.len() < PACKET_MAX && may_be_packet(body) {
             Candidate::Undecided
         } else {
             Candidate::Corrupt
@@ -134,7 +138,7 @@ fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
     Some(u16::from_le_bytes(*word))
 }
 
-/// An offset of `size` bytes.
+/// Returns an offset of `size` bytes.
 fn offset_at(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
     let bytes = bytes.get(at..at + size)?;
     Some(
@@ -145,7 +149,7 @@ fn offset_at(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
     )
 }
 
-/// Where blocks 1 and 3 begin. The table ends where the first block begins.
+/// Returns the starts of blocks 1 and 3. The table ends where the first block begins.
 fn table(body: &[u8]) -> Option<(usize, usize)> {
     let size = usize::from(*body.first()?);
     if !(1..=4).contains(&size) {
@@ -166,7 +170,7 @@ fn table(body: &[u8]) -> Option<(usize, usize)> {
     Some((hub?, pillars?))
 }
 
-/// The packet, if its blocks lie inside it and have the expected structure.
+/// Returns the packet if its blocks lie inside it and have the expected structure.
 fn parse(body: &[u8], byte_offset: u64) -> Option<Packet> {
     let size = usize::from(*body.first()?);
     let (hub, mut at) = table(body)?;
@@ -199,12 +203,13 @@ fn parse(body: &[u8], byte_offset: u64) -> Option<Packet> {
     })
 }
 
-/// Whether what came of a packet can still become one: an index size that no controller sends cannot.
-fn may_go_on(body: &[u8]) -> bool {
+/// Returns true if the received part can still become a packet: its index size is one that
+/// controllers send.
+fn may_be_packet(body: &[u8]) -> bool {
     body.first().is_none_or(|size| (1..=4).contains(size))
 }
 
-/// One controller.
+/// Driver of one controller.
 struct PapillArray {
     request: Request,
     sensors: usize,
@@ -221,28 +226,28 @@ impl Driver for PapillArray {
         }
     }
 
-    fn dialogue(&self) -> Dialogue {
-        Dialogue {
+    fn messages(&self) -> DeviceMessages {
+        DeviceMessages {
             start: format!("f{}\n", self.request.rate_hz).into_bytes(),
             once: if self.request.zero {
                 b"z\n".to_vec()
             } else {
                 Vec::new()
             },
-            ..Dialogue::default()
+            ..DeviceMessages::default()
         }
     }
 
     fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>)) {
         let sensors = self.sensors;
         self.decoder
-            .push(bytes, |packet| pass_on(&packet, sensors, report));
+            .push(bytes, |packet| report_packet(&packet, sensors, report));
     }
 
     fn finish(&mut self, report: &mut dyn FnMut(Event<'_>)) {
         let sensors = self.sensors;
         self.decoder
-            .finish(|packet| pass_on(&packet, sensors, report));
+            .finish(|packet| report_packet(&packet, sensors, report));
     }
 
     fn counts(&self) -> ByteCounts {
@@ -250,9 +255,9 @@ impl Driver for PapillArray {
     }
 }
 
-fn pass_on(packet: &Packet, expected: usize, report: &mut dyn FnMut(Event<'_>)) {
+fn report_packet(packet: &Packet, expected: usize, report: &mut dyn FnMut(Event<'_>)) {
     if packet.sensors != expected {
-        report(Event::Foreign(if packet.sensors == 1 {
+        report(Event::OtherKind(if packet.sensors == 1 {
             "packets of one sensor; pass --sensors 1"
         } else {
             "packets of two sensors; pass --sensors 2"
@@ -264,7 +269,7 @@ fn pass_on(packet: &Packet, expected: usize, report: &mut dyn FnMut(Event<'_>)) 
         count: Some(packet.counter),
         status: 0,
         temperature_c: None,
-        condition: Condition::Well,
+        condition: Condition::Normal,
         values: &packet.forces_n[..3 * PILLARS * packet.sensors],
     }));
 }

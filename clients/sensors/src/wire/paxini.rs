@@ -1,33 +1,36 @@
-//! Paxini PX-6AX GEN3 fingertips behind the vendor's serial converter board (921,600 baud 8N1, little-endian).
+//! Paxini PX-6AX GEN3 fingertips behind the vendor's serial converter board (921,600 baud 8N1,
+//! little-endian).
 //!
-//! The board answers only when it is asked, one request per frame:
+//! The board is polled, one request per frame:
 //!
 //! | message | bytes | layout |
 //! |---|---|---|
-//! | request, to the board | 14 | `55 AA`, length − 5 (`u16`), device, 0, function, address (`u32`), data length (`u16`), LRC |
-//! | calibration, to the board | 15 | the same with function `79`, address 3, data length 1, data `01` |
+//! | request | 14 | `55 AA`, length − 5 (`u16`), device, 0, function, address (`u32`), size (`u16`), LRC |
+//! | calibration | 15 | as request: function `79`, address 3, size 1, data `01` |
 //! | reply | 15 + data | `AA 55`, the same fields, status, data, LRC |
 //!
-//! Function `FB` reads forces; the distributed force begins at address `0x40E`: per taxel `i8` x, `i8` y, `u8` z in
-//! 0.1 N. The LRC is the two's complement of the sum of all bytes before it. The reply to a write carries no data. The
-//! board's firmware answers reads with status 1 although the data are good, so 0 and 1 both count as well.
+//! Function `FB` reads forces; the distributed force begins at address `0x40E`: per taxel `i8` x,
+//! `i8` y, `u8` z in 0.1 N. The LRC is the two's complement of the sum of all bytes before it. The
+//! reply to a write has no data. The board's firmware answers reads with status 1 although the data
+//! are valid, so 0 and 1 both mean success.
 //!
-//! A reply is recognised by all thirteen bytes of its header, which one request fixes; so one byte of checksum is
-//! enough. The high-speed board for whole hands, which pushes frames of another layout, is [`super::paxini_hand`]. Source: the
-//! vendor's protocol as the public `paxini-sdk` implements it, checked against that in `tests/independent_paxini.py`.
+//! The thirteen bytes of a reply's header, which the request determines, identify it; so one byte
+//! of checksum is enough. [`super::paxini_hand`] drives the high-speed board for whole hands, which
+//! sends frames of another layout. Source: the vendor's protocol as the public `paxini-sdk`
+//! implements it; `tests/independent_paxini.py` compares both.
 
 use clap::{ArgMatches, Args, FromArgMatches, ValueEnum};
 
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
 use crate::resync::{Candidate, Resync, Wire};
-use crate::wire::{Dialogue, Driver, Event, Request, SensorType, Way, Zero};
+use crate::wire::{DeviceMessages, Driver, Event, Interface, Request, SensorType, Zero};
 
-/// The line in the list of sensors.
+/// Entry in the list of sensors.
 pub const TYPE: SensorType = SensorType {
     name: "paxini",
     about: "Paxini PX-6AX GEN3 fingertip on the vendor's serial converter board",
     wire: "serial, 921600 baud 8N1, polled, frames with an 8-bit LRC",
-    way: Way::Serial { baud: 921_600 },
+    interface: Interface::Serial { baud: 921_600 },
     taxels: 31,
     rate_hz: "176",
     newtons_per_unit: Some("0.1,0.1,0.1"),
@@ -41,7 +44,7 @@ pub const TYPE: SensorType = SensorType {
 
 /// Address of the distributed force (vendor's protocol).
 const FORCE_ADDRESS: u32 = 0x40E;
-/// Address whose writing calibrates (vendor's protocol).
+/// Address of the calibration register (vendor's protocol).
 const CALIBRATION_ADDRESS: u32 = 3;
 /// Function code: read forces.
 const READ_FORCE: u8 = 0xFB;
@@ -78,7 +81,7 @@ impl Model {
 
 #[derive(Debug, Args)]
 struct Options {
-    /// Which fingertip; the board cannot say.
+    /// Fingertip model, which the board does not report
     #[arg(long, value_enum, default_value = "s1813e")]
     model: Model,
     /// Number of the fingertip on the board's bus: its module number + 1.
@@ -98,21 +101,21 @@ fn make(matches: &ArgMatches, request: &Request) -> Result<Box<dyn Driver>, Stri
     }))
 }
 
-/// The replies of one fingertip.
+/// Reply format of one fingertip.
 #[derive(Clone, Copy, Debug)]
 pub struct Format {
-    /// Its number on the board's bus.
+    /// Number on the board's bus.
     pub device: u8,
-    /// Its taxels.
+    /// Number of taxels.
     pub taxels: usize,
 }
 
-/// One reply.
+/// Reply.
 #[derive(Clone, Copy, Debug)]
 pub enum Reply {
-    /// To a read: status, offset in the stream, and three bytes per taxel.
+    /// Reply to a read: status, offset in the stream, and three bytes per taxel.
     Forces(u8, u64, [u8; 3 * MAX_TAXELS]),
-    /// To a write: its status.
+    /// Reply to a write: status.
     Written(u8),
 }
 
@@ -122,7 +125,7 @@ impl Format {
         message(self.device, READ_FORCE, FORCE_ADDRESS, length, &[])
     }
 
-    /// The first thirteen bytes of a reply with so many bytes of data.
+    /// Returns the first thirteen bytes of a reply with this many bytes of data.
     fn header(&self, function: u8, address: u32, carried: usize, asked: u16) -> [u8; 13] {
         let length = (REPLY_HEADER + carried + 1 - 5) as u16;
         header([0xAA, 0x55], length, self.device, function, address, asked)
@@ -131,7 +134,7 @@ impl Format {
 
 impl Wire for Format {
     type Message = Reply;
-    const LONGEST: usize = REPLY_HEADER + 3 * MAX_TAXELS + 1;
+    const LENGTH_MAX: usize = REPLY_HEADER + 3 * MAX_TAXELS + 1;
     const NESTED: bool = true;
 
     fn examine(&self, bytes: &[u8], byte_offset: u64) -> Candidate<Reply> {
@@ -193,7 +196,7 @@ fn message(device: u8, function: u8, address: u32, data_length: u16, data: &[u8]
     bytes
 }
 
-/// One fingertip.
+/// Driver of one fingertip.
 struct Paxini {
     zero: bool,
     decoder: Resync<Format>,
@@ -215,30 +218,31 @@ impl Driver for Paxini {
         }
     }
 
-    fn dialogue(&self) -> Dialogue {
+    fn messages(&self) -> DeviceMessages {
         let format = self.format();
         let start = if self.zero {
             message(format.device, CALIBRATE, CALIBRATION_ADDRESS, 1, &[1])
         } else {
             Vec::new()
         };
-        Dialogue {
+        DeviceMessages {
             acknowledged: !start.is_empty(),
             start,
             poll: format.request(),
-            ..Dialogue::default()
+            ..DeviceMessages::default()
         }
     }
 
     fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>)) {
         let taxels = self.format().taxels;
         self.decoder
-            .push(bytes, |reply| pass_on(&reply, taxels, report));
+            .push(bytes, |reply| report_reply(&reply, taxels, report));
     }
 
     fn finish(&mut self, report: &mut dyn FnMut(Event<'_>)) {
         let taxels = self.format().taxels;
-        self.decoder.finish(|reply| pass_on(&reply, taxels, report));
+        self.decoder
+            .finish(|reply| report_reply(&reply, taxels, report));
     }
 
     fn counts(&self) -> ByteCounts {
@@ -246,7 +250,7 @@ impl Driver for Paxini {
     }
 }
 
-fn pass_on(reply: &Reply, taxels: usize, report: &mut dyn FnMut(Event<'_>)) {
+fn report_reply(reply: &Reply, taxels: usize, report: &mut dyn FnMut(Event<'_>)) {
     match reply {
         Reply::Written(status) => report(Event::Acknowledged((*status).into())),
         Reply::Forces(status, byte_offset, data) => {
@@ -262,7 +266,7 @@ fn pass_on(reply: &Reply, taxels: usize, report: &mut dyn FnMut(Event<'_>)) {
                 status: (*status).into(),
                 temperature_c: None,
                 condition: if *status <= 1 {
-                    Condition::Well
+                    Condition::Normal
                 } else {
                     Condition::Failed
                 },
@@ -277,7 +281,7 @@ mod tests {
     use super::{Format, message};
 
     #[test]
-    fn requests_match_the_vendors_own() {
+    fn requests_equal_the_vendor_sdk() {
         let format = Format {
             device: 1,
             taxels: 52,

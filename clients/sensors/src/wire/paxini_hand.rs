@@ -1,43 +1,46 @@
-//! Paxini GEN3 fingertips on the vendor's high-speed board for whole hands (921,600 baud 8N1, little-endian).
+//! Paxini GEN3 fingertips on the vendor's high-speed board for whole hands (921,600 baud 8N1,
+//! little-endian).
 //!
-//! The board pushes frames by itself once its register `0x17` is 1:
+//! The board sends frames without request once its register `0x17` is 1:
 //!
 //! | message | bytes | layout |
 //! |---|---|---|
-//! | write, to the board | 10 | `55 AA`, 0, function `10`, register (`u16`), data length (`u16`) 1, data, LRC |
-//! | reply to it | 10 | `AA 55`, 0, function `10`, register, data length 1, status (0 is well), LRC |
+//! | write | 10 | `55 AA`, 0, function `10`, register (`u16`), length (`u16`) 1, data, LRC |
+//! | reply | 10 | `AA 55`, 0, function `10`, register, length 1, status (0 valid), LRC |
 //! | frame | 7 + data | `AA 56`, 0, data length + 1 (`u16`), error code, data, LRC |
 //!
-//! The data are those of every connected module, in the order of the board's slots (thumb, index, middle, ring, little finger, of
-//! each the proximal, middle and distal phalanx and the nail; then the palm): the force on the whole module, 6 bytes, which is
-//! left out here, then per taxel `i8` x, `i8` y, `u8` z in 0.1 N. Register `0x16` says what of both is pushed: bit 0 the whole
-//! force, bit 1 the taxels. The LRC is the two's complement of the sum of all bytes before it. A frame says nothing about its
-//! modules, so they are options; a frame is recognised by the five bytes that its length fixes. It has no counter.
+//! The data contain every connected module, in the order of the board's slots: thumb, index,
+//! middle, ring and little finger, each with proximal, middle and distal phalanx and nail; then the
+//! palm. A module has its total force (6 bytes, ignored here), then per taxel `i8` x, `i8` y, `u8`
+//! z in 0.1 N. Register `0x16` selects the contents: bit 0 the total force, bit 1 the taxels. The
+//! LRC is the two's complement of the sum of all bytes before it. A frame does not describe its
+//! modules, so they are options; the five bytes that its length determines identify a frame. It has
+//! no counter.
 //!
-//! Sources: two public implementations that agree with each other, `paxini-utils` (after the vendor's own viewer) and `orca_core`;
-//! for the meaning of register `0x16` the latter alone. **Not known from them**: the rate of the frames, which depends on the
-//! modules (`--rate-hz` says what it is); what the error codes mean, so a frame with one is not believed; whether the
-//! reply always comes, so it is not waited for. Absent on purpose: the vendor's command that takes the zero, of
-//! which only the bytes are public; the zero is taken here.
+//! Sources: two public implementations that agree, `paxini-utils` (after the vendor's viewer) and
+//! `orca_core`; register `0x16` only from the latter. **Unknown**: the frame rate, which depends on
+//! the modules (option `--rate-hz`); the meaning of error codes, so frames with one are rejected;
+//! whether the reply always arrives, so the driver does not wait for it. Not included: the vendor's
+//! zero command, of which only the bytes are public; this process zeroes.
 
 use clap::{ArgMatches, Args, FromArgMatches};
 use shm_schemas::capacity::FINGERS;
 
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
 use crate::resync::{Candidate, Resync, Wire};
-use crate::wire::{Dialogue, Driver, Event, Request, SensorType, Way, Zero};
+use crate::wire::{DeviceMessages, Driver, Event, Interface, Request, SensorType, Zero};
 
-/// The line in the list of sensors.
+/// Entry in the list of sensors.
 pub const TYPE: SensorType = SensorType {
     name: "paxini-hand",
     about: "Paxini GEN3 fingertips of a whole hand on the vendor's high-speed board",
     wire: "serial, 921600 baud 8N1, pushed frames AA 56 with an 8-bit LRC",
-    way: Way::Serial { baud: 921_600 },
+    interface: Interface::Serial { baud: 921_600 },
     taxels: 31,
     rate_hz: "100",
     newtons_per_unit: Some("0.1,0.1,0.1"),
     axes: "z,x,y",
-    zero: Zero::Here,
+    zero: Zero::Host,
     example: "--device /dev/ttyACM0 --hand left --modules 31,31 --rate-hz 200",
     notes: "The rate of its frames depends on the modules and cannot be asked for: --rate-hz says what it is, `atas-sensor hz` \
             measures it. Frames of other modules than the named ones \
@@ -47,21 +50,21 @@ pub const TYPE: SensorType = SensorType {
     driver: make,
 };
 
-/// Modules that the board has slots for.
+/// Number of module slots of the board.
 const MODULES: usize = 28;
-/// Taxels that a slot has addresses for.
+/// Addressable taxels per slot.
 const TAXELS_MAX: usize = 170;
-/// Bytes of the force on a whole module.
-const WHOLE: usize = 6;
+/// Bytes of a module's total force.
+const TOTAL_FORCE_BYTES: usize = 6;
 /// Bytes of a taxel.
-const TAXEL: usize = 3;
+const TAXEL_BYTES: usize = 3;
 /// Bytes of a frame before its data.
 const HEADER: usize = 6;
-/// Register: what is pushed.
+/// Register that selects the contents.
 const CONTENT: u16 = 0x16;
-/// Its value for the whole forces and the taxels, as the vendor's viewer expects it.
-const EVERYTHING: u8 = 3;
-/// Register: whether it is pushed.
+/// Value for total forces and taxels, as the vendor's viewer expects it.
+const ALL_CONTENT: u8 = 3;
+/// Register that enables sending.
 const PUSH: u16 = 0x17;
 /// Function code: write a register.
 const WRITE: u8 = 0x10;
@@ -76,7 +79,7 @@ struct Options {
         default_value = "31"
     )]
     modules: Vec<usize>,
-    /// Which of these modules are the fingertips, counted from 0 [default: all].
+    /// Fingertips among these modules, counted from 0 [default: all]
     #[arg(long, value_name = "MODULE", value_delimiter = ',')]
     fingertips: Vec<usize>,
 }
@@ -88,30 +91,30 @@ fn make(matches: &ArgMatches, _request: &Request) -> Result<Box<dyn Driver>, Str
     }))
 }
 
-/// The frames of one board with its modules.
+/// Frame format of one board with its modules.
 #[derive(Clone, Debug)]
 pub struct Format {
     /// Taxels of every module.
     modules: Vec<usize>,
-    /// Places among them.
+    /// Indices of the fingertips.
     fingertips: Vec<usize>,
     /// Taxels of the largest fingertip.
     taxels: usize,
-    /// Bytes of data with and without the forces on whole modules.
+    /// Bytes of data with and without total forces.
     carried: [usize; 2],
 }
 
-/// The taxels of all fingertips, each with as many bytes as the largest.
-pub type Tips = [u8; TAXEL * TAXELS_MAX * FINGERS];
+/// Taxels of all fingertips, each with the size of the largest.
+pub type Tips = [u8; TAXEL_BYTES * TAXELS_MAX * FINGERS];
 
-/// One message.
+/// Message of the board.
 #[derive(Clone, Copy, Debug)]
 pub struct Message {
     /// Offset of its first byte in the stream.
     byte_offset: u64,
     /// Error code of a frame, or status of a reply.
     status: u8,
-    /// What a frame says of the fingertips; `None` for the reply to a write.
+    /// Fingertip data of a frame; `None` for the reply to a write.
     tips: Option<Tips>,
 }
 
@@ -141,19 +144,20 @@ impl Format {
         let all: usize = modules.iter().sum();
         Ok(Self {
             taxels: taxels.unwrap_or(0),
-            carried: [WHOLE, 0].map(|before| before * modules.len() + TAXEL * all),
+            carried: [TOTAL_FORCE_BYTES, 0]
+                .map(|before| before * modules.len() + TAXEL_BYTES * all),
             modules,
             fingertips,
         })
     }
 
-    /// What a message that begins so would be; `None` if none does.
+    /// Returns the message that a header announces; `None` without a header.
     fn announced(&self, bytes: &[u8]) -> Option<Announced> {
         let known = |header: &[u8]| {
             let length = bytes.len().min(header.len());
             bytes[..length] == header[..length]
         };
-        for (carried, before) in self.carried.into_iter().zip([WHOLE, 0]) {
+        for (carried, before) in self.carried.into_iter().zip([TOTAL_FORCE_BYTES, 0]) {
             let [l0, l1] = (carried as u16 + 1).to_le_bytes();
             if known(&[0xAA, 0x56, 0, l0, l1]) {
                 return Some(Announced::Forces { before, carried });
@@ -164,17 +168,17 @@ impl Format {
         is_reply.then_some(Announced::Written)
     }
 
-    /// The fingertips out of the data, with so many bytes before each module's taxels. One with fewer taxels than the largest
-    /// feels nothing where it has none.
+    /// Returns the fingertips from the data, with `before` bytes before each module's taxels.
+    /// Missing taxels of smaller fingertips read zero.
     fn tips(&self, data: &[u8], before: usize) -> Tips {
-        let mut tips = [0; TAXEL * TAXELS_MAX * FINGERS];
+        let mut tips = [0; TAXEL_BYTES * TAXELS_MAX * FINGERS];
         for (place, &tip) in tips
-            .chunks_exact_mut(TAXEL * self.taxels)
+            .chunks_exact_mut(TAXEL_BYTES * self.taxels)
             .zip(&self.fingertips)
         {
             let earlier: usize = self.modules[..tip].iter().sum();
-            let start = before * (tip + 1) + TAXEL * earlier;
-            let length = TAXEL * self.modules[tip];
+            let start = before * (tip + 1) + TAXEL_BYTES * earlier;
+            let length = TAXEL_BYTES * self.modules[tip];
             place[..length].copy_from_slice(&data[start..start + length]);
         }
         tips
@@ -189,7 +193,7 @@ enum Announced {
 
 impl Wire for Format {
     type Message = Message;
-    const LONGEST: usize = HEADER + MODULES * (WHOLE + TAXEL * TAXELS_MAX) + 1;
+    const LENGTH_MAX: usize = HEADER + MODULES * (TOTAL_FORCE_BYTES + TAXEL_BYTES * TAXELS_MAX) + 1;
     const NESTED: bool = true;
 
     fn examine(&self, bytes: &[u8], byte_offset: u64) -> Candidate<Message> {
@@ -226,7 +230,7 @@ impl Wire for Format {
     }
 }
 
-/// The first eight bytes of a write of one byte, and of the reply to it.
+/// Returns the first eight bytes of a one-byte write, and of its reply.
 fn header(head: [u8; 2], register: u16) -> [u8; 8] {
     let [r0, r1] = register.to_le_bytes();
     [head[0], head[1], 0, WRITE, r0, r1, 1, 0]
@@ -240,7 +244,7 @@ fn write(register: u16, value: u8) -> Vec<u8> {
     bytes
 }
 
-/// One board.
+/// Driver of one board.
 struct PaxiniHand {
     decoder: Resync<Format>,
 }
@@ -256,25 +260,25 @@ impl Driver for PaxiniHand {
         }
     }
 
-    fn dialogue(&self) -> Dialogue {
-        Dialogue {
-            start: [write(CONTENT, EVERYTHING), write(PUSH, 1)].concat(),
-            insist: true,
+    fn messages(&self) -> DeviceMessages {
+        DeviceMessages {
+            start: [write(CONTENT, ALL_CONTENT), write(PUSH, 1)].concat(),
+            repeat_start: true,
             stop: write(PUSH, 0),
-            ..Dialogue::default()
+            ..DeviceMessages::default()
         }
     }
 
     fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>)) {
         let count = self.shape().values();
         self.decoder
-            .push(bytes, |message| pass_on(&message, count, report));
+            .push(bytes, |message| report_message(&message, count, report));
     }
 
     fn finish(&mut self, report: &mut dyn FnMut(Event<'_>)) {
         let count = self.shape().values();
         self.decoder
-            .finish(|message| pass_on(&message, count, report));
+            .finish(|message| report_message(&message, count, report));
     }
 
     fn counts(&self) -> ByteCounts {
@@ -283,7 +287,7 @@ impl Driver for PaxiniHand {
 }
 
 /// Reports a message; `count` values are those of the fingertips.
-fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
+fn report_message(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
     let Message {
         byte_offset,
         status,
@@ -292,8 +296,11 @@ fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
     else {
         return report(Event::Acknowledged(message.status.into()));
     };
-    let mut values = [0.0; TAXEL * TAXELS_MAX * FINGERS];
-    for (value, taxel) in values.chunks_exact_mut(TAXEL).zip(tips.chunks_exact(TAXEL)) {
+    let mut values = [0.0; TAXEL_BYTES * TAXELS_MAX * FINGERS];
+    for (value, taxel) in values
+        .chunks_exact_mut(TAXEL_BYTES)
+        .zip(tips.chunks_exact(TAXEL_BYTES))
+    {
         value[0] = f64::from(taxel[0].cast_signed());
         value[1] = f64::from(taxel[1].cast_signed());
         value[2] = f64::from(taxel[2]);
@@ -304,7 +311,7 @@ fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
         status: (*status).into(),
         temperature_c: None,
         condition: if *status == 0 {
-            Condition::Well
+            Condition::Normal
         } else {
             Condition::Failed
         },
@@ -314,10 +321,10 @@ fn pass_on(message: &Message, count: usize, report: &mut dyn FnMut(Event<'_>)) {
 
 #[cfg(test)]
 mod tests {
-    use super::{CONTENT, EVERYTHING, PUSH, write};
+    use super::{ALL_CONTENT, CONTENT, PUSH, write};
 
     #[test]
-    fn writes_match_what_other_implementations_send() {
+    fn writes_equal_other_implementations() {
         assert_eq!(
             write(PUSH, 1),
             [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 1, 0xD8]
@@ -326,7 +333,7 @@ mod tests {
             write(PUSH, 0),
             [0x55, 0xAA, 0, 0x10, 0x17, 0, 1, 0, 0, 0xD9]
         );
-        let content = write(CONTENT, EVERYTHING);
+        let content = write(CONTENT, ALL_CONTENT);
         assert_eq!(content, [0x55, 0xAA, 0, 0x10, 0x16, 0, 1, 0, 3, 0xD7]);
     }
 }

@@ -2,33 +2,34 @@
 //!
 //! One object per update, sensors under numeric keys:
 //! `{"message":5548,"1":{"model":"uSPa44","taxels":16,"data":"C0B3,4465,…","calibrated":[…]}}`.
-//! `message` counts updates; the first message has `"message":"Welcome"` and no reading. `data` holds 3 × taxels
-//! hexadecimal `u16`, x y z per taxel; `calibrated`, where the server has a model of the pad, the same in newtons. With
-//! `--calibrated` those are read, otherwise the counts. Sensor key i is finger i − 1 of the device.
+//! `message` counts updates; the first message has `"message":"Welcome"` and no reading. `data`
+//! holds 3 × taxels hexadecimal `u16`, x y z per taxel. `calibrated` has the same in newtons if the
+//! server has a model of the pad; `--calibrated` selects it. Sensor key i is finger i − 1 of the
+//! device.
 //!
-//! An update counts as valid when it has every expected sensor with exactly the expected number of values; anything
-//! else is junk, whole. Source: the vendor's ROS package and recorded messages.
+//! An update is valid if it has every expected sensor with exactly the expected number of values;
+//! anything else is junk. Source: the vendor's ROS package and recorded messages.
 
 use clap::{ArgMatches, Args, FromArgMatches};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
-use crate::wire::{Dialogue, Driver, Event, Request, SensorType, Way, Zero};
+use crate::wire::{DeviceMessages, Driver, Event, Interface, Request, SensorType, Zero};
 
-/// The line in the list of sensors.
+/// Entry in the list of sensors.
 pub const TYPE: SensorType = SensorType {
     name: "uskin",
     about: "XELA uSkin pads behind the vendor's server",
     wire: "WebSocket port 5000, JSON",
-    way: Way::WebSocket { port: 5000 },
+    interface: Interface::WebSocket { port: 5000 },
     taxels: 16,
     rate_hz: "100",
     newtons_per_unit: None,
     axes: "z,x,y",
-    zero: Zero::Here,
+    zero: Zero::Host,
     example: "--device ws://127.0.0.1:5000 --hand left --calibrated --newtons-per-count 1,1,1",
-    notes: "With --calibrated the values are newtons already: --newtons-per-count 1,1,1.",
+    notes: "With --calibrated the values are in newtons: use --newtons-per-count 1,1,1.",
     options: <Options as Args>::augment_args,
     driver: make,
 };
@@ -58,7 +59,7 @@ fn make(matches: &ArgMatches, _request: &Request) -> Result<Box<dyn Driver>, Str
     }))
 }
 
-/// One pad in an update.
+/// Pad of an update.
 #[derive(Deserialize)]
 struct Pad {
     #[serde(default)]
@@ -66,17 +67,17 @@ struct Pad {
     calibrated: Option<Vec<f64>>,
 }
 
-/// One server.
+/// Driver of one server.
 struct USkin {
     pads: usize,
     taxels: usize,
     calibrated: bool,
     counts: ByteCounts,
-    /// Values of the update at hand.
+    /// Values of the current update.
     values: Vec<f64>,
 }
 
-/// What a text turned out to be.
+/// Content of a text message.
 enum Update {
     Count(u32),
     Welcome,
@@ -105,7 +106,7 @@ impl USkin {
         }
     }
 
-    /// Adds a pad's values; false when they are not what was expected.
+    /// Adds a pad's values. Returns false for unexpected values.
     fn read_pad(&mut self, pad: Value) -> bool {
         let before = self.values.len();
         let Ok(pad) = serde_json::from_value::<Pad>(pad) else {
@@ -122,7 +123,7 @@ impl USkin {
     }
 }
 
-/// A hexadecimal `u16`. A word that is none ends the list, which is then too short.
+/// Parses a hexadecimal `u16`. An invalid word ends the list, which is then too short.
 fn hexadecimal(word: &str) -> Option<f64> {
     u16::from_str_radix(word.trim(), 16).ok().map(f64::from)
 }
@@ -137,8 +138,8 @@ impl Driver for USkin {
         }
     }
 
-    fn dialogue(&self) -> Dialogue {
-        Dialogue::default()
+    fn messages(&self) -> DeviceMessages {
+        DeviceMessages::default()
     }
 
     fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>)) {
@@ -162,7 +163,7 @@ impl Driver for USkin {
                     count: Some(count),
                     status: 0,
                     temperature_c: None,
-                    condition: Condition::Well,
+                    condition: Condition::Normal,
                     values: &self.values,
                 }));
             }

@@ -3,7 +3,7 @@
 
 pub(crate) mod vectors;
 
-/// Header, then the payload, then the sum of both: the format's only rule.
+/// Returns header, payload and the sum of both.
 fn message(header: [u8; 4], payload: impl IntoIterator<Item = u8>) -> Vec<u8> {
     let mut bytes = header.to_vec();
     bytes.extend(payload);
@@ -12,7 +12,7 @@ fn message(header: [u8; 4], payload: impl IntoIterator<Item = u8>) -> Vec<u8> {
     bytes
 }
 
-/// A data frame with any number of values; its kind follows from that number.
+/// Returns a data frame with any number of values, which determines its kind.
 pub(crate) fn data_frame(count: u16, status: u16, values: &[i16]) -> Vec<u8> {
     let payload_length = 4 + 2 * u8::try_from(values.len()).unwrap();
     let words = [count, status]
@@ -24,12 +24,13 @@ pub(crate) fn data_frame(count: u16, status: u16, values: &[i16]) -> Vec<u8> {
     )
 }
 
-/// A one-channel frame whose forces follow from its count, so that a wrong frame is noticed.
+/// Returns a one-channel frame whose forces follow from its count, so that a wrong frame is
+/// detected.
 pub(crate) fn numbered_frame(count: u16) -> Vec<u8> {
     data_frame(count, 0, &forces_of(count))
 }
 
-/// The forces of [`numbered_frame`].
+/// Returns the forces of [`numbered_frame`].
 pub(crate) fn forces_of(count: u16) -> [i16; 3] {
     let scrambled = count.wrapping_mul(40503);
     [
@@ -40,7 +41,7 @@ pub(crate) fn forces_of(count: u16) -> [i16; 3] {
     .map(|word| word.cast_signed() % 2000)
 }
 
-/// An acknowledgement.
+/// Returns an acknowledgement.
 pub(crate) fn acknowledgement(status: u8) -> Vec<u8> {
     message([0xAA, 0x00, 0x50, 0x01], [status])
 }

@@ -1,7 +1,8 @@
-//! What each device sends, made from the descriptions of the formats and not with the code under test.
+//! Emulated devices: messages made from the format descriptions, independent of the code under
+//! test.
 #![allow(dead_code, reason = "each program uses its own part")]
 
-/// Taxel values that follow from a frame's number, so that a wrong frame is noticed.
+/// Returns taxel values that follow from a frame's number, so that a wrong frame is detected.
 pub(crate) fn value(frame: u32, index: usize) -> i32 {
     let mixed = frame
         .wrapping_mul(2_654_435_761)
@@ -9,7 +10,7 @@ pub(crate) fn value(frame: u32, index: usize) -> i32 {
     (mixed >> 16) as i32 % 120
 }
 
-/// The same, never negative.
+/// Returns non-negative taxel values that follow from a frame's number.
 pub(crate) fn magnitude(frame: u32, index: usize) -> i32 {
     value(frame, index).abs()
 }
@@ -112,7 +113,7 @@ pub(crate) fn uskin_update(message: u32) -> Vec<u8> {
     .into_bytes()
 }
 
-/// A frame that a Paxini high-speed board pushes, of modules with so many taxels.
+/// A frame of a Paxini high-speed board, of modules with these numbers of taxels.
 pub(crate) fn paxini_hand_frame(frame: u32, modules: &[usize]) -> Vec<u8> {
     let mut data = Vec::new();
     let mut index = 0;

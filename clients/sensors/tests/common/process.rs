@@ -1,4 +1,4 @@
-//! The real program on a real pseudo-terminal and a fresh bus.
+//! Test harness: the program on a pseudo-terminal and a new bus.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 use std::fs::File;
@@ -14,20 +14,20 @@ use rustix::process::{Pid, Signal, kill_process};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
-/// How long to wait for something that must happen, before the test fails instead of hanging.
+/// Timeout of waits; a test fails instead of hanging.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A pseudo-terminal that plays the device.
+/// Pseudo-terminal that emulates the device.
 pub(crate) struct Pty {
     master: File,
     pub(crate) path: PathBuf,
-    /// Held open, so that the raw mode lasts and nothing is lost before the program opens it.
+    /// Held open to keep the raw mode and all bytes until the program opens it.
     _slave: OwnedFd,
 }
 
 impl Pty {
     pub(crate) fn new() -> Self {
-        // Not inherited, so that dropping the master is the end of the line for the program.
+        // Not inherited, so that dropping the master ends the stream for the program.
         let master =
             openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
         grantpt(&master).unwrap();
@@ -49,12 +49,12 @@ impl Pty {
         (&self.master).write_all(bytes).unwrap();
     }
 
-    /// The next nine bytes from the program.
+    /// Returns the next nine bytes from the program.
     pub(crate) fn receive_command(&self) -> [u8; 9] {
         self.receive()
     }
 
-    /// The next bytes from the program.
+    /// Returns the next bytes from the program.
     pub(crate) fn receive<const N: usize>(&self) -> [u8; N] {
         let mut bytes = [0; N];
         let mut filled = 0;
@@ -67,14 +67,14 @@ impl Pty {
                 &mut [PollFd::new(&self.master, PollFlags::IN)],
                 Some(&patience),
             );
-            assert_eq!(ready, Ok(1), "the program said only {filled} of {N} bytes");
+            assert_eq!(ready, Ok(1), "the program sent only {filled} of {N} bytes");
             filled += (&self.master).read(&mut bytes[filled..]).unwrap();
         }
         bytes
     }
 }
 
-/// The running program. Killed if the test forgets it.
+/// Running program; killed on drop.
 pub(crate) struct Sensor(Option<Child>);
 
 impl Sensor {
@@ -137,7 +137,7 @@ impl Drop for Sensor {
     }
 }
 
-/// Waits until something holds.
+/// Waits until a condition holds.
 pub(crate) fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
     let deadline = Instant::now() + PATIENCE;
     while !holds() {

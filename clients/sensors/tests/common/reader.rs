@@ -1,4 +1,4 @@
-//! What arrives on the bus.
+//! Reader of sensor data on the bus.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 use shm_bus::{Bus, FreshBus, Realtime, Subscriber};
@@ -7,7 +7,7 @@ use shm_schemas::{Hand, HandFrame, SensorStatus};
 
 use crate::process::wait_until;
 
-/// A reader of one hand's frames and of sensor statuses.
+/// Reader of one hand's frames and of sensor statuses.
 pub(crate) struct Reader {
     frames: Subscriber<HandFrame>,
     statuses: Subscriber<SensorStatus>,

@@ -1,14 +1,14 @@
-//! The tables of test vectors, and drivers to read them with.
+//! Tables of test vectors, and drivers to decode them.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use atas_sensors::cli;
 use atas_sensors::reading::Condition;
-use atas_sensors::wire::{Driver, Event, Request, SensorType, Way};
+use atas_sensors::wire::{Driver, Event, Interface, Request, SensorType};
 use toml::Value;
 
-/// One row of a table.
+/// Row of a table.
 pub(crate) struct Case {
     pub(crate) about: String,
     pub(crate) options: Vec<String>,
@@ -20,7 +20,7 @@ fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/vectors")
 }
 
-/// The sensors that have a table.
+/// Returns the sensors that have a table.
 pub(crate) fn names() -> BTreeSet<String> {
     std::fs::read_dir(folder())
         .unwrap()
@@ -29,7 +29,7 @@ pub(crate) fn names() -> BTreeSet<String> {
         .collect()
 }
 
-/// A sensor's table.
+/// Returns the table of a sensor.
 pub(crate) fn cases_of(sensor: &str) -> Vec<Case> {
     let path = folder().join(sensor).with_extension("toml");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -62,12 +62,12 @@ fn case(row: &Value) -> Case {
     }
 }
 
-/// Whether a sensor's bytes come as a stream that may be cut anywhere.
+/// Returns true if a sensor sends a byte stream without packet boundaries.
 pub(crate) fn is_stream(sensor: &SensorType) -> bool {
-    matches!(sensor.way, Way::Serial { .. })
+    matches!(sensor.interface, Interface::Serial { .. })
 }
 
-/// A sensor's driver with these options.
+/// Returns a sensor's driver with these options.
 pub(crate) fn driver(sensor: &SensorType, options: &[String]) -> Box<dyn Driver> {
     let line = ["atas-sensor", sensor.name, "--device", "-", "--dry-run"]
         .map(str::to_owned)
@@ -81,7 +81,7 @@ pub(crate) fn driver(sensor: &SensorType, options: &[String]) -> Box<dyn Driver>
     (sensor.driver)(matches.subcommand().unwrap().1, &request).unwrap()
 }
 
-/// Everything that a driver reports about these chunks and their end, in the words of the tables.
+/// Returns all events of a driver for these chunks and their end, in the notation of the tables.
 pub(crate) fn receive<'a>(
     driver: &mut dyn Driver,
     chunks: impl IntoIterator<Item = &'a [u8]>,
@@ -98,14 +98,14 @@ pub(crate) fn receive<'a>(
 fn describe(event: &Event<'_>) -> String {
     match event {
         Event::Acknowledged(status) => format!("acknowledged {status}"),
-        Event::Foreign(kind) => format!("foreign {kind}"),
+        Event::OtherKind(kind) => format!("foreign {kind}"),
         Event::Frame(frame) => {
             let count = frame
                 .count
                 .map_or("-".to_owned(), |count| count.to_string());
             let condition = match frame.condition {
-                Condition::Well => "well",
-                Condition::Strained => "strained",
+                Condition::Normal => "normal",
+                Condition::Degraded => "degraded",
                 Condition::Failed => "failed",
             };
             let values: Vec<String> = frame.values.iter().map(f64::to_string).collect();

@@ -11,9 +11,9 @@ use crate::error::{Error, Result};
 
 /// Fields that the tables may drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fields {
+pub enum FieldPolicy {
     /// The field that they were evolved for.
-    TheirOwn,
+    SameField,
     /// Any hosted field, to test tables elsewhere.
     Any,
 }
@@ -36,7 +36,7 @@ pub struct TeamController {
     sensors: AgentSensors,
     commands: WheelCommands,
     lookup: Lookup,
-    fields: Fields,
+    fields: FieldPolicy,
     counts: Counts,
 }
 
@@ -45,7 +45,7 @@ impl TeamController {
     ///
     /// # Errors
     /// The bus cannot be used, or another process already answers on it.
-    pub fn open(bus: &Bus, lookup: Lookup, fields: Fields) -> Result<Self> {
+    pub fn open(bus: &Bus, lookup: Lookup, fields: FieldPolicy) -> Result<Self> {
         let mut commands = WheelCommands::default();
         commands.stamp.writer_epoch = writer_epoch();
         Ok(Self {
@@ -72,8 +72,8 @@ impl TeamController {
         }
         exchange.take(&mut self.lookup);
         let asked = &self.sensors;
-        if self.fields == Fields::TheirOwn && asked.field_hash != self.lookup.field_hash() {
-            return Err(other_field(asked.field_hash, self.lookup.field_hash()));
+        if self.fields == FieldPolicy::SameField && asked.field_hash != self.lookup.field_hash() {
+            return Err(field_mismatch(asked.field_hash, self.lookup.field_hash()));
         }
         if asked.stamp.writer_epoch == before.writer_epoch {
             let step = asked.stamp.sequence.saturating_sub(before.sequence);
@@ -104,21 +104,21 @@ impl TeamController {
     }
 }
 
-fn other_field(field: u64, tables: u64) -> Error {
+fn field_mismatch(field: u64, tables: u64) -> Error {
     Error::refused(
         "drive the robots",
-        format_args!("their field was {}", called(field)),
-        format_args!("the field of the tables, {}", called(tables)),
-        "host that one (atas-sim field --preset), take tables of this one, or say --any-field",
+        format_args!("their field is {}", field_name(field)),
+        format_args!("the field of the tables, {}", field_name(tables)),
+        "host that field (atas-sim field --preset), use tables of this field, or give --any-field",
     )
 }
 
-fn called(field_hash: u64) -> String {
+fn field_name(field_hash: u64) -> String {
     let named = Preset::ALL
         .into_iter()
         .find(|preset| preset.fingerprint() == field_hash);
     named.map_or_else(
-        || format!("one of its own ({field_hash:016x})"),
+        || format!("a custom one ({field_hash:016x})"),
         |preset| preset.name.into_owned(),
     )
 }

@@ -10,14 +10,14 @@ use super::Lookup;
 #[derive(Debug)]
 pub struct Exchange {
     offered: AtomicBool,
-    place: Mutex<Option<Lookup>>,
+    slot: Mutex<Option<Lookup>>,
 }
 
 impl Default for Exchange {
     fn default() -> Self {
         Self {
             offered: AtomicBool::new(false),
-            place: Mutex::new(None),
+            slot: Mutex::new(None),
         }
     }
 }
@@ -25,7 +25,7 @@ impl Default for Exchange {
 impl Exchange {
     /// Offers tables. The content of the slot, taken or not, is freed here and not in the loop.
     pub fn offer(&self, lookup: Lookup) {
-        let mut place = self.place.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut place = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
         *place = Some(lookup);
         self.offered.store(true, Ordering::Release);
     }
@@ -36,7 +36,7 @@ impl Exchange {
         if !self.offered.load(Ordering::Acquire) {
             return false;
         }
-        let Ok(mut place) = self.place.try_lock() else {
+        let Ok(mut place) = self.slot.try_lock() else {
             return false;
         };
         if let Some(next) = place.as_mut() {
@@ -52,7 +52,7 @@ mod tests {
     use crate::built_in;
 
     #[test]
-    fn an_offer_is_taken_once_and_leaves_the_former_tables_behind() {
+    fn offer_is_taken_once() {
         let file = built_in::table("r3-two-agents").expect("built in");
         let mut current = Lookup::new(std::slice::from_ref(&file));
         let former = current.hash();

@@ -40,7 +40,7 @@ impl Lookup {
 
     /// Prepares the table of a course file with this hash.
     #[must_use]
-    pub fn of_course(hash: &str, table: Responses) -> Self {
+    pub fn from_course(hash: &str, table: Responses) -> Self {
         Self {
             outputs: vec![std::array::from_fn(|row| table.get(row as u8).motor_bits())],
             hash: u64::from_str_radix(hash, 16).unwrap_or(0),
@@ -103,7 +103,7 @@ mod tests {
     use sim_backend::course::Wheels;
 
     #[test]
-    fn agents_do_what_their_table_says() {
+    fn lookup_matches_the_table() {
         let text = include_str!("../../tests/golden/table.toml");
         let file = TableFile::parse(text, Hash::Required).expect("an intact file");
         let lookup = Lookup::new(std::slice::from_ref(&file));
@@ -118,9 +118,9 @@ mod tests {
     }
 
     #[test]
-    fn a_courses_table_answers_with_its_wheel_levels() {
-        let (file, table) = CourseFile::named(BUILT_IN).expect("it ships");
-        let lookup = Lookup::of_course(&file.hash, table);
+    fn course_table_answers_with_its_wheel_levels() {
+        let (file, table) = CourseFile::from_name(BUILT_IN).expect("it ships");
+        let lookup = Lookup::from_course(&file.hash, table);
         let (rows, mut outputs): (Vec<u32>, _) = ((0..ROWS as u32).collect(), [99; ROWS]);
         lookup.answer(&rows, &mut outputs);
         for (row, output) in rows.iter().zip(outputs) {

@@ -25,6 +25,6 @@ mod controller;
 mod exchange;
 mod lookup;
 
-pub use controller::{Counts, Fields, TeamController};
+pub use controller::{Counts, FieldPolicy, TeamController};
 pub use exchange::Exchange;
 pub use lookup::{Lookup, field_hash};

@@ -10,7 +10,7 @@ use crate::stats::Estimate;
 
 /// Border of [`Claim::KeepOut`]: share of solved four-agent trials in which redundant agents keep
 /// out. Design choice: the paper shows two examples and gives no rate.
-const KEEP_OUT_BORDER: f64 = 0.5;
+const KEEP_OUT_SHARE_MIN: f64 = 0.5;
 
 /// A claim, in the order of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -50,14 +50,14 @@ impl Claim {
 
     /// Returns a description.
     #[must_use]
-    pub fn sentence(self) -> &'static str {
+    pub fn description(self) -> &'static str {
         match self {
             Self::FiveTimes => "several reach 5 x one: smallest/one median",
             Self::FiveTimesRunByRun => "P(a run of several >= 5 x a run of one)",
             Self::ThreeBeatFour => "three beat four: P(run of 3 > run of 4)",
             Self::TwoBeatFour => "two beat four: P(run of 2 > run of 4)",
             Self::ThreeBeatTwo => "three are optimal: P(run of 3 > run of 2)",
-            Self::Trapped => "one agent does not get away",
+            Self::Trapped => "one agent stays trapped",
             Self::Circles => "one agent circles (frames 91 to 270)",
             Self::KeepOut => "redundant agents keep out of solved trials",
         }
@@ -90,7 +90,7 @@ impl Claim {
     pub fn border(self) -> f64 {
         match self {
             Self::FiveTimes => 5.0,
-            Self::KeepOut => KEEP_OUT_BORDER,
+            Self::KeepOut => KEEP_OUT_SHARE_MIN,
             _ => 0.5,
         }
     }
@@ -125,6 +125,6 @@ impl FromStr for Claim {
         let names = || Self::ALL.map(|claim| claim.to_string()).join(", ");
         let named = |claim: &Self| claim.to_string() == text;
         let found = Self::ALL.into_iter().find(named);
-        found.ok_or_else(|| format!("a finding was {text:?}, needs one of {}", names()))
+        found.ok_or_else(|| format!("a finding is {text:?}, needs one of {}", names()))
     }
 }

@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn cases_are_told_apart_and_the_clearest_comes_first() {
+    fn cases_are_classified_clearest_first() {
         let trials = [
             trial(1, true, [50, 8, 50, 0]),
             trial(2, true, [50, 0, 0, 50]),

@@ -1,7 +1,7 @@
 //! Transfer: share of a table's fitness that remains with new starts and goals.
 //!
 //! Unseen trials are drawn like those of [`field::Training`] from a separate random stream
-//! ([`crate::training::unseen`]), whether or not the tables were evolved on drawn trials.
+//! ([`crate::training::held_out_sets`]), whether or not the tables were evolved on drawn trials.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,7 +16,7 @@ use crate::genome::Genome;
 use crate::run::Record;
 use crate::stats::{Estimate, bootstrap, mean};
 use crate::table_file::TableFile;
-use crate::training::{Set, unseen};
+use crate::training::{Set, held_out_sets};
 
 /// Sets of eight unseen trials. The standard error of one table's fitness is then about 13 of 800
 /// points (measured on R3).
@@ -43,7 +43,7 @@ pub struct Transfer {
     pub kept: Estimate,
 }
 
-struct Table {
+struct TableFitness {
     training: f32,
     preset: f32,
     goals: f32,
@@ -51,15 +51,15 @@ struct Table {
     both: Vec<f32>,
 }
 
-struct Unseen {
+struct UnseenTrials {
     goals: Vec<Set>,
     starts: Vec<Set>,
     both: Vec<Set>,
 }
 
-impl Unseen {
-    fn of(condition: &Condition) -> Self {
-        let sets = |starts, goals| unseen(condition, starts, goals, UNSEEN_SETS);
+impl UnseenTrials {
+    fn new(condition: &Condition) -> Self {
+        let sets = |starts, goals| held_out_sets(condition, starts, goals, UNSEEN_SETS);
         Self {
             goals: sets(Places::Preset, Places::Drawn),
             starts: sets(Places::Drawn, Places::Preset),
@@ -67,18 +67,18 @@ impl Unseen {
         }
     }
 
-    fn table(
+    fn evaluate(
         &self,
         (condition, engine): (&Condition, Engine),
         genome: &Genome,
         training: f32,
-    ) -> Table {
+    ) -> TableFitness {
         let responses = condition.responses(genome);
         let in_set = |set: &Set| points_in(condition, engine, responses, set);
         let of = |sets: &[Set]| -> f32 {
             points_in(condition, engine, responses, sets.as_flattened()) / sets.len() as f32
         };
-        Table {
+        TableFitness {
             training,
             preset: in_set(&condition.layouts()),
             goals: of(&self.goals),
@@ -92,14 +92,14 @@ impl Unseen {
 pub fn transfers(plan: &Plan, engine: Engine, records: &[Record]) -> Result<Vec<Transfer>> {
     let conditions = plan.conditions()?;
     let of_condition = |condition: &Condition| {
-        let unseen = Unseen::of(condition);
+        let unseen = UnseenTrials::new(condition);
         let agents = condition.team.get();
         let runs = records.par_iter().filter(|run| run.agents == agents);
         let table = |run: &Record| {
             let genome = Genome::from_hex(condition.genome_bits(), &run.genome)?;
-            Some(unseen.table((condition, engine), &genome, run.fitness()))
+            Some(unseen.evaluate((condition, engine), &genome, run.fitness()))
         };
-        let tables: Vec<Table> = runs.filter_map(table).collect();
+        let tables: Vec<TableFitness> = runs.filter_map(table).collect();
         let ratios: Vec<(f32, f32)> = tables
             .iter()
             .map(|table| (mean(&table.both), table.training))
@@ -114,7 +114,7 @@ pub fn transfers(plan: &Plan, engine: Engine, records: &[Record]) -> Result<Vec<
 pub fn transfer(file: &TableFile, engine: Engine) -> Transfer {
     let condition = &file.condition;
     let (genome, training) = (&file.individual.genome, file.individual.fitness());
-    let table = Unseen::of(condition).table((condition, engine), genome, training);
+    let table = UnseenTrials::new(condition).evaluate((condition, engine), genome, training);
     let sets: Vec<(f32, f32)> = table.both.iter().map(|&both| (both, training)).collect();
     let kept = bootstrap(&[&sets], ratio);
     summary(condition.team.get(), &[table], kept)
@@ -127,8 +127,8 @@ fn ratio(groups: &[Vec<(f32, f32)>]) -> f64 {
     sum(|pair| pair.0) / sum(|pair| pair.1).max(f64::MIN_POSITIVE)
 }
 
-fn summary(agents: usize, tables: &[Table], kept: Estimate) -> Transfer {
-    let of = |part: fn(&Table) -> f32| mean(&tables.iter().map(part).collect::<Vec<_>>());
+fn summary(agents: usize, tables: &[TableFitness], kept: Estimate) -> Transfer {
+    let of = |part: fn(&TableFitness) -> f32| mean(&tables.iter().map(part).collect::<Vec<_>>());
     Transfer {
         agents,
         tables: tables.len(),

@@ -8,14 +8,15 @@ use crate::condition::Condition;
 
 /// Evaluated frames: the last two thirds of a trial, in which deadlocks are visible (design
 /// choice).
-const SETTLED: std::ops::RangeInclusive<usize> = TRIAL_FRAMES as usize / 3..=TRIAL_FRAMES as usize;
+const EVALUATED_FRAMES: std::ops::RangeInclusive<usize> =
+    TRIAL_FRAMES as usize / 3..=TRIAL_FRAMES as usize;
 /// One full turn, in heading steps.
 const TURN: i32 = 64;
 /// Side of the square that limits the path of an agent that stands still (design choice).
 const STILL_PX: f32 = 3.0;
 /// Largest distance of an agent beside the object: a quarter of the field's side. Design choice: in
 /// some presets the light reaches everywhere and cannot serve as limit.
-const BESIDE_PX: f32 = 200.0;
+const BESIDE_OBJECT_PX: f32 = 200.0;
 /// Frames of contact from which an agent counts as carrying the object (design choice).
 pub(super) const PUSHING_FRAMES: usize = 9;
 
@@ -41,7 +42,7 @@ impl Wandering {
 /// Classifies the motion of one agent in a trial.
 #[must_use]
 pub fn wandering(condition: &Condition, trace: &Trace, agent: usize) -> Wandering {
-    let path = &trace.frames[SETTLED];
+    let path = &trace.frames[EVALUATED_FRAMES];
     let steps = path.windows(2).map(|pair| {
         let turn =
             i32::from(pair[1].agents[agent].heading) - i32::from(pair[0].agents[agent].heading);
@@ -63,7 +64,11 @@ pub fn wandering(condition: &Condition, trace: &Trace, agent: usize) -> Wanderin
         circling: steps.sum::<i32>().abs() >= TURN,
         still: extent(|pose| pose.x_px).max(extent(|pose| pose.y_px)) < STILL_PX,
         at_object: (dx * dx + dy * dy).sqrt()
-            < condition.model.preset().object_light_px.min(BESIDE_PX),
+            < condition
+                .model
+                .preset()
+                .object_light_px
+                .min(BESIDE_OBJECT_PX),
     }
 }
 

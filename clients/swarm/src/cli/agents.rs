@@ -12,7 +12,7 @@ use shm_bus::{Bus, BusName, Realtime, now_ns};
 use signal_hook::consts::SIGHUP;
 use signal_hook::iterator::Signals;
 
-use ebts::agents::{Counts, Exchange, Fields, Lookup, TeamController, field_hash};
+use ebts::agents::{Counts, Exchange, FieldPolicy, Lookup, TeamController, field_hash};
 use ebts::built_in;
 use ebts::course::table_file::CourseFile;
 use ebts::error::{Error, Result};
@@ -24,7 +24,7 @@ use super::{Format, stop_flag};
 /// robots takes less.
 const SPIN_NS: u64 = 100_000;
 /// Poll interval after the busy-wait. Design choice: a tenth of a frame at 1 kHz.
-const NAP: Duration = Duration::from_micros(100);
+const POLL_INTERVAL: Duration = Duration::from_micros(100);
 
 #[derive(Debug, Args)]
 #[command(
@@ -68,25 +68,30 @@ enum Event {
 impl Event {
     fn human(&self) -> String {
         match self {
-            Self::Ready { hash, tables } => format!("answering by {tables} table(s), hash {hash}"),
+            Self::Ready { hash, tables } => {
+                format!("answering with {tables} table(s), hash {hash}")
+            }
             Self::Exchanged { hash, tables } => {
                 format!("{tables} table(s) with hash {hash} from the next frame on")
             }
-            Self::Refused { why } => format!("the tables in use stay in use: {why}"),
+            Self::Refused { why } => format!(
+                "new tables rejected, the current ones stay in use: \
+                {why}"
+            ),
             Self::Ended(Counts {
                 answered,
                 lost,
                 malformed,
             }) => {
                 format!(
-                    "answered {answered} frames; {lost} came too fast, {malformed} were malformed"
+                    "answered {answered} frames; {lost} were missed, {malformed} were malformed"
                 )
             }
         }
     }
 
     /// Prints the event. A closed reader does not stop the robots.
-    fn tell(&self, format: Format) {
+    fn print(&self, format: Format) {
         let line = match format {
             Format::Human => self.human(),
             Format::Json => serde_json::to_string(self).unwrap_or_default(),
@@ -101,23 +106,23 @@ pub(super) fn agents(args: AgentsArgs, format: Format) -> Result<()> {
     let signals = Signals::new([SIGHUP])
         .map_err(Error::io("watch signals for", Path::new("this process")))?;
     let fields = match args.any_field {
-        true => Fields::Any,
-        false => Fields::TheirOwn,
+        true => FieldPolicy::Any,
+        false => FieldPolicy::SameField,
     };
     let lookup = read(&args.table, fields, None)?;
-    let only = Reading {
+    let only = TableSource {
         tables: args.table,
         fields,
         field_hash: lookup.field_hash(),
     };
-    let (hash, tables) = name(&lookup);
+    let (hash, tables) = describe(&lookup);
     let bus = Bus::open(&args.bus, "ebts-agents", Realtime::Yes)?;
     let mut controller = TeamController::open(&bus, lookup, fields)?;
-    Event::Ready { hash, tables }.tell(format);
+    Event::Ready { hash, tables }.print(format);
     let watcher = watch(signals, only, Arc::clone(&exchange), format);
     let served = serve(&mut controller, &exchange, &stop);
     watcher.close();
-    Event::Ended(controller.counts()).tell(format);
+    Event::Ended(controller.counts()).print(format);
     served
 }
 
@@ -129,7 +134,7 @@ fn serve(controller: &mut TeamController, exchange: &Exchange, stop: &AtomicBool
         } else if now_ns() - idle_since_ns < SPIN_NS {
             std::hint::spin_loop();
         } else {
-            std::thread::sleep(NAP);
+            std::thread::sleep(POLL_INTERVAL);
         }
     }
     Ok(())
@@ -138,7 +143,7 @@ fn serve(controller: &mut TeamController, exchange: &Exchange, stop: &AtomicBool
 /// Separate thread for SIGHUP, so that no frame waits for the disk.
 fn watch(
     mut signals: Signals,
-    reading: Reading,
+    reading: TableSource,
     exchange: Arc<Exchange>,
     format: Format,
 ) -> signal_hook::iterator::Handle {
@@ -147,13 +152,13 @@ fn watch(
         for _ in signals.forever() {
             match read(&reading.tables, reading.fields, Some(reading.field_hash)) {
                 Ok(lookup) => {
-                    let (hash, tables) = name(&lookup);
+                    let (hash, tables) = describe(&lookup);
                     exchange.offer(lookup);
-                    Event::Exchanged { hash, tables }.tell(format);
+                    Event::Exchanged { hash, tables }.print(format);
                 }
                 Err(error) => {
                     let why = error.to_string();
-                    Event::Refused { why }.tell(format);
+                    Event::Refused { why }.print(format);
                 }
             }
         }
@@ -161,20 +166,20 @@ fn watch(
     handle
 }
 
-struct Reading {
+struct TableSource {
     tables: Vec<String>,
-    fields: Fields,
+    fields: FieldPolicy,
     /// Hash of the field of the tables in use.
     field_hash: u64,
 }
 
 /// Reads and validates all tables. They must belong to one field, and to that of the tables in use.
-fn read(names: &[String], fields: Fields, in_use: Option<u64>) -> Result<Lookup> {
+fn read(names: &[String], fields: FieldPolicy, in_use: Option<u64>) -> Result<Lookup> {
     if let [name] = names
-        && CourseFile::is_named(name)
+        && CourseFile::is_course_name(name)
     {
-        let (file, table) = CourseFile::named(name)?;
-        return Ok(Lookup::of_course(&file.hash, table));
+        let (file, table) = CourseFile::from_name(name)?;
+        return Ok(Lookup::from_course(&file.hash, table));
     }
     let files = names.iter().map(|name| built_in::table(name));
     let files = files.collect::<Result<Vec<_>>>()?;
@@ -184,19 +189,19 @@ fn read(names: &[String], fields: Fields, in_use: Option<u64>) -> Result<Lookup>
         .zip(names)
         .find(|(file, _)| Some(field_hash(file)) != expected);
     match (fields, other) {
-        (Fields::TheirOwn, Some((file, name))) => Err(Error::refused(
+        (FieldPolicy::SameField, Some((file, name))) => Err(Error::refused(
             format_args!("use table {name}"),
             format_args!(
-                "its preset {} was another field than that of the other tables",
+                "its preset {} is another field than that of the other tables",
                 file.condition.model.preset().name
             ),
             "tables of one field",
-            "take tables evolved for the same preset, or say --any-field",
+            "use tables evolved for the same preset, or give --any-field",
         )),
         _ => Ok(Lookup::new(&files)),
     }
 }
 
-fn name(lookup: &Lookup) -> (String, usize) {
+fn describe(lookup: &Lookup) -> (String, usize) {
     (format!("{:016x}", lookup.hash()), lookup.tables())
 }

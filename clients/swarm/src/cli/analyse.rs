@@ -151,7 +151,7 @@ pub(super) fn find(args: FindArgs, format: Format) -> Result<()> {
     else {
         return Err(Error::refused(
             format_args!("find Fig. 17 in {}", args.folder.display()),
-            format_args!("its agents was {:?}", plan.agents),
+            format_args!("its agents is {:?}", plan.agents),
             "runs of four agents",
             "run the experiment with --agents 4",
         ));

@@ -13,8 +13,8 @@ use ebts::checkpoint::Checkpoint;
 use ebts::condition::Setup;
 use ebts::error::{Error, Result};
 use ebts::evaluate::GoalPoints;
-use ebts::files::{remove_if_there, sibling};
-use ebts::run::{self, Census, Rise, Run};
+use ebts::files::{remove_if_exists, sibling};
+use ebts::run::{self, GenerationStatistics, Rise, Run};
 use ebts::scoring::Scoring;
 use ebts::table_file::TableFile;
 use ebts::workers::Workers;
@@ -104,7 +104,7 @@ pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
         let generation = state.run.generation().unwrap_or(0);
         let cure = format!("ebts evolve --out {} --resume", args.out.display());
         return Err(Error::Interrupted(format!(
-            "interrupted: saved at generation {generation}; to go on run: {cure}"
+            "interrupted: saved at generation {generation}; to continue run: {cure}"
         )));
     }
     let Some(record) = state.run.record(&state.condition) else {
@@ -112,7 +112,7 @@ pub(super) fn evolve(args: EvolveArgs, format: Format) -> Result<()> {
     };
     let file = TableFile::from_record(&state.condition, &record, state.generations)?;
     file.write(&args.out)?;
-    remove_if_there(&checkpoint_path)?;
+    remove_if_exists(&checkpoint_path)?;
     let evolved = Evolved {
         table: &args.out,
         agents: record.agents,
@@ -139,9 +139,9 @@ fn begin(args: &EvolveArgs, checkpoint: &Path) -> Result<Checkpoint> {
     ) {
         return Err(Error::refused(
             format_args!("write {}", args.out.display()),
-            format_args!("{} is there already", there.display()),
+            format_args!("{} exists already", there.display()),
             "a new name",
-            "name another --out, continue with --resume, or replace it with --overwrite",
+            "choose another --out, continue with --resume, or replace it with --overwrite",
         ));
     }
     let preset = args.evolution.preset()?;
@@ -180,14 +180,14 @@ fn advance(
         if let Some(rise) = run.rises().last() {
             bar.set_message(format!("best {:.1}", rise.fitness));
         }
-        if let (Some(history), Some(census)) = (&mut history, run.census()) {
+        if let (Some(history), Some(census)) = (&mut history, run.statistics()) {
             failure = history.add(&census);
         }
         if failure.is_ok() && saved_at.elapsed() > SAVE_EVERY {
             failure = with(state, run).write(path);
             saved_at = Instant::now();
         }
-        match workers.stopped() || failure.is_err() {
+        match workers.is_stopped() || failure.is_err() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
@@ -222,7 +222,7 @@ impl History {
         Ok(Self { path, rows })
     }
 
-    fn add(&mut self, census: &Census) -> Result<()> {
+    fn add(&mut self, census: &GenerationStatistics) -> Result<()> {
         let written = self.rows.serialize(census);
         written.map_err(|error| Error::io("write", &self.path)(error.into()))
     }

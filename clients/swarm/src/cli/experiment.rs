@@ -137,10 +137,10 @@ pub(super) fn experiment(args: ExperimentArgs, format: Format) -> Result<()> {
     let workers = (&engine.workers(stop_flag()?)?, engine.threads());
     let (records, before) = run(&plan, shard, &folder, workers, &ProgressBar::new(0))?;
     let note = (before > 0)
-        .then(|| format!("{before} of these runs were there already; the times are of the rest"));
+        .then(|| format!("{before} of these runs existed already; the times are of the others"));
     let threads = args.runs.engine.threads();
     let summary = pool(threads)?.install(|| conclude(&folder, &plan, &records, &watch))?;
-    tell(&folder, &summary, note, format)
+    print_summary(&folder, &summary, note, format)
 }
 
 impl RunsArgs {
@@ -174,9 +174,9 @@ pub(super) fn run(
             "{} agents, seed {}: {fitness:.1}",
             job.agents, job.seed
         )),
-        Progress::BegunAnew { job, why, kept } => bar.suspend(|| {
+        Progress::Restarted { job, why, kept } => bar.suspend(|| {
             warn(format_args!(
-                "{} agents, seed {}: begun anew, because {why}; the file is kept as {}",
+                "{} agents, seed {}: restarted because {why}; the file is kept as {}",
                 job.agents,
                 job.seed,
                 kept.display()
@@ -201,7 +201,7 @@ fn default_folder(plan: &Plan, shard: Shard) -> PathBuf {
     } else {
         format!("-{index}of{count}")
     };
-    let rule = if plan.fitness_rule == field::FitnessRule::usual(&plan.preset) {
+    let rule = if plan.fitness_rule == field::FitnessRule::default_for(&plan.preset) {
         String::new()
     } else {
         format!("-{}", plan.fitness_rule)
@@ -226,7 +226,7 @@ pub(super) fn conclude(
     Ok((summary, findings))
 }
 
-fn tell(
+fn print_summary(
     folder: &Path,
     (summary, findings): &(Summary, ebts::analysis::Findings),
     note: Option<String>,
@@ -250,7 +250,7 @@ pub(super) fn merge(args: MergeArgs, format: Format) -> Result<()> {
     if merged.records.is_empty() {
         return Err(Error::refused(
             "merge",
-            "no shard held a finished run",
+            "no shard has a finished run",
             "one or more",
             "run the shards first",
         ));
@@ -262,14 +262,15 @@ pub(super) fn merge(args: MergeArgs, format: Format) -> Result<()> {
         (false, false) => {
             return Err(Error::refused(
                 format_args!("conclude from {out}"),
-                format_args!("it lacked {}", merged.missing),
+                format_args!("it lacks {}", merged.missing),
                 "every run of the plan",
                 format_args!(
-                    "merge what is missing too, run the experiment with --out {out}, which keeps what was merged, or add --partial"
+                    "merge the missing shards too, run the experiment with --out {out} (merged \
+                     runs are kept), or add --partial"
                 ),
             ));
         }
     }
     let summary = conclude(&args.out, &merged.plan, &merged.records, &watch)?;
-    tell(&args.out, &summary, None, format)
+    print_summary(&args.out, &summary, None, format)
 }

@@ -83,8 +83,9 @@ fn rehash(path: &Path) -> Result<TableFile> {
     let mut file = TableFile::read_edited(path)?;
     let before = TableFile::read(path).ok().map(|intact| intact.hash());
     if before.is_none() {
-        let cure = "judge it where it was evolved, or name a fitness_rule that ships";
-        file.condition.fitness.check_here(path, cure)?;
+        let cure = "evaluate it with the program that evolved it, or set fitness_rule to a \
+            built-in rule";
+        file.condition.fitness.check_available(path, cure)?;
         file.edited = true;
         file.code_version = env!("CARGO_PKG_VERSION").to_owned();
         file.individual.points = Evaluator::points_of(&file.condition, &file.individual.genome);
@@ -116,11 +117,11 @@ fn shown(file: &TableFile) -> Shown {
         points: file.individual.points,
         fitness_repeats: condition
             .fitness
-            .is_here()
+            .is_available()
             .then(|| Evaluator::points_of(condition, genome) == file.individual.points),
         held_out: condition
             .fitness
-            .is_here()
+            .is_available()
             .then(|| held_out(condition, Engine::fastest(), genome)),
         tables: tables
             .iter()
@@ -164,7 +165,7 @@ fn describe(path: &Path, shown: &Shown) -> String {
     let repeats = match shown.fitness_repeats {
         Some(true) => "repeats to the bit",
         Some(false) => "DOES NOT REPEAT with this version",
-        None => "not judged again: that rule is a type of somebody's own",
+        None => "not evaluated again: its custom rule is not part of this program",
     };
     let points = shown.points.map(|points| format!("{points:.1}")).join("  ");
     let _ = writeln!(
@@ -290,7 +291,7 @@ fn plot_table(args: &PlotArgs) -> Result<Plotted> {
     let shown = &traces[usize::from(args.goal) - 1];
     write_atomically(&strip, behaviour_strip(shown)?.as_bytes())?;
     let behaviour = behaviour_rows(shown, &PAPER_FRAMES);
-    let rule = file.condition.fitness.word();
+    let rule = file.condition.fitness.short_name();
     let panel = |(goal, (trace, points))| Panel {
         title: format!("goal {}: {points:.0} points ({rule})", goal + 1),
         trace,
@@ -327,9 +328,9 @@ pub(super) fn replay(args: ReplayArgs, format: Format) -> Result<()> {
     if page == args.table {
         return Err(Error::refused(
             "write the page",
-            "its name was the table's",
+            "its name is that of the table",
             "another name",
-            "name another --out",
+            "choose another --out",
         ));
     }
     let html = ebts::replay::page(&file)?;

@@ -25,7 +25,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use atas_process::end;
+use atas_process::exit::Exit;
+use atas_process::shutdown;
 use clap::{Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 
@@ -44,7 +45,7 @@ pub(crate) enum Format {
 
 /// Evolutionary behaviour tables for teams of mobile robots.
 #[derive(Debug, Parser)]
-#[command(name = "ebts", version, max_term_width = 100, after_help = AFTER_HELP)]
+#[command(name = "ebts", version, max_term_width = 100, after_help = format!("{AFTER_HELP}\n\n{}", Exit::TABLE))]
 pub(crate) struct Arguments {
     /// Output format of results.
     ///
@@ -61,8 +62,7 @@ const AFTER_HELP: &str = "Examples:
   ebts show mine.toml
   ebts experiment fig14 --seeds 80 --out fig14 --format json
 
-Exit codes: 0 done, 2 wrong usage, 3 something given was refused, 4 the output folder is in use, \
-                          5 the system refused (disk full, no permission), 6 the bus could not be used, 130 interrupted with everything finished saved.";
+After an interruption every finished run is saved.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -166,23 +166,23 @@ fn print(text: &[u8]) -> Result<()> {
 
 fn warn(what: impl Display) {
     // A closed standard error is ignored.
-    let _told = writeln!(std::io::stderr(), "ebts: {what}");
+    let _written = writeln!(std::io::stderr(), "ebts: {what}");
 }
 
 /// Rejects an existing output file without --overwrite.
-fn spare(out: &Path, overwrite: bool) -> Result<()> {
+fn check_overwrite(out: &Path, overwrite: bool) -> Result<()> {
     if out.exists() && !overwrite {
         return Err(Error::refused(
             format_args!("write {}", out.display()),
-            "there is a file already",
+            "the file exists already",
             "a new name",
-            "name another --out, or add --overwrite",
+            "choose another --out, or add --overwrite",
         ));
     }
     Ok(())
 }
 
-fn unless_set(stop: &AtomicBool) -> ControlFlow<()> {
+fn continue_unless_set(stop: &AtomicBool) -> ControlFlow<()> {
     match stop.load(Ordering::Relaxed) {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
@@ -191,6 +191,6 @@ fn unless_set(stop: &AtomicBool) -> ControlFlow<()> {
 
 /// Returns a flag that Ctrl-C and SIGTERM set; a second signal ends the process immediately.
 fn stop_flag() -> Result<Arc<AtomicBool>> {
-    end::on_signals(&end::SIGNALS, end::AT_ONCE)
+    shutdown::install_stop_flag(&shutdown::SIGNALS, shutdown::IMMEDIATE_EXIT)
         .map_err(Error::io("watch signals for", Path::new("this process")))
 }

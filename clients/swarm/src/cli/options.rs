@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use atas_process::file_name::ending_in;
+use atas_process::file_name::parse_with_suffix;
 use clap::{Args, ValueEnum};
 
 use ebts::condition::Sharing;
@@ -18,19 +18,19 @@ use ebts::workers::Workers;
 use field::{Engine, FitnessRule, Model, Preset};
 
 pub(super) fn toml_file(text: &str) -> std::result::Result<PathBuf, String> {
-    ending_in(text, &["toml"])
+    parse_with_suffix(text, &["toml"])
 }
 
 pub(super) fn csv_file(text: &str) -> std::result::Result<PathBuf, String> {
-    ending_in(text, &["csv"])
+    parse_with_suffix(text, &["csv"])
 }
 
 pub(super) fn svg_file(text: &str) -> std::result::Result<PathBuf, String> {
-    ending_in(text, &["svg"])
+    parse_with_suffix(text, &["svg"])
 }
 
 pub(super) fn html_file(text: &str) -> std::result::Result<PathBuf, String> {
-    ending_in(text, &["html"])
+    parse_with_suffix(text, &["html"])
 }
 
 #[derive(Debug, Args)]
@@ -92,7 +92,7 @@ impl EvolutionArgs {
             Some(Fitness::Literal) => FitnessRule::Literal,
             Some(Fitness::Compared) => FitnessRule::Compared,
             Some(Fitness::AntiAccident) => FitnessRule::AntiAccident,
-            None => FitnessRule::usual(preset),
+            None => FitnessRule::default_for(preset),
         }
     }
 
@@ -173,7 +173,7 @@ fn preset_file(path: &Path) -> Result<Preset> {
         Error::refused(
             format_args!("use preset {}", path.display()),
             error.message(),
-            "a preset as ebts preset prints it, or base and the keys that differ",
+            "a preset as printed by ebts preset, or base and the keys that differ",
             "correct the file",
         )
     })

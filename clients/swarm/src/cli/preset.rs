@@ -10,8 +10,8 @@ use super::options::preset;
 use super::{Format, answer};
 
 const EXAMPLES: &str = "Examples:
-  ebts preset                        # the presets that ship
-  ebts preset R3 > mine.toml         # every number of one, to change
+  ebts preset                        # the built-in presets
+  ebts preset R3 > mine.toml         # all values of one, to edit
   printf 'base = \"R3\"\\ngoal_radius_px = 40.0\\n' > mine.toml
   ebts evolve --preset mine.toml";
 
@@ -23,7 +23,7 @@ pub(crate) struct PresetArgs {
 }
 
 const KEYS: [(&str, &str); 23] = [
-    ("name", "how people call it"),
+    ("name", "name of the preset"),
     ("agent_radius_px", "1 to 100"),
     ("object_radius_px", "1 to 100"),
     (
@@ -36,35 +36,29 @@ const KEYS: [(&str, &str); 23] = [
     ),
     (
         "ir_range_px",
-        "reach of the three IR sensors from the agent's centre",
+        "range of the three IR sensors from the agent's centre",
     ),
     (
         "ir_angle_steps",
-        "the side IR sensors' angle from straight ahead, in 1/64 turns",
+        "angle of the side IR sensors from straight ahead, in 1/64 turns",
     ),
     (
         "photo",
         "both photo sensors: angle from straight ahead, 1/64 turns; cosine of half the opening",
     ),
-    (
-        "object_light_px",
-        "distance within which the object's light is seen",
-    ),
-    (
-        "goal_light_px",
-        "distance within which the goal's light is seen",
-    ),
+    ("object_light_px", "range of the object's light"),
+    ("goal_light_px", "range of the goal's light"),
     (
         "goals",
         "eight, every 45 degrees: { circle-px = radius } or { square-px = half side }",
     ),
     (
         "goal_radius_px",
-        "the object has arrived within this distance",
+        "largest distance of an object at the goal",
     ),
     (
         "solo_push",
-        "part of an overlap by which one agent moves the object",
+        "share of an overlap by which one agent moves the object",
     ),
     (
         "team_push",
@@ -77,23 +71,25 @@ const KEYS: [(&str, &str); 23] = [
     ("contact", "sliding or blocking"),
     (
         "half_side_px",
-        "half the side of the square field; 400 if left out",
+        "half the side of the square field; default 400",
     ),
     (
         "walls",
-        "straight walls inside the field, each { from_px = [x, y], to_px = [x, y] }; nobody passes, IR sees them",
+        "straight walls inside the field, each { from_px = [x, y], to_px = [x, y] }; impassable, \
+         detected by IR",
     ),
     (
         "posts",
-        "round posts likewise, each { at_px = [x, y], radius_px = r }",
+        "round posts, impassable, detected by IR, each { at_px = [x, y], radius_px = r }",
     ),
     (
         "drawn_posts",
-        "further posts at places that a seed names: { count, radius_px, seed }; with walls and posts at most 16",
+        "further posts at places drawn with a seed: { count, radius_px, seed }; with walls and \
+         posts at most 16",
     ),
     (
         "noise",
-        "chances in 1024 per frame: a sensor says the opposite; a wheel slips and stands still",
+        "probabilities in 1/1024 per frame: a sensor is inverted; a wheel slips and stands still",
     ),
     (
         "training",
@@ -126,7 +122,7 @@ pub(super) fn print(args: PresetArgs, format: Format) -> Result<()> {
 fn list(format: Format) -> Result<()> {
     let presets = Preset::ALL.map(|preset| Listed {
         name: preset.name.to_string(),
-        fitness_rule: FitnessRule::usual(&preset),
+        fitness_rule: FitnessRule::default_for(&preset),
         preset,
     });
     answer(format, &presets, || {
@@ -153,7 +149,7 @@ fn list(format: Format) -> Result<()> {
                 format!("{one:.3} / {two:.3}{law}"),
             );
         }
-        text + "radii in px; ebts preset NAME prints all of one\n"
+        text + "radii in px; ebts preset NAME prints all values of one\n"
     })
 }
 
@@ -173,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_key_is_explained_and_every_preset_reads_back() {
+    fn keys_are_explained_and_presets_round_trip() {
         let wide = Preset {
             half_side_px: 500.0,
             ..Preset::R3

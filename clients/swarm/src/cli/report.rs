@@ -35,14 +35,13 @@ pub(super) fn interval(estimate: Option<Estimate>) -> String {
 }
 
 pub(super) fn findings(findings: &Findings) -> String {
-    let mut text =
-        String::from("what the paper found, and what these runs say [95 % bootstrap interval]:\n");
+    let mut text = String::from("findings of the paper in these runs [95 % bootstrap interval]:\n");
     for claim in Claim::ALL {
         let verdict = claim
             .verdict(findings)
             .map_or(String::new(), |verdict| verdict.to_string());
         let value = interval(claim.estimate(findings));
-        let _ = writeln!(text, "  {:<43} {value:<19} {verdict}", claim.sentence());
+        let _ = writeln!(text, "  {:<43} {value:<19} {verdict}", claim.description());
     }
     if let Some(single) = &findings.single {
         let _ = writeln!(
@@ -91,7 +90,7 @@ pub(super) fn side_by_side(experiments: &[(Summary, Findings)]) -> String {
     }
     text = text + "\n|---|" + &"---|".repeat(experiments.len()) + "\n";
     for claim in Claim::ALL {
-        let _ = write!(text, "| {} |", claim.sentence());
+        let _ = write!(text, "| {} |", claim.description());
         for (_, findings) in experiments {
             let mark = match claim.verdict(findings) {
                 Some(Verdict::DoesNotReproduce) => " **no**",

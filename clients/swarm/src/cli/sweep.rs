@@ -23,10 +23,10 @@ const EXAMPLES: &str = "Examples:
   ebts sweep --preset LB2 --vary goal_radius_px=40,50 --seeds 15 --out sweep
   ebts sweep --vary friction_per_stall_force=0.9,0.95 --vary starts.distance_px=300,325
 
-Screens of few seeds mislead: confirm what looks best on seeds of its own,
+Results of few seeds mislead: confirm the best combination on further seeds,
 for example with --seeds 320 --first-seed 100001.";
 
-const MOST: usize = 1000;
+const COMBINATIONS_MAX: usize = 1000;
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -54,7 +54,7 @@ impl FromStr for Vary {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let needs = || {
             format!(
-                "it was {text:?}, needs a key of a preset and values, as in goal_radius_px=40,50"
+                "it is {text:?}, needs a key of a preset and values, as in goal_radius_px=40,50"
             )
         };
         let (key, values) = text.split_once('=').ok_or_else(needs)?;
@@ -117,12 +117,12 @@ pub(super) fn sweep(args: SweepArgs, format: Format) -> Result<()> {
 /// Returns every combination, named by its values. All are validated before any run.
 fn combinations(base: &Preset, vary: &[Vary]) -> Result<Vec<Preset>> {
     let count = vary.iter().map(|vary| vary.values.len()).product::<usize>();
-    if !(1..=MOST).contains(&count) {
+    if !(1..=COMBINATIONS_MAX).contains(&count) {
         return Err(Error::refused(
             "sweep",
-            format_args!("--vary made {count} combinations"),
-            format_args!("1 to {MOST}"),
-            "vary less at a time",
+            format_args!("--vary makes {count} combinations"),
+            format_args!("1 to {COMBINATIONS_MAX}"),
+            "vary fewer keys or values",
         ));
     }
     let nth = |mut index: usize| {
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_combination_is_there_once() {
+    fn every_combination_appears_once() {
         let vary: Vec<Vary> = [
             "goal_radius_px=40,50",
             "starts.distance_px=300,310.5,320",
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn the_law_and_the_fitted_numbers_replace_each_other() {
+    fn push_law_and_fitted_factors_exclude_each_other() {
         let one = |base: &Preset, text: &str| {
             combinations(base, &[text.parse::<Vary>().expect(text)]).map(|presets| presets[0].push)
         };
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_preset_is_refused() {
+    fn invalid_variations_are_rejected() {
         for text in ["goal_radius_px", "=1", ""] {
             assert!(text.parse::<Vary>().is_err(), "{text:?}");
         }

@@ -23,8 +23,8 @@ const EXAMPLES: &str = "Examples:
   ebts transfer drawn
   ebts transfer drawn/best-3.toml
 
-Unseen starts and goals are drawn from a stream of which no table has seen
-anything, the same for every table.";
+Unseen starts and goals come from a separate random stream, equal for every
+table.";
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -76,8 +76,8 @@ fn measure(args: &TransferArgs) -> Result<Transferred> {
     }
     let file = TableFile::read(&args.what)?;
     let condition = &file.condition;
-    let cure = "judge it where it was evolved";
-    condition.fitness.check_here(&args.what, cure)?;
+    let cure = "evaluate it with the program that evolved it";
+    condition.fitness.check_available(&args.what, cure)?;
     let teams = vec![transfer(&file, engine)];
     Ok(Transferred::new(
         condition.model.preset(),
@@ -87,14 +87,14 @@ fn measure(args: &TransferArgs) -> Result<Transferred> {
 }
 
 fn describe(transferred: &Transferred) -> String {
-    let said = |places: Places| match places {
+    let message = |places: Places| match places {
         Places::Preset => "the preset's",
         Places::Drawn => "drawn",
     };
     let evolved_on = transferred.training.map_or_else(
         || "the preset's starts and eight goals".to_owned(),
         |training| {
-            let (starts, goals) = (said(training.starts), said(training.goals));
+            let (starts, goals) = (message(training.starts), message(training.goals));
             format!(
                 "starts {starts}, goals {goals}, {} x 8 trials",
                 training.draws

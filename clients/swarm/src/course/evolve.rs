@@ -31,7 +31,7 @@ pub struct Evolved {
     /// Rises of the best fitness.
     pub rises: Vec<Rise>,
     /// Simulated groups of courses.
-    pub driven: u64,
+    pub simulated_groups: u64,
 }
 
 /// Evolves one table. `watch` receives every generation and its best fitness and may stop the run.
@@ -44,7 +44,7 @@ pub fn evolve(
     generations: u32,
     watch: impl FnMut(u32, f32) -> ControlFlow<()>,
 ) -> Result<Evolved> {
-    let training = Training::of(seed)?;
+    let training = Training::new(seed)?;
     let rng = SplitMix64::stream(&[STREAM, seed]);
     let (mut memo, mut driven) = (Memo::default(), 0);
     let evaluate = |genomes| evaluate(&training, &mut memo, genomes, &mut driven);
@@ -60,7 +60,7 @@ pub fn evolve(
     Ok(Evolved {
         best,
         rises,
-        driven,
+        simulated_groups: driven,
     })
 }
 
@@ -95,7 +95,7 @@ fn evaluate(
     let earned: Vec<(f32, u32)> = pending.par_iter().with_max_len(1).map(drive).collect();
     for ((index, group, bits), (points, rows_read)) in pending.into_iter().zip(earned) {
         evaluated[index].points[group] = points;
-        memo.learn(group, &[bits], Responses::row_mask(rows_read), points);
+        memo.store(group, &[bits], Responses::row_mask(rows_read), points);
     }
     evaluated
 }

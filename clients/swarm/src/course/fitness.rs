@@ -6,7 +6,7 @@
 
 use sim_backend::course::{Layout, Responses};
 
-use super::offline::{Driven, FRAMES_MAX, run_offline};
+use super::offline::{FRAMES_MAX, RobotResult, run_offline};
 use crate::error::{Error, Result};
 use crate::evaluate::GoalPoints;
 
@@ -15,9 +15,9 @@ pub const GROUPS: usize = core::mem::size_of::<GoalPoints>() / core::mem::size_o
 /// Courses per group. Design choice: with fewer, tables adapt to the courses instead of the task.
 const COURSES: u64 = 6;
 /// Points per way, points for time, and the factor after a mishap.
-const WAY: f32 = 40.0;
-const IN_TIME: f32 = 20.0;
-const AFTER_MISHAP: f32 = 0.5;
+const WAY_POINTS: f32 = 40.0;
+const TIME_POINTS: f32 = 20.0;
+const MISHAP_FACTOR: f32 = 0.5;
 
 /// Training courses of a run.
 #[derive(Clone, Debug)]
@@ -27,12 +27,12 @@ pub struct Training {
 
 impl Training {
     /// Draws the courses of a run.
-    pub fn of(seed: u64) -> Result<Self> {
+    pub fn new(seed: u64) -> Result<Self> {
         let layout = |group: u64, k: u64| {
             let robots = if group < GROUPS as u64 / 2 { 1 } else { 2 };
             let number = seed.wrapping_mul(1000) + group * COURSES + k;
             let seed = atas_evaluation::trial_seed("training course", number);
-            Layout::drawn(robots, seed).map_err(Error::from_part)
+            Layout::random(robots, seed).map_err(Error::from_part)
         };
         let groups: Result<Vec<Vec<Layout>>> = (0..GROUPS as u64)
             .map(|group| (0..COURSES).map(|k| layout(group, k)).collect())
@@ -68,14 +68,14 @@ impl Training {
 
 /// Returns the points of one robot, 0 to 100.
 #[must_use]
-pub fn points(driven: &Driven) -> f32 {
+pub fn points(driven: &RobotResult) -> f32 {
     let in_time = if driven.progress >= 2.0 {
-        IN_TIME * (1.0 - driven.frames as f32 / FRAMES_MAX as f32)
+        TIME_POINTS * (1.0 - driven.frames as f32 / FRAMES_MAX as f32)
     } else {
         0.0
     };
-    let earned = WAY * driven.progress + in_time;
-    earned * if driven.mishap { AFTER_MISHAP } else { 1.0 }
+    let earned = WAY_POINTS * driven.progress + in_time;
+    earned * if driven.mishap { MISHAP_FACTOR } else { 1.0 }
 }
 
 /// Returns the share of new courses that a table completes with every robot. None of them is used
@@ -84,7 +84,7 @@ pub fn held_out(table: Responses, robots: usize, courses: u64) -> Result<f64> {
     let mut done = 0;
     for number in 0..courses {
         let seed = atas_evaluation::trial_seed("held-out course", number);
-        let layout = Layout::drawn(robots, seed).map_err(Error::from_part)?;
+        let layout = Layout::random(robots, seed).map_err(Error::from_part)?;
         let (driven, _) = run_offline(&layout, table);
         done += u64::from(driven.iter().all(|robot| robot.progress >= 2.0));
     }
@@ -96,9 +96,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn farther_and_faster_earns_more_and_a_mishap_halves() {
+    fn points_grow_with_progress_and_halve_after_mishap() {
         let check = |progress: f32, mishap: bool, frames: u32, expected: f32| {
-            let driven = Driven {
+            let driven = RobotResult {
                 progress,
                 mishap,
                 frames,

@@ -39,7 +39,7 @@ pub struct CourseFile {
 impl CourseFile {
     /// Creates the file of a table.
     #[must_use]
-    pub fn of(table: Responses, (seed, generations): (u64, u32), points: GoalPoints) -> Self {
+    pub fn new(table: Responses, (seed, generations): (u64, u32), points: GoalPoints) -> Self {
         let row = |row: u8| {
             let Wheels { left, right } = table.get(row);
             format!("{left}{right}")
@@ -56,14 +56,14 @@ impl CourseFile {
 
     /// Returns whether a text is a file of this type.
     #[must_use]
-    pub fn is_one(text: &str) -> bool {
+    pub fn is_course_file(text: &str) -> bool {
         is_of_kind(text, KIND)
     }
 
     /// Returns whether a name is that of the built-in table or of a file of this type.
     #[must_use]
-    pub fn is_named(name: &str) -> bool {
-        name == BUILT_IN || read_text(Path::new(name)).is_ok_and(|text| Self::is_one(&text))
+    pub fn is_course_name(name: &str) -> bool {
+        name == BUILT_IN || read_text(Path::new(name)).is_ok_and(|text| Self::is_course_file(&text))
     }
 
     /// Writes the file atomically.
@@ -75,14 +75,14 @@ impl CourseFile {
     ///
     /// # Errors
     /// Neither exists, the rows are invalid, or the hash does not match.
-    pub fn named(name: &str) -> Result<(Self, Responses)> {
+    pub fn from_name(name: &str) -> Result<(Self, Responses)> {
         let path = Path::new(name);
         match name {
             BUILT_IN => Self::parse(TEXT, path),
             _ if path.exists() => Self::parse(&read_text(path)?, path),
             _ => Err(Error::refused(
                 "choose a table",
-                format_args!("{name:?} is neither the table that ships nor a file"),
+                format_args!("{name:?} is neither the built-in table nor a file"),
                 format_args!("{BUILT_IN} or a file of ebts evolve course"),
                 "correct --table",
             )),
@@ -92,12 +92,15 @@ impl CourseFile {
     /// Reads a file and evaluates its table again; returns also the rows that were read.
     ///
     /// # Errors
-    /// See [`CourseFile::named`]; or the points do not match.
+    /// See [`CourseFile::from_name`]; or the points do not match.
     pub fn read(path: &Path) -> Result<(Self, Responses, u32)> {
         let (file, table) = Self::parse(&read_text(path)?, path)?;
-        let (points, rows_read) = Training::of(file.seed)?.evaluate(table);
+        let (points, rows_read) = Training::new(file.seed)?.evaluate(table);
         if points != file.points {
-            let was = format!("its table earns {points:?}, and it says {:?}", file.points);
+            let was = format!(
+                "its table earns {points:?}, but the file has {:?}",
+                file.points
+            );
             return Err(refuse(path, &was));
         }
         Ok((file, table, rows_read))
@@ -108,7 +111,7 @@ impl CourseFile {
         let table = file.table().map_err(|was| refuse(path, &was))?;
         let named = file.kind == KIND && file.hash == hash(table);
         if !named {
-            let was = format!("its hash is not that of its rows, {}", hash(table));
+            let was = format!("its hash does not match its rows, {}", hash(table));
             return Err(refuse(path, &was));
         }
         Ok((file, table))
@@ -150,7 +153,7 @@ fn refuse(path: &Path, was: &str) -> Error {
     Error::refused(
         format_args!("use {}", path.display()),
         was,
-        "a table as ebts evolve course wrote it",
+        "a table written by ebts evolve course",
         "evolve it again",
     )
 }
@@ -160,17 +163,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_that_ships_is_whole() {
-        let (file, table) = CourseFile::named(BUILT_IN).expect("it ships");
+    fn built_in_table_is_intact() {
+        let (file, table) = CourseFile::from_name(BUILT_IN).expect("built-in table");
         assert_eq!(
-            CourseFile::of(table, (file.seed, file.generations), file.points),
+            CourseFile::new(table, (file.seed, file.generations), file.points),
             file
         );
     }
 
     #[test]
-    fn tables_of_other_sizes_and_edited_ones_are_refused_by_name() {
-        let (file, _) = CourseFile::named(BUILT_IN).expect("it ships");
+    fn wrong_size_and_edited_tables_are_rejected() {
+        let (file, _) = CourseFile::from_name(BUILT_IN).expect("built-in table");
         let check = |change: fn(&mut CourseFile), part: &str| {
             let mut changed = file.clone();
             change(&mut changed);
@@ -191,7 +194,7 @@ mod tests {
         check(|file| file.rows.replace_range(..2, "é"), "is no row");
         check(|file| file.hash = "0".repeat(16), "hash");
         check(|file| file.kind = "grasp-table".to_owned(), "hash");
-        let error = CourseFile::named("nowhere.toml").expect_err("no such file");
+        let error = CourseFile::from_name("nowhere.toml").expect_err("no such file");
         assert!(error.to_string().contains("neither"), "{error}");
     }
 }

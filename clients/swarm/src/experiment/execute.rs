@@ -11,13 +11,13 @@ use super::store::Store;
 use crate::checkpoint::Checkpoint;
 use crate::condition::{Condition, Setup};
 use crate::error::{Error, Result};
-use crate::files::{remove_if_there, set_aside};
+use crate::files::{remove_if_exists, rename_damaged};
 use crate::run::{Job, Record, Run, evolve};
 use crate::workers::{Workers, pool};
 
 /// Largest number of runs that one thread evolves together: fills the SIMD lanes although the memo
 /// answers most trials. Measured: more gives no speed-up and loses more work on interruption.
-const RUNS_TOGETHER: usize = 8;
+const RUNS_PER_TASK_MAX: usize = 8;
 /// Interval between checkpoints: the most work that a power cut loses.
 const SAVE_EVERY: Duration = Duration::from_secs(10);
 const REPORT_EVERY: u32 = 20;
@@ -30,7 +30,7 @@ pub enum Progress {
     /// A run finished with this fitness.
     Finished(Job, f32),
     /// A run restarts because its checkpoint cannot be used.
-    BegunAnew {
+    Restarted {
         /// Run.
         job: Job,
         /// File and its fault.
@@ -77,11 +77,11 @@ pub fn execute(
         for (task, checkpoints) in tasks.iter().zip(&checkpoints) {
             let sender = sender.clone();
             scope.spawn_fifo(move |_| {
-                let mut under_way = UnderWay {
+                let mut under_way = RunningTask {
                     plan,
                     task,
                     checkpoints,
-                    workers: workers.alone(),
+                    workers: workers.single_threaded(),
                     sender,
                 };
                 if let Err(error) = under_way.run() {
@@ -109,9 +109,10 @@ pub fn execute(
         }
     });
     stored?;
-    if workers.stopped() {
+    if workers.is_stopped() {
         let sentence = format!(
-            "interrupted: {} of {} runs are stored, those under way are saved; run the same command again to go on",
+            "interrupted: {} of {} runs are finished, runs in progress are saved; run the same \
+             command again to continue",
             records.len(),
             jobs.len()
         );
@@ -124,7 +125,7 @@ pub fn execute(
 
 fn finish(store: &mut Store, record: &Record) -> Result<()> {
     store.append(record)?;
-    remove_if_there(&store.checkpoint(record.job()))
+    remove_if_exists(&store.checkpoint(record.job()))
 }
 
 enum Message {
@@ -155,7 +156,10 @@ fn tasks(plan: &Plan, jobs: &[Job], threads: usize) -> Result<Vec<Task>> {
             .filter(|job| job.agents == agents)
             .map(|job| job.seed)
             .collect();
-        let together = seeds.len().div_ceil(threads.min(2)).clamp(1, RUNS_TOGETHER);
+        let together = seeds
+            .len()
+            .div_ceil(threads.min(2))
+            .clamp(1, RUNS_PER_TASK_MAX);
         tasks.extend(seeds.chunks(together).map(|seeds| Task {
             condition: condition.clone(),
             seeds: seeds.to_vec(),
@@ -164,7 +168,7 @@ fn tasks(plan: &Plan, jobs: &[Job], threads: usize) -> Result<Vec<Task>> {
     Ok(tasks)
 }
 
-struct UnderWay<'a> {
+struct RunningTask<'a> {
     plan: &'a Plan,
     task: &'a Task,
     checkpoints: &'a [PathBuf],
@@ -172,9 +176,9 @@ struct UnderWay<'a> {
     sender: mpsc::Sender<Message>,
 }
 
-impl UnderWay<'_> {
+impl RunningTask<'_> {
     fn run(&mut self) -> Result<()> {
-        if self.workers.stopped() {
+        if self.workers.is_stopped() {
             return Ok(());
         }
         let mut runs = self.begin()?;
@@ -182,7 +186,7 @@ impl UnderWay<'_> {
         let watch = |runs: &[Run]| {
             let generation = runs.iter().filter_map(Run::generation).max().unwrap_or(0);
             if generation > 0 && generation.is_multiple_of(REPORT_EVERY) {
-                self.tell(Progress::Generations(
+                self.report(Progress::Generations(
                     u64::from(REPORT_EVERY) * runs.len() as u64,
                 ));
             }
@@ -190,7 +194,7 @@ impl UnderWay<'_> {
                 failure = self.save(runs).err();
                 saved_at = Instant::now();
             }
-            match self.workers.stopped() || failure.is_some() {
+            match self.workers.is_stopped() || failure.is_some() {
                 true => ControlFlow::Break(()),
                 false => ControlFlow::Continue(()),
             }
@@ -213,7 +217,7 @@ impl UnderWay<'_> {
         Ok(())
     }
 
-    fn tell(&self, progress: Progress) {
+    fn report(&self, progress: Progress) {
         // The receiver outlives this thread.
         let _ = self.sender.send(Message::Progress(progress));
     }
@@ -229,8 +233,8 @@ impl UnderWay<'_> {
                     Ok(run) => return Ok(run),
                     Err(why) => {
                         let why = format!("{} {why}", path.display());
-                        let kept = set_aside(path)?;
-                        self.tell(Progress::BegunAnew { job, why, kept });
+                        let kept = rename_damaged(path)?;
+                        self.report(Progress::Restarted { job, why, kept });
                     }
                 }
             }
@@ -240,7 +244,7 @@ impl UnderWay<'_> {
     }
 
     fn resume(&self, job: Job, path: &Path) -> std::result::Result<Run, String> {
-        let saved = Checkpoint::examine(path)?;
+        let saved = Checkpoint::read_or_fault(path)?;
         let Plan {
             settings,
             islands,
@@ -253,7 +257,7 @@ impl UnderWay<'_> {
             && saved.run.seed == job.seed;
         match same {
             true => Ok(saved.run),
-            false => Err("was of another run".to_owned()),
+            false => Err("is of another run".to_owned()),
         }
     }
 

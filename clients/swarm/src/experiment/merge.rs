@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::missing::Missing;
 use super::plan::Plan;
-use super::store::{Store, read_folder, same_plan};
+use super::store::{Store, check_same_plan, read_folder};
 use crate::error::{Error, Result};
 use crate::run::{Job, Record};
 
@@ -29,9 +29,9 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
     let Some(first) = shards.first() else {
         return Err(Error::refused(
             "merge",
-            "no shard was named",
+            "no shard was given",
             "at least one folder",
-            "name the shards' folders",
+            "give the folders of the shards",
         ));
     };
     let (plan, _) = read_folder(first)?;
@@ -44,7 +44,7 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
         .collect();
     for shard in shards {
         let (found, records) = read_folder(shard)?;
-        same_plan(shard, &plan, &found)?;
+        check_same_plan(shard, &plan, &found)?;
         for record in records {
             match merged.get(&record.job()) {
                 None => {
@@ -56,11 +56,11 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
                     return Err(Error::refused(
                         format_args!("merge {}", shard.display()),
                         format_args!(
-                            "its run of {} agents, seed {} was not that of another shard",
+                            "its run of {} agents, seed {} differs from that of another shard",
                             record.agents, record.seed
                         ),
-                        "equal results of equal runs",
-                        "find out which of the two was damaged and run its shard again",
+                        "equal results for equal runs",
+                        "find the damaged one and run its shard again",
                     ));
                 }
             }
@@ -68,7 +68,7 @@ pub fn merge(folder: &Path, shards: &[&Path]) -> Result<Merged> {
     }
     store.sync()?;
     Ok(Merged {
-        missing: Missing::of(&plan, folders, |job| merged.contains_key(job)),
+        missing: Missing::new(&plan, folders, |job| merged.contains_key(job)),
         plan,
         records: merged.into_values().collect(),
     })

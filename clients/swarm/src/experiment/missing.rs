@@ -8,20 +8,20 @@ use super::plan::{Plan, Shard};
 use crate::run::Job;
 
 /// Largest number of shards or seed ranges that are listed; further ones are only counted.
-const NAMED_MOST: usize = 12;
+const LISTED_MAX: usize = 12;
 
 /// Missing runs of a plan: listed as shards, or else by team size and seed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
     jobs: Vec<Job>,
-    of: usize,
+    total: usize,
     shards: Vec<Shard>,
 }
 
 impl Missing {
     /// Collects the runs for which `has` is false. `folders` is the possible number of merged
     /// shards.
-    pub(super) fn of(
+    pub(super) fn new(
         plan: &Plan,
         folders: RangeInclusive<usize>,
         has: impl Fn(&Job) -> bool,
@@ -31,7 +31,7 @@ impl Missing {
         Self {
             shards: whole_shards(&positions, all.len(), &folders),
             jobs: positions.iter().map(|&at| all[at]).collect(),
-            of: all.len(),
+            total: all.len(),
         }
     }
 
@@ -42,7 +42,7 @@ impl Missing {
     }
 
     /// Formats runs of one team size with consecutive seeds as ranges.
-    fn stretches(&self) -> Vec<String> {
+    fn seed_ranges(&self) -> Vec<String> {
         let follows = |a: &Job, b: &Job| (a.agents, a.seed + 1) == (b.agents, b.seed);
         let name = |runs: &[Job]| match runs {
             [] => String::new(),
@@ -86,13 +86,13 @@ fn whole_shards(positions: &[usize], all: usize, folders: &RangeInclusive<usize>
 /// `3 of 12 runs (agents 1 seed 2, agents 4 seeds 1 to 2)`.
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let runs = format!("{} of {} runs", self.jobs.len(), self.of);
+        let runs = format!("{} of {} runs", self.jobs.len(), self.total);
         let mut names: Vec<String> = match self.shards.as_slice() {
-            [] => self.stretches(),
+            [] => self.seed_ranges(),
             shards => shards.iter().map(ToString::to_string).collect(),
         };
-        let others = names.len().saturating_sub(NAMED_MOST);
-        names.truncate(NAMED_MOST);
+        let others = names.len().saturating_sub(LISTED_MAX);
+        names.truncate(LISTED_MAX);
         let mut names = names.join(", ");
         if others > 0 {
             names += &format!(" and {others} more");
@@ -110,37 +110,37 @@ mod tests {
     use super::*;
     use field::{FitnessRule, Preset};
 
-    fn said(shards: usize, missing: &[usize]) -> String {
+    fn missing_text(shards: usize, missing: &[usize]) -> String {
         let plan = Plan::fig14(Preset::R3, FitnessRule::AntiAccident, 3, 1);
         let jobs = plan.jobs();
         let gone: Vec<Job> = missing.iter().map(|&at| jobs[at]).collect();
-        Missing::of(&plan, shards..=shards, |job| !gone.contains(job)).to_string()
+        Missing::new(&plan, shards..=shards, |job| !gone.contains(job)).to_string()
     }
 
     #[test]
     fn whole_shards_are_named_by_their_number() {
-        assert_eq!(said(2, &[1, 4, 7, 10]), "shard 2/3 (4 of 12 runs)");
+        assert_eq!(missing_text(2, &[1, 4, 7, 10]), "shard 2/3 (4 of 12 runs)");
         assert_eq!(
-            said(2, &[1, 2, 5, 6, 9, 10]),
+            missing_text(2, &[1, 2, 5, 6, 9, 10]),
             "shards 2/4, 3/4 (6 of 12 runs)"
         );
-        assert_eq!(said(11, &[6]), "shard 7/12 (1 of 12 runs)");
+        assert_eq!(missing_text(11, &[6]), "shard 7/12 (1 of 12 runs)");
     }
 
     #[test]
-    fn other_runs_are_named_by_team_size_and_seed() {
+    fn other_runs_are_listed_by_team_size_and_seed() {
         // Two folders cannot hold eleven of twelve shards.
-        assert_eq!(said(2, &[6]), "1 of 12 runs (agents 3 seed 1)");
+        assert_eq!(missing_text(2, &[6]), "1 of 12 runs (agents 3 seed 1)");
         assert_eq!(
-            said(2, &[1, 9, 10]),
+            missing_text(2, &[1, 9, 10]),
             "3 of 12 runs (agents 1 seed 2, agents 4 seeds 1 to 2)"
         );
     }
 
     #[test]
-    fn of_very_many_the_number_is_said() {
+    fn long_lists_are_truncated() {
         let plan = Plan::fig14(Preset::R3, FitnessRule::AntiAccident, 100, 1);
-        let odd = Missing::of(&plan, 1..=1, |job| job.seed % 2 == 0 || job.agents < 4);
+        let odd = Missing::new(&plan, 1..=1, |job| job.seed % 2 == 0 || job.agents < 4);
         let text = odd.to_string();
         assert!(
             text.starts_with("50 of 400 runs (agents 4 seed 1,"),

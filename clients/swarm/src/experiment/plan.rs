@@ -88,7 +88,7 @@ impl Plan {
         let refuse = |key: &str, value: String, needs: &str| {
             Err(Error::refused(
                 "use an experiment",
-                format_args!("its {key} was {value}"),
+                format_args!("its {key} is {value}"),
                 needs,
                 "correct it",
             ))
@@ -170,7 +170,7 @@ impl FromStr for Shard {
         match parts {
             Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, count }),
             _ => Err(format!(
-                "a shard was {text:?}, needs i/n with i from 1 to n, as in 3/16"
+                "a shard is {text:?}, needs i/n with i from 1 to n, as in 3/16"
             )),
         }
     }

@@ -47,7 +47,7 @@ impl Seal {
         if sha256 == expected {
             Ok(run)
         } else {
-            Err("its seal does not fit this run and this experiment".to_owned())
+            Err("its hash does not match this run and experiment".to_owned())
         }
     }
 

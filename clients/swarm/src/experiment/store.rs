@@ -15,7 +15,7 @@ use crate::run::{Job, Record};
 const PLAN: &str = "experiment.toml";
 const RUNS: &str = "runs.jsonl";
 /// Folder with the checkpoints of unfinished runs.
-const UNDER_WAY: &str = "under-way";
+const CHECKPOINTS: &str = "under-way";
 
 /// Folder of an experiment, locked for this process.
 #[derive(Debug)]
@@ -39,7 +39,7 @@ impl Store {
         let lock = FolderLock::take(folder)?;
         let plan_path = folder.join(PLAN);
         if plan_path.exists() {
-            same_plan(folder, plan, &read_plan(folder)?)?;
+            check_same_plan(folder, plan, &read_plan(folder)?)?;
         } else {
             let text = toml::to_string(plan).map_err(Error::from_part)?;
             write_atomically(&plan_path, text.as_bytes())?;
@@ -57,7 +57,7 @@ impl Store {
         // An incomplete line is a run whose write was interrupted; the run is repeated.
         file.set_len(length)
             .and_then(|()| file.seek(SeekFrom::End(0)))
-            .map_err(Error::io("mend", &path))?;
+            .map_err(Error::io("truncate", &path))?;
         let store = Self {
             _lock: lock,
             seal,
@@ -100,19 +100,19 @@ impl Store {
     #[must_use]
     pub fn checkpoint(&self, Job { agents, seed }: Job) -> PathBuf {
         let name = format!("{agents}-{seed}.checkpoint");
-        self.folder.join(UNDER_WAY).join(name)
+        self.folder.join(CHECKPOINTS).join(name)
     }
 
     /// Creates the folder of checkpoints.
     pub fn prepare_checkpoints(&self) -> Result<()> {
-        let folder = self.folder.join(UNDER_WAY);
+        let folder = self.folder.join(CHECKPOINTS);
         std::fs::create_dir_all(&folder).map_err(Error::io("create folder", &folder))
     }
 
     /// Removes the folder of checkpoints if it is empty.
     pub fn clear_checkpoints(&self) {
         // A folder that is not empty or does not exist is left unchanged.
-        let _ = std::fs::remove_dir(self.folder.join(UNDER_WAY));
+        let _ = std::fs::remove_dir(self.folder.join(CHECKPOINTS));
     }
 }
 
@@ -135,14 +135,14 @@ fn read_plan(folder: &Path) -> Result<Plan> {
         Error::refused(
             format_args!("use experiment {}", path.display()),
             error.message(),
-            "a plan as ebts experiment writes it",
-            "name another folder, or remove this one",
+            "a plan written by ebts experiment",
+            "choose another folder, or remove this one",
         )
     })
 }
 
 /// Rejects another experiment; the error names the first difference.
-pub(super) fn same_plan(folder: &Path, wanted: &Plan, found: &Plan) -> Result<()> {
+pub(super) fn check_same_plan(folder: &Path, wanted: &Plan, found: &Plan) -> Result<()> {
     if wanted == found {
         return Ok(());
     }
@@ -157,9 +157,9 @@ pub(super) fn same_plan(folder: &Path, wanted: &Plan, found: &Plan) -> Result<()
     let there = found.get(key).map(ToString::to_string).unwrap_or_default();
     Err(Error::refused(
         format_args!("add to experiment {}", folder.display()),
-        format_args!("its {key} was {there}"),
+        format_args!("its {key} is {there}"),
         format_args!("{value}"),
-        "name another --out",
+        "choose another --out",
     ))
 }
 
@@ -168,8 +168,8 @@ fn read_runs(path: &Path, plan: &Plan, seal: &Seal) -> Result<(Vec<Record>, u64)
     let damaged = |index: usize, why: &str| {
         Error::refused(
             format_args!("read {}", path.display()),
-            format_args!("line {} was damaged ({why})", index + 1),
-            "one finished run of this experiment per line, as ebts sealed it",
+            format_args!("line {} is damaged ({why})", index + 1),
+            "one finished run of this experiment per line, as written by ebts",
             "remove that line and run the experiment again: only that run is repeated",
         )
     };
@@ -181,7 +181,7 @@ fn read_runs(path: &Path, plan: &Plan, seal: &Seal) -> Result<(Vec<Record>, u64)
             .open(line.trim_end())
             .map_err(|why| damaged(records.len(), &why))?;
         if !jobs.insert(record.job()) {
-            return Err(damaged(records.len(), "this run was there before"));
+            return Err(damaged(records.len(), "it repeats an earlier run"));
         }
         records.push(record);
         length += line.len() as u64;

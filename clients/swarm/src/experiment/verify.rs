@@ -12,7 +12,7 @@ use crate::genome::Genome;
 use crate::run::Record;
 
 /// Genomes evaluated together: fills the SIMD lanes and distributes over threads.
-const TOGETHER: usize = 64;
+const GENOMES_PER_CHUNK: usize = 64;
 /// Largest fitness (paper III.b.3: 100 points for each of eight goals).
 const MAX_FITNESS: f32 = 800.0;
 
@@ -23,15 +23,16 @@ pub(super) fn verify(
 ) -> Result<std::result::Result<(), (usize, String)>> {
     let conditions = plan.conditions()?;
     let chunk = |(index, records): (usize, &[Record])| {
-        verify_some(plan, &conditions, records).map_err(|(at, why)| (index * TOGETHER + at, why))
+        verify_chunk(plan, &conditions, records)
+            .map_err(|(at, why)| (index * GENOMES_PER_CHUNK + at, why))
     };
-    let chunks = records.par_chunks(TOGETHER).enumerate();
+    let chunks = records.par_chunks(GENOMES_PER_CHUNK).enumerate();
     // The lowest index, independent of thread timing.
     let wrong = chunks.map(chunk).filter_map(std::result::Result::err);
     Ok(wrong.min_by_key(|(index, _)| *index).map_or(Ok(()), Err))
 }
 
-fn verify_some(
+fn verify_chunk(
     plan: &Plan,
     conditions: &[Condition],
     records: &[Record],
@@ -58,7 +59,7 @@ fn verify_some(
         for ((at, _), Individual { points, .. }) in of_condition().zip(evaluated) {
             if records[at].points != points {
                 let why = format!(
-                    "its points were {:?}, needs {points:?} for its genome",
+                    "its points are {:?}, needs {points:?} for its genome",
                     records[at].points
                 );
                 return Err((at, why));
@@ -84,17 +85,17 @@ fn check(
     let condition = conditions
         .iter()
         .position(|condition| condition.team.get() == *agents)
-        .ok_or_else(|| format!("its agents was {agents}, needs one of {:?}", plan.agents))?;
+        .ok_or_else(|| format!("its agents is {agents}, needs one of {:?}", plan.agents))?;
     let last_seed = plan.first_seed.saturating_add(plan.seeds.saturating_sub(1));
     if !(plan.first_seed..=last_seed).contains(seed) {
         return Err(format!(
-            "its seed was {seed}, needs {} to {last_seed}",
+            "its seed is {seed}, needs {} to {last_seed}",
             plan.first_seed
         ));
     }
     let bits = conditions[condition].genome_bits();
-    let genome =
-        Genome::from_hex(bits, genome).ok_or_else(|| format!("its genome was not {bits} bits"))?;
+    let genome = Genome::from_hex(bits, genome)
+        .ok_or_else(|| format!("its genome does not have {bits} bits"))?;
     let fitness = points.iter().fold(0.0, |sum, points| sum + points);
     let rising = rises
         .windows(2)
@@ -106,11 +107,11 @@ fn check(
         || !rises.iter().all(inside)
         || rises.first().is_none_or(|first| first.generation != 0)
     {
-        return Err("its rises did not rise from generation 0 on".to_owned());
+        return Err("its rises do not increase from generation 0 on".to_owned());
     }
     if record.fitness() != fitness {
         return Err(format!(
-            "its fitness was {}, needs {fitness}, the sum of its points",
+            "its fitness is {}, needs {fitness}, the sum of its points",
             record.fitness()
         ));
     }

@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 
-use atas_evaluation::{Condition, GripPolicy, Named, Noise, Plan, Task, TrialRow};
-use pinch::{Engine, Patience, Trial};
+use atas_evaluation::{Condition, GripPolicy, NamedErrors, Noise, Plan, Task, TrialRow};
+use pinch::{Engine, TimeLimit, Trial};
 use serde::Serialize;
 
 use super::course::{Course, reduced, rows};
@@ -33,14 +33,14 @@ pub struct Agreement {
     /// Share of agreement per object.
     pub objects: BTreeMap<String, f64>,
     /// Pairs with different verdicts.
-    pub differ: Vec<Differ>,
+    pub differ: Vec<Difference>,
     /// Duration, s.
     pub wall_s: f64,
 }
 
 /// Pair with different verdicts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Differ {
+pub struct Difference {
     /// Family of the object.
     pub object: String,
     /// Seed of the family member.
@@ -87,7 +87,7 @@ pub fn measure(
         .zip(series)
         .map(|(r, s)| compare(r, s))
         .collect();
-    Ok(Some(Agreement::of(
+    Ok(Some(Agreement::new(
         &rules,
         &compared,
         (first_seed, seeds),
@@ -120,7 +120,7 @@ pub(super) fn plan(
         conditions: vec![Condition {
             noise: Noise::Scale(1.0),
             rate_hz: 1000,
-            errors: Named::none(),
+            errors: NamedErrors::none(),
         }],
         baselines: laws,
         compare_everywhere: false,
@@ -154,7 +154,7 @@ fn compare(rules: &Rules, series: &[TrialRow]) -> Vec<Compared> {
     let trials: Vec<Trial> = series.iter().map(trial).collect();
     let mut outcomes = Vec::new();
     Engine::fastest().run(
-        &course.interface(false, Patience::LONG),
+        &course.interface(false, TimeLimit::LONG),
         &trials,
         &mut outcomes,
     );
@@ -169,7 +169,7 @@ fn compare(rules: &Rules, series: &[TrialRow]) -> Vec<Compared> {
 }
 
 impl Agreement {
-    fn of(
+    fn new(
         rules: &[Rules],
         compared: &[Vec<Compared>],
         (first_seed, seeds): (u64, u64),
@@ -189,7 +189,7 @@ impl Agreement {
         let share = |same: u64, of: u64| same as f64 / of.max(1) as f64;
         let (pairs, agree) = (all().count() as u64, compared.iter().map(|c| same(c)).sum());
         let differ = |(rules, pairs): (&Rules, &Vec<Compared>)| {
-            let differ = |pair: &Compared| Differ {
+            let differ = |pair: &Compared| Difference {
                 object: pair.object.clone(),
                 seed: pair.seed,
                 rule: rules.name(),

@@ -2,8 +2,8 @@
 
 use atas_core::tasks::BehaviourTable;
 use atas_evaluation::trial_seed;
-use pinch::{Bit, Interface, Patience, Rows};
-use robot_model::Side;
+use pinch::{Bit, Interface, Rows, TimeLimit};
+use robot_model::HandSide;
 use shm_schemas::SensorBit;
 use sim_backend::Scene;
 
@@ -19,13 +19,13 @@ pub const BITS: [SensorBit; 5] = [
     SensorBit::ABOVE_F1,
     SensorBit::SLIPPING,
     SensorBit::ABOVE_F2,
-    SensorBit::SPARE,
+    SensorBit::FRICTION_MARGIN,
 ];
 /// Closing speed of the fingers by level, m/s: hold, open slowly, close slowly (the paper's 2
 /// mm/s), close fast.
 pub const FINGERS_M_S: [f64; 4] = [0.0, -0.001, 0.002, 0.004];
 /// Factor of the hand's speed along its path by level: stop, slowly back, slowly on, full speed.
-pub const HAND: [f64; 4] = [0.0, -0.1, 0.1, 1.0];
+pub const HAND_SPEED_FACTORS: [f64; 4] = [0.0, -0.1, 0.1, 1.0];
 /// Bits of a genome, Eq. (1).
 pub const GENOME_BITS: usize = (1 << BITS.len()) * 2 * 2;
 
@@ -58,7 +58,7 @@ pub fn families() -> Result<Vec<Family>> {
 }
 
 fn member(object: &sim_backend::Object, seed: u64) -> sim_backend::Object {
-    let scene = Scene::grasp(object.clone(), Side::Right);
+    let scene = Scene::grasp(object.clone(), HandSide::Right);
     let drawn = scene.varied(trial_seed(&object.name, seed));
     drawn.objects[0].object.clone()
 }
@@ -96,14 +96,16 @@ pub fn table(genome: &Genome) -> BehaviourTable {
         [levels % 4, levels / 4]
     });
     let rows: Vec<_> = rows.collect();
-    BehaviourTable::checked(&BITS, &FINGERS_M_S, &HAND, rows.into_iter())
-        .expect("two bits name one of four levels")
+    BehaviourTable::validated(&BITS, &FINGERS_M_S, &HAND_SPEED_FACTORS, rows.into_iter())
+        .expect("two bits select one of four levels")
 }
 
 /// Returns the genome of a table with the bits and levels of the course; `None` for other tables.
 #[must_use]
 pub fn genome(table: &BehaviourTable) -> Option<Genome> {
-    let alike = table.bits().eq(BITS) && table.fingers_m_s() == FINGERS_M_S && table.hand() == HAND;
+    let alike = table.bits().eq(BITS)
+        && table.fingers_m_s() == FINGERS_M_S
+        && table.hand() == HAND_SPEED_FACTORS;
     if !alike {
         return None;
     }
@@ -131,7 +133,7 @@ pub fn reduced_bit(bit: SensorBit) -> Option<Bit> {
         SensorBit::SLIPPING => Bit::Slipping,
         SensorBit::ABOVE_F2 => Bit::AboveF2,
         SensorBit::LIFTED => Bit::Lifted,
-        SensorBit::SPARE => Bit::Spare,
+        SensorBit::FRICTION_MARGIN => Bit::Spare,
         _ => return None,
     })
 }
@@ -152,13 +154,13 @@ impl Default for Course {
 impl Course {
     /// Returns the interpretation of tables, with or without Module 3.
     #[must_use]
-    pub fn interface(&self, force_limit: bool, patience: Patience) -> Interface<'_> {
+    pub fn interface(&self, force_limit: bool, time_limit: TimeLimit) -> Interface<'_> {
         Interface {
             bits: &self.bits,
             fingers_m_s: FINGERS_M_S.map(|level| level as f32),
-            hand: HAND.map(|level| level as f32),
+            hand: HAND_SPEED_FACTORS.map(|level| level as f32),
             force_limit,
-            patience,
+            time_limit: time_limit,
         }
     }
 }

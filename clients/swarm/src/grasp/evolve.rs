@@ -5,7 +5,7 @@
 
 use std::ops::ControlFlow;
 
-use pinch::{Engine, Outcome, Patience, Trial};
+use pinch::{Engine, Outcome, TimeLimit, Trial};
 use rayon::prelude::*;
 
 use super::course::{Course, FAMILIES, Family, GENOME_BITS, MEMBERS, rows, table};
@@ -83,7 +83,8 @@ impl<'a> Evaluator<'a> {
                 let (earned, rows_read) = earned(known, outcomes);
                 evaluated[index].points[family] = earned;
                 let bits = evaluated[index].genome.words()[0];
-                self.memo.learn(family, &[bits], mask_of(rows_read), earned);
+                self.memo
+                    .store(family, &[bits], genome_mask(rows_read), earned);
             }
         }
         evaluated
@@ -92,18 +93,21 @@ impl<'a> Evaluator<'a> {
     /// The result does not depend on the distribution over cores.
     fn simulate(&mut self, trials: &[Trial]) -> Vec<Outcome> {
         self.simulated += trials.len() as u64;
-        let interface = self.course.interface(self.force_limit, Patience::SHORT);
+        let interface = self.course.interface(self.force_limit, TimeLimit::SHORT);
         let part = |trials: &[Trial]| {
             let mut outcomes = Vec::new();
             self.engine.run(&interface, trials, &mut outcomes);
             outcomes
         };
-        trials.par_chunks(PART).flat_map_iter(part).collect()
+        trials
+            .par_chunks(TRIALS_PER_TASK)
+            .flat_map_iter(part)
+            .collect()
     }
 }
 
 /// Trials per task: two batches of the widest engine.
-const PART: usize = 32;
+const TRIALS_PER_TASK: usize = 32;
 
 fn trials_of(family: usize, known: &Family, genome: &Genome) -> impl Iterator<Item = Trial> {
     let rows = rows(&table(genome));
@@ -123,7 +127,7 @@ fn earned(family: &Family, outcomes: &[Outcome]) -> (f32, u64) {
     (sum / MEMBERS as f32, rows_read)
 }
 
-fn mask_of(rows_read: u64) -> u128 {
+fn genome_mask(rows_read: u64) -> u128 {
     (0..GENOME_BITS / 4)
         .filter(|row| rows_read >> row & 1 == 1)
         .fold(0, |mask, row| mask | 0xf << (4 * row))
@@ -142,7 +146,7 @@ pub fn evolve(
 ) -> Result<Evolved> {
     let rng = SplitMix64::stream(&[STREAM, seed]);
     let evaluate = |genomes| evaluator.evaluate(genomes);
-    let kept = "whole runs are saved, this one begins anew";
+    let kept = "finished runs are saved, this run will start again";
     let (best, rises) = generations::evolve(
         settings,
         (GENOME_BITS, rng),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use plotters::prelude::*;
 
-use super::verdict::{Judged, Score};
+use super::verdict::{PolicyScores, Score};
 use crate::error::{Error, Result};
 use crate::files::write_atomically;
 
@@ -12,8 +12,8 @@ const SIZE: (u32, u32) = (760, 400);
 const NAMES: u32 = 210;
 
 /// Draws the verdict.
-pub fn draw(judged: &Judged, path: &Path) -> Result<()> {
-    let laws = laws(judged);
+pub fn draw(judged: &PolicyScores, path: &Path) -> Result<()> {
+    let laws = policies(judged);
     let mut text = String::new();
     {
         let root = SVGBackend::with_string(&mut text, SIZE).into_drawing_area();
@@ -36,7 +36,7 @@ pub fn draw(judged: &Judged, path: &Path) -> Result<()> {
             .disable_y_mesh()
             .y_labels(laws.len())
             .y_label_formatter(&name)
-            .x_desc("success on fresh members of all families, %, with its 95 % interval")
+            .x_desc("success on unseen members of all families, %, with 95 % interval")
             .draw()
             .map_err(Error::from_part)?;
         for (row, (_, score)) in (0..).zip(&laws) {
@@ -61,7 +61,7 @@ pub fn draw(judged: &Judged, path: &Path) -> Result<()> {
     write_atomically(path, text.as_bytes())
 }
 
-fn laws(judged: &Judged) -> Vec<(String, &Score)> {
+fn policies(judged: &PolicyScores) -> Vec<(String, &Score)> {
     let mut laws: Vec<(String, &Score)> = judged
         .without
         .iter()

@@ -8,16 +8,16 @@
 use pinch::{End, HOLD_S, LIFT_M, Object, Outcome};
 
 /// Points for accuracy, and the two parts of efficiency.
-const HELD: f32 = 60.0;
-const IN_TIME: f32 = 20.0;
-const GENTLE: f32 = 20.0;
+const VERDICT_POINTS: f32 = 60.0;
+const TIME_POINTS: f32 = 20.0;
+const LOW_FORCE_POINTS: f32 = 20.0;
 /// Points of an accident: held at the end, but not at both checks, or creeping.
-const ACCIDENT: f32 = 30.0;
+const ACCIDENT_POINTS: f32 = 30.0;
 /// Points if a feasible object is refused, and if an infeasible one is left standing.
-const TIMID: f32 = 5.0;
-const UNHARMED: f32 = 20.0;
+const WRONG_REFUSAL_POINTS: f32 = 5.0;
+const LEFT_STANDING_POINTS: f32 = 20.0;
 /// Largest points for a partial lift.
-const LIFTING: f32 = 10.0;
+const PARTIAL_LIFT_POINTS: f32 = 10.0;
 /// Share of the lift that counts as lifted; largest slip in the hand, m (values of the evaluation).
 const LIFTED_SHARE: f32 = 0.5;
 const SLIP_MAX_M: f32 = 0.003;
@@ -26,35 +26,39 @@ const CREEP_MAX_M: f32 = 0.001;
 /// Duration of an undelayed lift, and the delay that earns no time points, s. A refusal may take as
 /// long as the delay.
 const LIFT_S: f32 = 4.0 + HOLD_S;
-const SLOWER_S: f32 = 3.0;
+const DELAY_MAX_S: f32 = 3.0;
 
 /// Returns the points of one grasp, 0 to 100.
 #[must_use]
 pub fn points(object: &Object, outcome: &Outcome) -> f32 {
     let kept = |judgement: usize| {
         outcome.raised_m[judgement] >= LIFTED_SHARE * LIFT_M
-            && outcome.slid_m[judgement] <= SLIP_MAX_M
+            && outcome.slip_m[judgement] <= SLIP_MAX_M
     };
     let share = |value: f32| value.clamp(0.0, 1.0);
-    let lifting = LIFTING * share(outcome.raised_m[1] / LIFT_M);
+    let lifting = PARTIAL_LIFT_POINTS * share(outcome.raised_m[1] / LIFT_M);
     match (outcome.end, object.is_feasible()) {
         (End::Crushed | End::Lost, _) => 0.0,
         (End::Arrived, true) if kept(0) && kept(1) => {
-            if outcome.slid_m[1] - outcome.slid_m[0] > CREEP_MAX_M {
-                return ACCIDENT;
+            if outcome.slip_m[1] - outcome.slip_m[0] > CREEP_MAX_M {
+                return ACCIDENT_POINTS;
             }
             let late_s = outcome.time_s - LIFT_S;
-            let in_time = IN_TIME * share(1.0 - late_s / SLOWER_S);
-            HELD + in_time + GENTLE * share(object.needed_n() / outcome.normal_n)
+            let in_time = TIME_POINTS * share(1.0 - late_s / DELAY_MAX_S);
+            VERDICT_POINTS
+                + in_time
+                + LOW_FORCE_POINTS * share(object.required_n() / outcome.normal_n)
         }
-        (End::Arrived, true) if kept(1) => ACCIDENT,
-        (End::Arrived | End::Late, true) => lifting,
-        (End::Refused, true) => TIMID + lifting,
+        (End::Arrived, true) if kept(1) => ACCIDENT_POINTS,
+        (End::Arrived | End::TimedOut, true) => lifting,
+        (End::Refused, true) => WRONG_REFUSAL_POINTS + lifting,
         (End::Refused, false) => {
-            HELD + (IN_TIME + GENTLE) * share(1.0 - (outcome.time_s - 1.0) / SLOWER_S)
+            VERDICT_POINTS
+                + (TIME_POINTS + LOW_FORCE_POINTS)
+                    * share(1.0 - (outcome.time_s - 1.0) / DELAY_MAX_S)
         }
-        (End::Late, false) => UNHARMED,
-        (End::Arrived, false) => TIMID,
+        (End::TimedOut, false) => LEFT_STANDING_POINTS,
+        (End::Arrived, false) => WRONG_REFUSAL_POINTS,
     }
 }
 
@@ -87,12 +91,12 @@ pub enum Verdict {
 #[must_use]
 pub fn verdict(outcome: &Outcome) -> Verdict {
     let [_, raised_m] = outcome.raised_m;
-    let [_, slid_m] = outcome.slid_m;
+    let [_, slid_m] = outcome.slip_m;
     match outcome.end {
         End::Crushed => Verdict::Crushed,
         End::Refused => Verdict::Refused,
         End::Arrived if raised_m >= LIFTED_SHARE * LIFT_M && slid_m <= SLIP_MAX_M => Verdict::Held,
-        End::Arrived | End::Lost | End::Late => Verdict::Failed,
+        End::Arrived | End::Lost | End::TimedOut => Verdict::Failed,
     }
 }
 

@@ -7,7 +7,7 @@
 //! for the eight goals ([`fitness`]).
 //!
 //! [`verdict`] evaluates tables with the production controller in the full simulation.
-//! [`words`] compares a table with the paper's modules, [`rules`] writes them by hand, and
+//! [`description`] compares a table with the paper's modules, [`rules`] writes them by hand, and
 //! [`agreement`] measures the quality of the reduced simulation.
 //!
 //! Invariants: the bits of a run depend only on seed, generations and settings. Reading a table
@@ -18,10 +18,10 @@
 
 pub mod agreement;
 pub mod course;
+pub mod description;
 pub mod evolve;
 pub mod figure;
 pub mod fitness;
 pub mod rules;
 pub mod table_file;
 pub mod verdict;
-pub mod words;

@@ -3,7 +3,7 @@
 use atas_core::tasks::BehaviourTable;
 use shm_schemas::SensorBit;
 
-use super::course::{BITS, FINGERS_M_S, HAND};
+use super::course::{BITS, FINGERS_M_S, HAND_SPEED_FACTORS};
 
 pub(super) const HOLD: usize = 0;
 pub(super) const OPEN: usize = 1;
@@ -74,22 +74,22 @@ impl Rules {
     #[must_use]
     pub fn table(&self) -> BehaviourTable {
         let rows: Vec<_> = (0..1 << BITS.len()).map(|row| self.row(row)).collect();
-        BehaviourTable::checked(&BITS, &FINGERS_M_S, &HAND, rows.into_iter())
+        BehaviourTable::validated(&BITS, &FINGERS_M_S, &HAND_SPEED_FACTORS, rows.into_iter())
             .expect("the levels of the course")
     }
 
     fn row(&self, row: usize) -> [usize; 2] {
-        let tells = |bit: SensorBit| holds(row, bit);
-        let full = tells(SensorBit::ABOVE_F2) && self.force_limit;
-        let slips = tells(SensorBit::SLIPPING);
-        let weak = self.first_touch && !tells(SensorBit::ABOVE_F1);
-        if weak || !tells(SensorBit::TOUCHING) {
+        let reports = |bit: SensorBit| is_set(row, bit);
+        let full = reports(SensorBit::ABOVE_F2) && self.force_limit;
+        let slips = reports(SensorBit::SLIPPING);
+        let weak = self.first_touch && !reports(SensorBit::ABOVE_F1);
+        if weak || !reports(SensorBit::TOUCHING) {
             [CLOSE, STAND]
-        } else if slips && tells(SensorBit::ABOVE_F2) && self.refuse {
+        } else if slips && reports(SensorBit::ABOVE_F2) && self.refuse {
             [HOLD, BACK]
         } else if slips && self.slip {
             [if full { HOLD } else { CLOSE }, SLOWLY]
-        } else if tells(SensorBit::SPARE) && self.relax {
+        } else if reports(SensorBit::FRICTION_MARGIN) && self.relax {
             [OPEN, FULL]
         } else {
             [HOLD, FULL]
@@ -97,7 +97,7 @@ impl Rules {
     }
 }
 
-pub(super) fn holds(row: usize, bit: SensorBit) -> bool {
+pub(super) fn is_set(row: usize, bit: SensorBit) -> bool {
     let place = BITS.iter().position(|known| *known == bit);
     place.is_some_and(|place| row >> place & 1 == 1)
 }

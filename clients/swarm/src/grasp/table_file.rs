@@ -46,7 +46,7 @@ pub struct GraspFile {
 impl GraspFile {
     /// Creates the file of a table.
     #[must_use]
-    pub fn of(
+    pub fn new(
         table: &BehaviourTable,
         (seed, generations): (u64, u32),
         force_limit: bool,
@@ -68,7 +68,7 @@ impl GraspFile {
 
     /// Returns whether a text is a file of this type.
     #[must_use]
-    pub fn is_one(text: &str) -> bool {
+    pub fn is_grasp_file(text: &str) -> bool {
         is_of_kind(text, KIND)
     }
 
@@ -86,7 +86,7 @@ impl GraspFile {
             Error::refused(
                 format_args!("use {}", path.display()),
                 was,
-                "a grasp table as ebts evolve grasp wrote it",
+                "a grasp table written by ebts evolve grasp",
                 "evolve it again",
             )
         };
@@ -95,16 +95,16 @@ impl GraspFile {
         let table = file.table().map_err(&refuse)?;
         if file.kind != KIND || file.hash != format!("{:016x}", table.hash()) {
             return Err(refuse(format!(
-                "its hash is not that of its rows, {:016x}",
+                "its hash does not match its rows, {:016x}",
                 table.hash()
             )));
         }
         let genome = course::genome(&table)
-            .ok_or_else(|| refuse("it has other bits or levels than the course".to_owned()))?;
+            .ok_or_else(|| refuse("its bits or levels are not those of the course".to_owned()))?;
         let (points, ..) = evaluate_table(families, &genome, file.force_limit);
         if points != file.points {
             return Err(refuse(format!(
-                "its table earns {points:?}, and it says {:?}",
+                "its table earns {points:?}, but the file has {:?}",
                 file.points
             )));
         }
@@ -138,13 +138,13 @@ impl GraspFile {
             .split_whitespace()
             .map(row)
             .collect::<core::result::Result<_, _>>()?;
-        BehaviourTable::checked(&bits, &self.fingers_m_s, &self.hand, rows.into_iter())
+        BehaviourTable::validated(&bits, &self.fingers_m_s, &self.hand, rows.into_iter())
             .map_err(|fault| fault.to_string())
     }
 
     /// Returns a task of the daemon configuration with this table.
     #[must_use]
-    pub fn task(&self, name: &str) -> String {
+    pub fn to_task(&self, name: &str) -> String {
         let levels = |levels: &[f64]| {
             let levels: Vec<String> = levels.iter().map(|level| format!("{level:?}")).collect();
             levels.join(", ")

@@ -15,12 +15,12 @@ use super::rules::Rules;
 use crate::error::{Error, Result};
 
 /// Hand-written modules that are removed one by one.
-const PIECES: [ModuleId; 5] = [
+const REMOVED_MODULES: [ModuleId; 5] = [
     ModuleId::FIRST_TOUCH,
     ModuleId::SLIP,
     ModuleId::FORCE_LIMIT,
     ModuleId::RELAX,
-    ModuleId::LOAD_TEST,
+    ModuleId::LIFT_VERIFICATION,
 ];
 
 /// Grasp results of one policy.
@@ -64,7 +64,7 @@ pub struct TableScore {
 
 /// Results of all policies on the same objects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Judged {
+pub struct PolicyScores {
     /// Every evolved table in the given order, without modules.
     pub tables: Vec<TableScore>,
     /// The first (fittest) table with Module 3.
@@ -84,41 +84,41 @@ pub struct Judged {
 /// Returns the number of grasps of a verdict.
 #[must_use]
 pub fn jobs(tables: usize, seeds: u64) -> u64 {
-    (laws(&vec![Rules::PAPER.table(); tables]).len() as u64 + 1)
+    (policies(&vec![Rules::PAPER.table(); tables]).len() as u64 + 1)
         * seeds
         * super::course::FAMILIES as u64
 }
 
-fn laws(tables: &[BehaviourTable]) -> Vec<GripPolicy> {
+fn policies(tables: &[BehaviourTable]) -> Vec<GripPolicy> {
     let law = |table: BehaviourTable, force_limit| GripPolicy::Table { table, force_limit };
     let alone = tables.iter().map(|table| law(*table, false));
     let beside = tables.first().map(|table| law(*table, true));
     alone
         .chain(beside)
         .chain([law(Rules::PAPER.table(), false)])
-        .chain(PIECES.map(GripPolicy::Without))
+        .chain(REMOVED_MODULES.map(GripPolicy::Without))
         .chain(GripPolicy::baselines(Task::Grasp, None))
         .collect()
 }
 
 /// Evaluates tables, each with seed and fitness, best first; `None` if `stop` was set.
-pub fn judge(
+pub fn evaluate(
     tables: &[(BehaviourTable, u64, f32)],
     (seeds, first_seed): (u64, u64),
     threads: usize,
     stop: &AtomicBool,
     done: impl Fn() + Sync,
-) -> Result<Option<Judged>> {
+) -> Result<Option<PolicyScores>> {
     let bare: Vec<BehaviourTable> = tables.iter().map(|(table, ..)| *table).collect();
-    let plan = plan(laws(&bare), seeds, first_seed, threads)?;
+    let plan = plan(policies(&bare), seeds, first_seed, threads)?;
     let Some(evaluated) = plan.run(stop, done).map_err(Error::from_part)? else {
         return Ok(None);
     };
-    let mut series = evaluated.rows.iter().map(|rows| Score::of(rows));
+    let mut series = evaluated.rows.iter().map(|rows| Score::from_rows(rows));
     let mut next = || {
         series
             .next()
-            .ok_or_else(|| Error::from_part("a law has no grasps"))
+            .ok_or_else(|| Error::from_part("a policy has no grasps"))
     };
     let modules = next()?;
     let mut scores = Vec::new();
@@ -132,11 +132,11 @@ pub fn judge(
     }
     let (with_module_3, rules) = (next()?, next()?);
     let mut without = BTreeMap::new();
-    for module in PIECES {
+    for module in REMOVED_MODULES {
         without.insert(module.to_string(), next()?);
     }
     let (fixed_force, slip_reactive) = (next()?, next()?);
-    Ok(Some(Judged {
+    Ok(Some(PolicyScores {
         tables: scores,
         with_module_3,
         rules,
@@ -148,7 +148,7 @@ pub fn judge(
 }
 
 impl Score {
-    fn of(rows: &[TrialRow]) -> Self {
+    fn from_rows(rows: &[TrialRow]) -> Self {
         let count =
             |is: &dyn Fn(&TrialRow) -> bool| rows.iter().filter(|row| is(row)).count() as u64;
         let held = || rows.iter().filter(|row| row.outcome == "held");

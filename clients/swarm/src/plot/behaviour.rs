@@ -82,7 +82,7 @@ fn draw(trace: &Trace, svg: &mut String) -> Drawing {
         let border = [(judged, 0.0), (judged, lines as f64)];
         chart.draw_series([PathElement::new(border, BLACK.stroke_width(1))])?;
         chart.draw_series([Text::new(
-            "judging begins",
+            "evaluation begins",
             (judged + 2, lines as f64),
             ("sans-serif", 11),
         )])?;

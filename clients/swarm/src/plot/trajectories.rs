@@ -76,7 +76,7 @@ fn draw_trial(model: &Model, Panel { title, trace }: &Panel, area: &Area<'_>) ->
         (end, preset.object_light_px, OBJECT_LIGHT),
     ];
     for (centre, range, colour) in lights {
-        // The plotting area clips what exceeds the field.
+        // The plotting area clips circles at the border of the field.
         chart.draw_series([Polygon::new(inside(centre, range, half), colour.mix(0.10))])?;
     }
     chart.draw_series([Rectangle::new([(-half, -half), (half, half)], BLACK)])?;
@@ -200,7 +200,7 @@ fn legend(area: &Area<'_>, agents: usize) -> Drawing {
     area.draw(&Circle::new((390, 32), 4, BLACK.filled()))?;
     text(
         &format!(
-            "judging begins (frame {EXECUTION_FRAMES}); outlines every {OUTLINE_EVERY} frames"
+            "evaluation begins (frame {EXECUTION_FRAMES}); outlines every {OUTLINE_EVERY} frames"
         ),
         400,
         26,

@@ -36,7 +36,7 @@ pub struct Summary {
 
 /// Best fitness at the last generation over the runs of one team size.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "the names say it")]
+#[expect(missing_docs, reason = "the names are self-explanatory")]
 pub struct ConditionSummary {
     pub agents: usize,
     pub q1: f32,
@@ -48,7 +48,7 @@ pub struct ConditionSummary {
 /// Probabilities of orderings, see [`crate::analysis::Order`]; null without runs of these team
 /// sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "documented where they are estimated")]
+#[expect(missing_docs, reason = "documented at their estimates")]
 pub struct OrderSummary {
     pub three_gt_four: Option<f64>,
     pub two_gt_four: Option<f64>,

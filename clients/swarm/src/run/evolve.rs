@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use super::Run;
 use crate::condition::Condition;
 use crate::evaluate::Evaluator;
-use crate::islands::Elites;
-use crate::training::of_generation;
+use crate::islands::EliteFitness;
+use crate::training::generation_sets;
 use crate::workers::Workers;
 
 /// Evolves runs of one condition together up to `generations`. `watch` receives them after every
@@ -22,7 +22,7 @@ pub fn evolve(
     let mut trials = Trials::new(condition, workers.into(), runs.len());
     let open = |run: &Run| run.generation.is_none_or(|done| done < generations);
     while runs.iter().any(open) {
-        let before = trials.may_break_off(runs).then(|| runs.to_vec());
+        let before = trials.is_interruptible(runs).then(|| runs.to_vec());
         if trials.generation(runs, open).is_none() {
             for (run, before) in runs.iter_mut().zip(before.into_iter().flatten()) {
                 *run = before;
@@ -40,7 +40,7 @@ struct Trials {
     evaluator: Evaluator,
     workers: Workers,
     choice: Option<Evaluator>,
-    elites: Elites,
+    elites: EliteFitness,
 }
 
 impl Trials {
@@ -51,19 +51,20 @@ impl Trials {
             evaluator: evaluator(),
             choice: drawn.then(evaluator),
             elites: match drawn {
-                true => Elites::JudgedAgain,
-                false => Elites::Known,
+                true => EliteFitness::Reevaluated,
+                false => EliteFitness::Known,
             },
             workers,
         }
     }
 
-    fn may_break_off(&self, runs: &[Run]) -> bool {
+    fn is_interruptible(&self, runs: &[Run]) -> bool {
         let size = |run: &Run| run.archipelago.size();
         let genomes = 2 * runs.iter().map(size).sum::<usize>();
         let choice = self.choice.as_ref().map_or(0, Evaluator::trials_per_genome);
         let of_generation = genomes * self.evaluator.trials_per_genome();
-        self.workers.may_break_off(of_generation) || self.workers.may_break_off(runs.len() * choice)
+        self.workers.is_interruptible(of_generation)
+            || self.workers.is_interruptible(runs.len() * choice)
     }
 
     /// Runs one generation of every open run; `None` if the workers were stopped before its end.
@@ -71,9 +72,10 @@ impl Trials {
         let elites = self.elites;
         let mut proposals = Vec::with_capacity(runs.len());
         for (index, run) in runs.iter_mut().enumerate() {
-            if open(run) && elites == Elites::JudgedAgain {
-                let sets = of_generation(self.evaluator.condition(), run.seed, run.next());
-                self.evaluator.try_on(index, sets);
+            if open(run) && elites == EliteFitness::Reevaluated {
+                let sets =
+                    generation_sets(self.evaluator.condition(), run.seed, run.next_generation());
+                self.evaluator.set_trials(index, sets);
             }
             proposals.push(match open(run) {
                 true => run.archipelago.propose(elites),
@@ -86,10 +88,10 @@ impl Trials {
                 run.accept(evaluated, elites);
             }
         }
-        self.choose(runs)
+        self.evaluate_candidates(runs)
     }
 
-    fn choose(&mut self, runs: &mut [Run]) -> Option<()> {
+    fn evaluate_candidates(&mut self, runs: &mut [Run]) -> Option<()> {
         let Some(choice) = &mut self.choice else {
             return Some(());
         };
@@ -98,7 +100,7 @@ impl Trials {
         for (run, judged) in runs.iter_mut().zip(judged) {
             judged
                 .into_iter()
-                .for_each(|candidate| run.choose(candidate));
+                .for_each(|candidate| run.update_chosen(candidate));
         }
         Some(())
     }

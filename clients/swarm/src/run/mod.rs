@@ -4,13 +4,13 @@ mod evolve;
 mod record;
 
 pub use evolve::evolve;
-pub use record::{Census, Job, Record, Rise};
+pub use record::{GenerationStatistics, Job, Record, Rise};
 
 use crate::condition::Condition;
 use crate::evaluate::Individual;
 use crate::ga::{Population, Settings, SettingsError};
 use crate::genome::{Genome, diversity};
-use crate::islands::{Archipelago, Elites, IslandSettings};
+use crate::islands::{Archipelago, EliteFitness, IslandSettings};
 use crate::rng::SplitMix64;
 
 /// One run in progress.
@@ -97,7 +97,7 @@ impl Run {
     /// Returns statistics of the individuals of all islands; `None` before the random population is
     /// evaluated.
     #[must_use]
-    pub fn census(&self) -> Option<Census> {
+    pub fn statistics(&self) -> Option<GenerationStatistics> {
         let members = || {
             self.archipelago
                 .islands()
@@ -108,7 +108,7 @@ impl Run {
         let count = members().count();
         let fitness = || members().map(|member| f64::from(member.fitness()));
         let genomes = members().map(|member| &member.genome).collect::<Vec<_>>();
-        Some(Census {
+        Some(GenerationStatistics {
             generation,
             best: fitness().fold(0.0, f64::max),
             mean: fitness().sum::<f64>() / count as f64,
@@ -117,17 +117,17 @@ impl Run {
         })
     }
 
-    fn next(&self) -> u32 {
+    fn next_generation(&self) -> u32 {
         self.generation.map_or(0, |generation| generation + 1)
     }
 
-    fn accept(&mut self, evaluated: Vec<Individual>, elites: Elites) {
-        let generation = self.next();
+    fn accept(&mut self, evaluated: Vec<Individual>, elites: EliteFitness) {
+        let generation = self.next_generation();
         self.archipelago.select(evaluated, generation, elites);
         self.generation = Some(generation);
-        if let (Elites::Known, Some(best)) = (elites, self.archipelago.best()) {
+        if let (EliteFitness::Known, Some(best)) = (elites, self.archipelago.best()) {
             let fitness = best.fitness();
-            Rise::note(&mut self.rises, generation, fitness);
+            Rise::record(&mut self.rises, generation, fitness);
         }
     }
 
@@ -139,12 +139,12 @@ impl Run {
     }
 
     /// Replaces the chosen individual by a better candidate.
-    fn choose(&mut self, candidate: Individual) {
+    fn update_chosen(&mut self, candidate: Individual) {
         let fitness = candidate.fitness();
         let before = self.chosen.as_ref().map(Individual::fitness);
         if before.is_none_or(|before| fitness > before) {
             self.chosen = Some(candidate);
-            Rise::note(&mut self.rises, self.generation.unwrap_or(0), fitness);
+            Rise::record(&mut self.rises, self.generation.unwrap_or(0), fitness);
         }
     }
 

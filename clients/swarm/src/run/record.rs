@@ -16,7 +16,7 @@ pub struct Rise {
 
 impl Rise {
     /// Appends the best fitness of a generation if it is a rise.
-    pub(crate) fn note(rises: &mut Vec<Self>, generation: u32, fitness: f32) {
+    pub(crate) fn record(rises: &mut Vec<Self>, generation: u32, fitness: f32) {
         if rises.last().is_none_or(|last| fitness > last.fitness) {
             rises.push(Self {
                 generation,
@@ -37,7 +37,7 @@ pub struct Job {
 
 /// Statistics of the individuals of a generation on all islands.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Census {
+pub struct GenerationStatistics {
     /// Generation; 0 is the random population.
     pub generation: u32,
     /// Largest fitness.

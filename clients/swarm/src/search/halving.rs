@@ -73,19 +73,19 @@ impl Halving {
         {
             return refuse(
                 format!(
-                    "there were {} candidates to leave {}",
+                    "there are {} candidates to leave {}",
                     self.candidates, self.best
                 ),
-                "1 to 100000 candidates, of which 1 or more are left".to_owned(),
+                "1 to 100000 candidates, of which at least 1 remains".to_owned(),
                 "correct --candidates or --best",
             );
         }
         let (tuning, verdict) = (self.tuning(), self.verdict());
         if tuning.start < verdict.end && verdict.start < tuning.end {
             return refuse(
-                format!("the verdict had seeds from {} on", verdict.start),
+                format!("the verdict has seeds from {} on", verdict.start),
                 format!(
-                    "seeds outside {} to {}, which choose",
+                    "seeds outside {} to {}, which are used for tuning",
                     tuning.start,
                     tuning.end - 1
                 ),
@@ -125,7 +125,7 @@ mod tests {
     };
 
     #[test]
-    fn stages_have_fewer_candidates_and_more_seeds_and_share_none() {
+    fn stages_reduce_candidates_on_disjoint_seeds() {
         let stages = HALVING.stages();
         let rows: Vec<_> = stages
             .iter()
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn the_verdict_has_seeds_of_its_own() {
+    fn verdict_seeds_must_not_overlap() {
         assert!(HALVING.check().is_ok());
         for verdict_first_seed in [921, 1000, 1100, 1247] {
             let halving = Halving {

@@ -8,12 +8,12 @@
 //! seeds that took no part in the choice; [`Halving::check`] rejects overlapping seeds. The caller
 //! runs the experiments ([`crate::experiment`]); this module uses neither files nor threads.
 
+mod co_occurrence;
 mod halving;
 mod score;
 mod space;
-mod together;
 
+pub use co_occurrence::{CoOccurrence, co_occurrences};
 pub use halving::{Halving, Stage};
-pub use score::{Judged, Score};
+pub use score::{ClaimScore, Score};
 pub use space::{Candidate, Range, candidates};
-pub use together::{Together, together};

@@ -9,11 +9,11 @@ use crate::stats::Estimate;
 const STANDARD_ERRORS: f64 = 1.96;
 /// Lower limit of the standard error, relative to the border. Design choice: few runs that all
 /// agree give no certainty.
-const LEAST_ERROR: f64 = 0.02;
+const STANDARD_ERROR_MIN: f64 = 0.02;
 
 /// Result of one wanted claim.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Judged {
+pub struct ClaimScore {
     /// Claim.
     pub claim: Claim,
     /// Estimated quantity; null if the runs give no estimate.
@@ -28,7 +28,7 @@ pub struct Judged {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Score {
     /// Claims in the requested order.
-    pub claims: Vec<Judged>,
+    pub claims: Vec<ClaimScore>,
     /// Probability that all hold: the product of the single ones, assuming independence.
     pub chance_of_all: f64,
 }
@@ -39,14 +39,14 @@ impl Score {
     pub fn new(findings: &Findings, wanted: &[Claim]) -> Self {
         let judge = |&claim: &Claim| {
             let estimate = claim.estimate(findings);
-            Judged {
+            ClaimScore {
                 claim,
                 estimate,
                 chance: estimate.map_or(0.0, |estimate| chance(estimate, claim.border())),
                 verdict: claim.verdict(findings),
             }
         };
-        let claims: Vec<Judged> = wanted.iter().map(judge).collect();
+        let claims: Vec<ClaimScore> = wanted.iter().map(judge).collect();
         let chance_of_all = claims.iter().map(|judged| judged.chance).product();
         Self {
             claims,
@@ -57,14 +57,14 @@ impl Score {
     /// Returns whether every claim holds at the 95 % level.
     #[must_use]
     pub fn all_hold(&self) -> bool {
-        let holds = |judged: &Judged| judged.verdict == Some(Verdict::Reproduces);
+        let holds = |judged: &ClaimScore| judged.verdict == Some(Verdict::Reproduces);
         self.claims.iter().all(holds)
     }
 }
 
 /// Returns the probability that a quantity is above a border.
 fn chance(Estimate { value, low, high }: Estimate, border: f64) -> f64 {
-    let error = ((high - low) / (2.0 * STANDARD_ERRORS)).max(LEAST_ERROR * border);
+    let error = ((high - low) / (2.0 * STANDARD_ERRORS)).max(STANDARD_ERROR_MIN * border);
     0.5 * libm::erfc((border - value) / (error * std::f64::consts::SQRT_2))
 }
 
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn chances_are_those_of_the_normal_distribution() {
+    fn chance_follows_the_normal_distribution() {
         let rows = [
             ((0.5, 0.4, 0.6), 0.5, 0.5),
             ((0.6, 0.502, 0.698), 0.5, 0.977),

@@ -46,8 +46,8 @@ impl FromStr for Range {
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let needs = || {
             format!(
-                "it was {text:?}, needs a key of a preset and a range or values, as in goal_radius_px=40.0..60.0 or \
-                 contact=sliding,blocking"
+                "it is {text:?}, needs a key of a preset and a range or values, as in \
+                 goal_radius_px=40.0..60.0 or contact=sliding,blocking"
             )
         };
         let (key, values) = text.split_once('=').ok_or_else(needs)?;
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn candidates_lie_in_their_ranges_and_repeat() {
+    fn candidates_stay_in_range_and_repeat() {
         let ranges = ranges(&[
             "goal_radius_px=40.0..60.0",
             "ir_angle_steps=6..11",
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_range_or_no_preset_is_refused() {
+    fn invalid_ranges_and_presets_are_rejected() {
         for text in [
             "goal_radius_px",
             "=1..2",

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn an_experiment_prints_its_documented_fields() {
+fn experiment_prints_documented_fields() {
     let folder = folder();
     let summary = json(folder.path(), &format!("{SMALL} --format json"));
     let fields = [
@@ -45,7 +45,7 @@ fn an_experiment_prints_its_documented_fields() {
 }
 
 #[test]
-fn threads_engines_shards_and_repetition_change_no_byte() {
+fn threads_engines_and_shards_give_same_files() {
     let folder = folder();
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out whole"));
@@ -74,7 +74,7 @@ fn threads_engines_shards_and_repetition_change_no_byte() {
 }
 
 #[test]
-fn a_merge_without_a_shard_names_it_and_fails() {
+fn incomplete_merge_fails_and_names_the_shard() {
     let folder = folder();
     let folder = folder.path();
     for shard in 1..=3 {
@@ -83,22 +83,22 @@ fn a_merge_without_a_shard_names_it_and_fails() {
             &format!("{SMALL} --out part{shard} --shard {shard}/3"),
         );
     }
-    let said = refused(folder, "merge merged part1 part3", 3);
+    let message = refused(folder, "merge merged part1 part3", 7);
     assert!(
-        said.contains("because it lacked shard 2/3 (4 of 12 runs)"),
-        "{said}"
+        message.contains("it lacks shard 2/3 (4 of 12 runs)"),
+        "{message}"
     );
     assert!(
         !folder.join("merged/runs.csv").exists(),
-        "no results of a part"
+        "no results of an incomplete merge"
     );
 
     let partial = output(folder, "merge --partial merged part1 --format json");
     assert!(partial.status.success(), "{partial:?}");
-    let said = String::from_utf8_lossy(&partial.stderr);
+    let message = String::from_utf8_lossy(&partial.stderr);
     assert!(
-        said.contains("merged lacks shard 2/3 (4 of 12 runs)"),
-        "{said}"
+        message.contains("merged lacks shard 2/3 (4 of 12 runs)"),
+        "{message}"
     );
 
     // The missing runs of an interrupted shard are listed by team size and seed.
@@ -106,14 +106,14 @@ fn a_merge_without_a_shard_names_it_and_fails() {
     let whole = std::fs::read_to_string(&runs).expect("runs");
     let short: String = whole.split_inclusive('\n').skip(1).collect();
     std::fs::write(&runs, short).expect("a writable file");
-    let said = refused(folder, "merge merged part2", 3);
-    assert!(said.contains("1 of 12 runs (agents"), "{said}");
+    let message = refused(folder, "merge merged part2", 7);
+    assert!(message.contains("1 of 12 runs (agents"), "{message}");
     std::fs::write(&runs, whole).expect("a writable file");
     run(folder, "merge merged part2");
 }
 
 #[test]
-fn forged_runs_are_refused() {
+fn forged_runs_are_rejected() {
     let folder = folder();
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out here"));
@@ -131,16 +131,22 @@ fn forged_runs_are_refused() {
     let rows = [
         (
             first.replacen("\"fitness\":", "\"fitness\":1e30,\"f\":", 1),
-            "was damaged",
+            "is damaged",
         ),
-        (resealed(&|run| run["agents"] = 7.into()), "seal"),
-        (resealed(&|run| run["points"][0] = 100.into()), "seal"),
+        (
+            resealed(&|run| run["agents"] = 7.into()),
+            "its hash does not match",
+        ),
+        (
+            resealed(&|run| run["points"][0] = 100.into()),
+            "its hash does not match",
+        ),
         (
             resealed(&|run| run["genome"] = "0".repeat(32).into()),
-            "seal",
+            "its hash does not match",
         ),
-        (foreign.to_owned(), "seal"),
-        (format!("{first}\n{first}"), "this run was there before"),
+        (foreign.to_owned(), "its hash does not match"),
+        (format!("{first}\n{first}"), "it repeats an earlier run"),
         ("{}".to_owned(), "missing field"),
     ];
     for (line, expected) in rows {
@@ -150,10 +156,10 @@ fn forged_runs_are_refused() {
             "analyse here".to_owned(),
             "merge m here".to_owned(),
         ] {
-            let said = refused(folder, &command, 3);
+            let message = refused(folder, &command, 7);
             assert!(
-                said.contains(expected),
-                "{command}: {said:?} does not say {expected:?}"
+                message.contains(expected),
+                "{command}: {message:?} does not contain {expected:?}"
             );
         }
     }
@@ -162,7 +168,7 @@ fn forged_runs_are_refused() {
 }
 
 #[test]
-fn merging_different_experiments_is_refused() {
+fn merging_different_experiments_is_rejected() {
     let folder = folder();
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out a --shard 1/2"));
@@ -170,14 +176,14 @@ fn merging_different_experiments_is_refused() {
         folder,
         "experiment fig14 --preset LB --seeds 3 --generations 40 --out b --shard 2/2",
     );
-    assert!(refused(folder, "merge c a b", 3).contains("its preset was"));
+    assert!(refused(folder, "merge c a b", 7).contains("its preset is"));
     assert!(
-        refused(folder, "merge c nowhere", 3).contains("could not read nowhere/experiment.toml")
+        refused(folder, "merge c nowhere", 7).contains("could not read nowhere/experiment.toml")
     );
 }
 
 #[test]
-fn an_experiment_can_be_analysed_and_drawn_again() {
+fn experiment_is_analysed_and_plotted() {
     let folder = folder();
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out here"));
@@ -190,7 +196,7 @@ fn an_experiment_can_be_analysed_and_drawn_again() {
 
 /// The scripts work without a scheduler: every shard, one of them twice, and the merge.
 #[test]
-fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
+fn cluster_scripts_give_the_bytes_of_one_run() {
     let folder = folder();
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out whole"));
@@ -226,7 +232,7 @@ fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
 
     // Commands of the pods, with this program in place of the image.
     std::fs::rename(folder.join("it's"), folder.join("slurm's")).expect("a folder");
-    std::fs::create_dir(folder.join("it's")).expect("the volume, empty");
+    std::fs::create_dir(folder.join("it's")).expect("an empty volume");
     let program = Path::new(env!("CARGO_BIN_EXE_ebts")).parent();
     let search = format!("{}:/usr/bin:/bin", program.expect("a folder").display());
     for (manifest, pods) in [("job.json", 0..3), ("merge.json", 0..1)] {
@@ -251,6 +257,6 @@ fn scripts_for_a_cluster_give_the_bytes_of_one_run() {
         }
     }
     assert_eq!(results(folder, "it's/whole"), results(folder, "whole"));
-    let said = refused(folder, "slurm --shards 2 --out x -- fig14 --preset R9", 3);
-    assert!(said.contains("neither a preset nor a file"), "{said}");
+    let message = refused(folder, "slurm --shards 2 --out x -- fig14 --preset R9", 7);
+    assert!(message.contains("neither a preset nor a file"), "{message}");
 }

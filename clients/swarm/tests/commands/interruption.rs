@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
+fn interrupted_experiment_gives_the_same_files() {
     const LONGER: &str = "experiment fig14 --preset N --seeds 12 --generations 150 --threads 1";
     let folder = folder();
     let folder = folder.path();
@@ -20,7 +20,7 @@ fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
     }
     interrupt(child.id());
     let code = child.wait().expect("a child").code();
-    assert!(matches!(code, Some(130 | 0)), "{code:?}");
+    assert!(matches!(code, Some(5 | 0)), "{code:?}");
     // A power cut can leave an incomplete line.
     let mut torn = std::fs::read(&runs).expect("runs");
     torn.extend_from_slice(b"{\"agents\":4,\"se");
@@ -29,14 +29,14 @@ fn an_interrupted_experiment_goes_on_to_the_same_bytes() {
     assert_eq!(results(folder, "cut"), results(folder, "straight"));
     assert!(
         !folder.join("cut/under-way").exists(),
-        "nothing is under way any more"
+        "no unfinished run is left"
     );
 }
 
 /// A generation of this population takes many seconds: it is interrupted, and the state before it
 /// is saved.
 #[test]
-fn a_generation_of_a_huge_population_stops_too() {
+fn generation_of_huge_population_is_interruptible() {
     let folder = folder();
     let mut child = ebts(
         folder.path(),
@@ -47,13 +47,13 @@ fn a_generation_of_a_huge_population_stops_too() {
     .expect("ebts starts");
     std::thread::sleep(Duration::from_millis(500));
     interrupt(child.id());
-    assert_eq!(child.wait().expect("a child").code(), Some(130));
+    assert_eq!(child.wait().expect("a child").code(), Some(5));
     let left = std::fs::read_dir(folder.path()).expect("a folder").count();
     assert_eq!(left, 0, "nothing was evaluated, so nothing is saved");
 }
 
 #[test]
-fn an_interrupted_run_goes_on_to_the_same_table() {
+fn interrupted_run_gives_the_same_table() {
     const EVOLVE: &str = "evolve --preset N --agents 4 --seed 11 --generations 3000 --islands 2";
     let folder = folder();
     let folder = folder.path();
@@ -64,21 +64,21 @@ fn an_interrupted_run_goes_on_to_the_same_table() {
         .expect("ebts starts");
     std::thread::sleep(Duration::from_millis(150));
     interrupt(child.id());
-    if child.wait().expect("a child").code() == Some(130) {
+    if child.wait().expect("a child").code() == Some(5) {
         assert!(!folder.join("cut.toml").exists(), "no table before the end");
-        refused(folder, &format!("{EVOLVE} --out cut.toml"), 3);
+        refused(folder, &format!("{EVOLVE} --out cut.toml"), 7);
         run(folder, "evolve --out cut.toml --resume");
     }
     let table = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
     assert_eq!(table("cut.toml"), table("straight.toml"));
     assert!(!folder.join("cut.toml.checkpoint").exists());
-    assert!(refused(folder, &format!("{EVOLVE} --out cut.toml"), 3).contains("is there already"));
+    assert!(refused(folder, &format!("{EVOLVE} --out cut.toml"), 7).contains("exists already"));
 }
 
 /// A damaged checkpoint is reported and kept, and its run restarts: in an experiment and in a
 /// search, which has no progress bar for runs.
 #[test]
-fn a_damaged_checkpoint_is_named_and_kept() {
+fn damaged_checkpoint_is_reported_and_kept() {
     const SEARCH: &str = "search --preset N --vary goal_radius_px=50,60 --candidates 2 --best 1 \
                           --seeds 1 --verdict-seeds 1 --generations 5";
     let folder = folder();
@@ -96,23 +96,26 @@ fn a_damaged_checkpoint_is_named_and_kept() {
         let checkpoint = format!("{under_way}/4-{seed}.checkpoint");
         std::fs::create_dir_all(folder.join(under_way)).expect("a folder");
         std::fs::write(folder.join(&checkpoint), "half of i").expect("a writable file");
-        let said = output(folder, &format!("{command} --out {out}"));
-        assert!(said.status.success(), "{said:?}");
-        let said = String::from_utf8_lossy(&said.stderr);
+        let message = output(folder, &format!("{command} --out {out}"));
+        assert!(message.status.success(), "{message:?}");
+        let message = String::from_utf8_lossy(&message.stderr);
         let expected =
-            format!("4 agents, seed {seed}: begun anew, because {checkpoint} was damaged (");
-        assert!(said.contains(&expected), "{said}");
+            format!("4 agents, seed {seed}: restarted because {checkpoint} is damaged (");
+        assert!(message.contains(&expected), "{message}");
         let kept = std::fs::read_to_string(folder.join(format!("{checkpoint}.damaged")));
         assert_eq!(kept.expect("the file is kept"), "half of i");
-        assert!(said.contains(&format!("{checkpoint}.damaged")), "{said}");
+        assert!(
+            message.contains(&format!("{checkpoint}.damaged")),
+            "{message}"
+        );
     }
     assert_eq!(results(folder, "cut"), results(folder, "straight"));
 
     std::fs::write(folder.join("mine.toml.checkpoint"), "half of i").expect("a writable file");
-    let said = refused(folder, "evolve --out mine.toml --resume", 3);
+    let message = refused(folder, "evolve --out mine.toml --resume", 7);
     assert!(
-        said.contains("mine.toml.checkpoint because it was damaged"),
-        "{said}"
+        message.contains("mine.toml.checkpoint: it is damaged"),
+        "{message}"
     );
     run(folder, "evolve --out mine.toml --overwrite --generations 3");
 }
@@ -121,12 +124,12 @@ pub(super) fn interrupt(process: u32) {
     let status = Command::new("kill")
         .args(["-INT", &process.to_string()])
         .status();
-    assert!(status.is_ok(), "kill is there");
+    assert!(status.is_ok(), "the kill program runs");
 }
 
 /// A file size limit simulates a full disk: writing fails half-way.
 #[test]
-fn a_full_disk_loses_nothing_that_was_finished() {
+fn full_disk_keeps_finished_runs() {
     let folder = folder();
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out straight"));
@@ -139,16 +142,16 @@ fn a_full_disk_loses_nothing_that_was_finished() {
         .args(["-c", &limited])
         .output()
         .expect("bash starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(5), "{said}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
     assert!(
-        said.contains("free some and run the same command again"),
-        "{said}"
+        message.contains("free disk space, then run the same command again"),
+        "{message}"
     );
     let kept = std::fs::read_to_string(folder.join("full/runs.jsonl")).expect("runs");
     assert!(
         kept.ends_with('\n') && kept.lines().count() >= 1,
-        "whole lines: {kept:?}"
+        "complete lines: {kept:?}"
     );
     run(folder, &format!("{SMALL} --out full"));
     let after = std::fs::read_to_string(folder.join("full/runs.jsonl")).expect("runs");
@@ -157,23 +160,26 @@ fn a_full_disk_loses_nothing_that_was_finished() {
 }
 
 #[test]
-fn one_folder_holds_one_experiment_at_a_time() {
+fn folder_rejects_other_experiment_and_second_process() {
     let folder = folder();
     let folder = folder.path();
     run(folder, &format!("{SMALL} --out here"));
-    let said = refused(
+    let message = refused(
         folder,
         "experiment fig14 --preset N --seeds 3 --generations 41 --out here",
-        3,
+        7,
     );
-    assert!(said.contains("its generations was 40, needs 41"), "{said}");
+    assert!(
+        message.contains("its generations is 40, needs 41"),
+        "{message}"
+    );
     let lock = std::fs::File::open(folder.join("here/.lock")).expect("the lock file");
     lock.try_lock().expect("a free lock");
     assert!(
-        refused(folder, &format!("{SMALL} --out here"), 4).contains("another ebts works on it")
+        refused(folder, &format!("{SMALL} --out here"), 8).contains("another ebts process uses it")
     );
     drop(lock);
     run(folder, &format!("{SMALL} --out here"));
     std::fs::write(folder.join("here/runs.jsonl"), "not a run\n").expect("a writable file");
-    assert!(refused(folder, &format!("{SMALL} --out here"), 3).contains("line 1 was damaged"));
+    assert!(refused(folder, &format!("{SMALL} --out here"), 7).contains("line 1 is damaged"));
 }

@@ -50,9 +50,9 @@ fn json(folder: &Path, arguments: &str) -> Value {
 /// Runs a command that must fail with this exit code; returns its standard error.
 fn refused(folder: &Path, arguments: &str, code: i32) -> String {
     let output = output(folder, arguments);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{arguments}: {said}");
-    said
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{arguments}: {message}");
+    message
 }
 
 fn results(folder: &Path, name: &str) -> Vec<(String, String)> {

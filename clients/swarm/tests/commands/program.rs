@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn presets_are_printed_completed_and_stay_inside() {
+fn presets_round_trip_and_stay_in_folder() {
     let folder = folder();
     let folder = folder.path();
     assert!(run(folder, "preset").contains("LB3"));
@@ -31,12 +31,12 @@ fn presets_are_printed_completed_and_stay_inside() {
     assert_eq!(
         made,
         ["a.toml", "b.toml", "inside", "r3.toml"],
-        "nothing outside"
+        "no file outside"
     );
 }
 
 #[test]
-fn completions_manual_pages_and_help_are_there() {
+fn completions_manual_and_help_exist() {
     let folder = folder();
     let folder = folder.path();
     for shell in ["bash", "zsh", "fish"] {
@@ -88,7 +88,7 @@ fn outermost_keys(value: &Value) -> BTreeSet<&str> {
 }
 
 #[test]
-fn every_help_names_the_fields_of_its_json() {
+fn help_lists_json_fields() {
     let folder = folder();
     let folder = folder.path();
     // These are compared at any depth; those below only at the outermost level.
@@ -135,30 +135,30 @@ fn every_help_names_the_fields_of_its_json() {
 }
 
 #[test]
-fn errors_are_json_where_results_are() {
+fn errors_are_json_with_json_format() {
     let folder = folder();
     for (arguments, code, part) in [
-        ("show missing.toml --format json", 3, "missing.toml"),
-        ("--format=json preset R9", 3, "neither a preset nor a file"),
+        ("show missing.toml --format json", 7, "missing.toml"),
+        ("--format=json preset R9", 7, "neither a preset nor a file"),
         ("fly --format json", 2, "unrecognized subcommand"),
         ("evolve --out x.json --format json", 2, ".toml"),
         (
             "agents --table missing.toml --format json",
-            3,
+            7,
             "missing.toml",
         ),
     ] {
-        let said = refused(folder.path(), arguments, code);
-        let error: Value = serde_json::from_str(&said).expect("one object");
-        assert_eq!(error["exit"], code, "{arguments}: {said}");
-        let sentence = error["error"].as_str().expect("a sentence");
-        assert!(sentence.contains(part), "{arguments}: {said}");
+        let message = refused(folder.path(), arguments, code);
+        let error: Value = serde_json::from_str(&message).expect("one object");
+        assert_eq!(error["exit"], code, "{arguments}: {message}");
+        let sentence = error["error"].as_str().expect("a text");
+        assert!(sentence.contains(part), "{arguments}: {message}");
     }
 }
 
 /// A closed reader is not an error; a full disk is reported.
 #[test]
-fn closed_pipes_and_full_disks_are_no_panic() {
+fn closed_pipe_and_full_disk_do_not_panic() {
     let folder = folder();
     for arguments in [
         "preset",
@@ -177,16 +177,16 @@ fn closed_pipes_and_full_disks_are_no_panic() {
                 .expect("bash starts")
         };
         let closed = shell(format!("{command} | true; exit ${{PIPESTATUS[0]}}"));
-        let said = String::from_utf8_lossy(&closed.stderr).into_owned();
+        let message = String::from_utf8_lossy(&closed.stderr).into_owned();
         assert_eq!(
-            (closed.status.code(), said.as_str()),
+            (closed.status.code(), message.as_str()),
             (Some(0), ""),
             "{arguments}"
         );
         let full = shell(format!("{command} > /dev/full"));
-        let said = String::from_utf8_lossy(&full.stderr);
-        assert!(!said.contains("panicked"), "{arguments}: {said}");
-        assert_eq!(full.status.code(), Some(5), "{arguments}: {said}");
+        let message = String::from_utf8_lossy(&full.stderr);
+        assert!(!message.contains("panicked"), "{arguments}: {message}");
+        assert_eq!(full.status.code(), Some(1), "{arguments}: {message}");
     }
 }
 
@@ -218,7 +218,7 @@ fn tables_fit_into_80_columns() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_before_anything_is_written() {
+fn invalid_arguments_are_rejected_before_writing() {
     let folder = folder();
     let folder = folder.path();
     let files = [
@@ -233,18 +233,18 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
         std::fs::write(folder.join(name), text).expect("a writable file");
     }
     let rows = [
-        ("evolve --agents 0", 3, "could not place 0 agents"),
-        ("evolve --preset R9", 3, "neither a preset nor a file"),
-        ("evolve --preset bad.toml", 3, "missing field"),
-        ("evolve --population 7", 3, "population because it was 7"),
-        ("evolve --elite 10", 3, "elite because it was 10"),
-        ("evolve --elite 0", 3, "elite because it was 0"),
-        ("experiment fig14 --agents 2,2", 3, "each once"),
-        ("experiment fig14 --agents 5", 3, "could not place 5 agents"),
-        ("sweep --vary speed=1", 3, "unknown field `speed`"),
+        ("evolve --agents 0", 7, "could not place 0 agents"),
+        ("evolve --preset R9", 7, "neither a preset nor a file"),
+        ("evolve --preset bad.toml", 7, "missing field"),
+        ("evolve --population 7", 7, "population: it is 7"),
+        ("evolve --elite 10", 7, "elite: it is 10"),
+        ("evolve --elite 0", 7, "elite: it is 0"),
+        ("experiment fig14 --agents 2,2", 7, "each once"),
+        ("experiment fig14 --agents 5", 7, "could not place 5 agents"),
+        ("sweep --vary speed=1", 7, "unknown field `speed`"),
         ("sweep --vary goal_radius_px", 2, "goal_radius_px=40,50"),
         ("search --vary goal_radius_px=9..1", 2, "40.0..60.0"),
-        ("search --vary speed=1.0..2.0", 3, "unknown field `speed`"),
+        ("search --vary speed=1.0..2.0", 7, "unknown field `speed`"),
         (
             "search --vary ir_angle_steps=6..9 --find flying",
             2,
@@ -252,48 +252,44 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
         ),
         (
             "search --vary ir_angle_steps=6..9 --verdict-first-seed 1000001",
-            3,
+            7,
             "seeds outside 1000001",
         ),
-        ("evolve --preset noisy.toml", 3, "0 to 1024"),
-        ("evolve --preset drawn.toml", 3, "training.draws was 65"),
-        ("transfer nothing", 3, "could not read nothing"),
-        ("preset R9", 3, "neither a preset nor a file"),
-        (
-            "evolve --mutation-rate nan",
-            3,
-            "mutation_rate because it was NaN",
-        ),
+        ("evolve --preset noisy.toml", 7, "0 to 1024"),
+        ("evolve --preset drawn.toml", 7, "training.draws was 65"),
+        ("transfer nothing", 7, "could not read nothing"),
+        ("preset R9", 7, "neither a preset nor a file"),
+        ("evolve --mutation-rate nan", 7, "mutation_rate: it is NaN"),
         (
             "evolve --engine abacus",
-            3,
-            "could not use engine \"abacus\"",
+            7,
+            "engine \"abacus\" not available",
         ),
         ("evolve --sensors ir-left", 2, "permutation"),
-        ("evolve --out table.json", 2, "ends in .toml"),
-        ("evolve --out table", 2, "ends in .toml"),
-        ("evolve --history h.json", 2, "ends in .csv"),
-        ("evolve grasp --out table.json", 2, "ends in .toml"),
-        ("evolve course --out table.json", 2, "ends in .toml"),
-        ("export here --out trials.json", 2, "ends in .csv"),
-        ("find here --out fig17.png", 2, "ends in .svg"),
-        ("replay bad.toml --out page.pdf", 2, "ends in .html"),
+        ("evolve --out table.json", 2, "must end in .toml"),
+        ("evolve --out table", 2, "must end in .toml"),
+        ("evolve --history h.json", 2, "must end in .csv"),
+        ("evolve grasp --out table.json", 2, "must end in .toml"),
+        ("evolve course --out table.json", 2, "must end in .toml"),
+        ("export here --out trials.json", 2, "must end in .csv"),
+        ("find here --out fig17.png", 2, "must end in .svg"),
+        ("replay bad.toml --out page.pdf", 2, "must end in .html"),
         (
             "evolve --resume",
-            3,
-            "table.toml.checkpoint because there is no such file",
+            7,
+            "table.toml.checkpoint: the file does not exist",
         ),
         ("experiment fig14 --shard 4/3", 2, "needs i/n"),
         ("experiment fig15", 2, "fig15"),
-        ("show missing.toml", 3, "could not read missing.toml"),
-        ("show bad.toml", 3, "it is no table file"),
-        ("plot missing", 3, "could not read missing"),
+        ("show missing.toml", 7, "could not read missing.toml"),
+        ("show bad.toml", 7, "it is not a table file"),
+        ("plot missing", 7, "could not read missing"),
     ];
     for (arguments, code, expected) in rows {
-        let said = refused(folder, arguments, code);
+        let message = refused(folder, arguments, code);
         assert!(
-            said.contains(expected),
-            "{arguments}: {said:?} does not say {expected:?}"
+            message.contains(expected),
+            "{arguments}: {message:?} does not contain {expected:?}"
         );
     }
     let mut left: Vec<_> = std::fs::read_dir(folder)

@@ -6,7 +6,7 @@ const SEARCH: &str = "search --preset N --vary goal_radius_px=50.0..70.0 --candi
                       --seeds 1 --verdict-seeds 2 --generations 20 --format json";
 
 #[test]
-fn a_search_prints_its_documented_fields_and_repeats() {
+fn search_output_is_documented_and_deterministic() {
     let folder = folder();
     let folder = folder.path();
     let searched = json(folder, &format!("{SEARCH} --out here"));
@@ -41,7 +41,7 @@ fn a_search_prints_its_documented_fields_and_repeats() {
 }
 
 #[test]
-fn an_interrupted_search_goes_on_to_the_same_answer() {
+fn interrupted_search_gives_the_same_result() {
     let folder = folder();
     let folder = folder.path();
     let mut child = ebts(folder, &format!("{SEARCH} --out here --threads 1"))
@@ -55,7 +55,7 @@ fn an_interrupted_search_goes_on_to_the_same_answer() {
     }
     interruption::interrupt(child.id());
     let code = child.wait().expect("a child").code();
-    assert!(matches!(code, Some(130 | 0)), "{code:?}");
+    assert!(matches!(code, Some(5 | 0)), "{code:?}");
     let resumed = json(folder, &format!("{SEARCH} --out here"));
     std::fs::rename(folder.join("here"), folder.join("cut")).expect("a folder");
     assert_eq!(resumed, json(folder, &format!("{SEARCH} --out here")));

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_table_can_be_shown_drawn_replayed_and_edited() {
+fn table_is_shown_plotted_replayed_and_edited() {
     let folder = folder();
     let folder = folder.path();
     run(
@@ -29,9 +29,9 @@ fn a_table_can_be_shown_drawn_replayed_and_edited() {
     let page = std::fs::read_to_string(folder.join("t.html")).expect("a page");
     assert!(
         page.contains("\"trials\":[{") && !page.contains("/*DATA*/"),
-        "the data are in the page"
+        "the page contains the data"
     );
-    assert!(!page.contains("http"), "the page needs nothing else");
+    assert!(!page.contains("http"), "the page is self-contained");
 
     let text = std::fs::read_to_string(folder.join("t.toml")).expect("a table");
     let edited: String = text
@@ -47,7 +47,7 @@ fn a_table_can_be_shown_drawn_replayed_and_edited() {
     std::fs::write(folder.join("t.toml"), edited).expect("a writable file");
     for command in ["show", "plot", "replay"] {
         assert!(
-            refused(folder, &format!("{command} t.toml"), 3).contains("--rehash"),
+            refused(folder, &format!("{command} t.toml"), 7).contains("--rehash"),
             "{command}"
         );
     }
@@ -60,7 +60,7 @@ fn a_table_can_be_shown_drawn_replayed_and_edited() {
 }
 
 #[test]
-fn a_researcher_gets_trials_examples_comparisons_and_sweeps() {
+fn export_find_compare_and_sweep_work() {
     let folder = folder();
     let folder = folder.path();
     run(

@@ -6,7 +6,7 @@ const DRAWN: &str =
     "base = \"R3\"\ntraining = { draws = 2 }\nnoise = { sensor_flips_per_1024 = 5 }\n";
 
 #[test]
-fn experiments_and_tables_of_drawn_trials_say_what_they_keep() {
+fn transfer_of_drawn_trials_is_reported() {
     let folder = folder();
     let folder = folder.path();
     std::fs::write(folder.join("drawn.toml"), DRAWN).expect("a writable file");
@@ -18,7 +18,7 @@ fn experiments_and_tables_of_drawn_trials_say_what_they_keep() {
     );
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("runs");
     assert_eq!(read("here/runs.csv"), read("there/runs.csv"));
-    run(folder, &format!("{small} --out here")); // believes what it reads
+    run(folder, &format!("{small} --out here")); // reads and verifies the runs
     let transferred = json(folder, "transfer here --format json");
     let fields = ["preset", "fitness_rule", "training", "unseen_sets", "teams"];
     assert_eq!(keys(&transferred), BTreeSet::from(fields));
@@ -42,7 +42,7 @@ fn experiments_and_tables_of_drawn_trials_say_what_they_keep() {
 }
 
 #[test]
-fn an_interrupted_run_of_drawn_trials_goes_on_to_the_same_table() {
+fn interrupted_drawn_run_gives_the_same_table() {
     const EVOLVE: &str =
         "evolve --preset drawn.toml --agents 3 --seed 4 --generations 400 --threads 1";
     let folder = folder();
@@ -56,7 +56,7 @@ fn an_interrupted_run_of_drawn_trials_goes_on_to_the_same_table() {
         .expect("ebts starts");
     std::thread::sleep(Duration::from_millis(200));
     interruption::interrupt(child.id());
-    if child.wait().expect("a child").code() == Some(130) {
+    if child.wait().expect("a child").code() == Some(5) {
         run(folder, "evolve --out cut.toml --resume");
     }
     let table = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");

@@ -13,7 +13,7 @@ fitness = { delivered = 60, each_companion = -5, accuracy = 1, efficiency = 2 }
 const RULE: &str = "weighted (60 delivered + -5 each_companion + 1 accuracy + 2 efficiency)";
 
 #[test]
-fn a_maze_and_its_fitness_are_evolved_shown_drawn_and_named() {
+fn maze_with_custom_weights_is_evolved_and_shown() {
     let folder = folder();
     let folder = folder.path();
     std::fs::write(folder.join("maze.toml"), MAZE).expect("a writable file");
@@ -22,8 +22,8 @@ fn a_maze_and_its_fitness_are_evolved_shown_drawn_and_named() {
     assert_eq!(run(folder, "preset whole.toml"), whole);
 
     let evolve = "evolve --preset maze.toml --agents 3 --generations 40";
-    let said = run(folder, &format!("{evolve} --out here.toml"));
-    assert!(said.contains(RULE), "{said}");
+    let message = run(folder, &format!("{evolve} --out here.toml"));
+    assert!(message.contains(RULE), "{message}");
     run(
         folder,
         &format!("{evolve} --out there.toml --threads 1 --engine scalar"),
@@ -31,10 +31,10 @@ fn a_maze_and_its_fitness_are_evolved_shown_drawn_and_named() {
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a file");
     assert_eq!(read("here.toml"), read("there.toml"));
 
-    let said = run(folder, "show here.toml");
+    let message = run(folder, "show here.toml");
     assert!(
-        said.contains(RULE) && said.contains("repeats to the bit"),
-        "{said}"
+        message.contains(RULE) && message.contains("repeats to the bit"),
+        "{message}"
     );
     run(folder, "transfer here.toml");
     run(folder, "plot here.toml");
@@ -42,9 +42,9 @@ fn a_maze_and_its_fitness_are_evolved_shown_drawn_and_named() {
     let page = read("here.html");
     assert!(
         page.contains(r#""to_px":[150.5,-130.0]"#),
-        "no wall is drawn"
+        "no wall in the page"
     );
-    assert_eq!(page.matches("\"at_px\":[").count(), 4, "posts are drawn");
+    assert_eq!(page.matches("\"at_px\":[").count(), 4, "posts in the page");
     let other = run(
         folder,
         "evolve --preset maze.toml --fitness compared --generations 2 --out other.toml",
@@ -53,7 +53,7 @@ fn a_maze_and_its_fitness_are_evolved_shown_drawn_and_named() {
 }
 
 #[test]
-fn a_world_that_cannot_be_is_refused_with_everything_that_is_wrong() {
+fn invalid_field_error_lists_all_faults() {
     let folder = folder();
     let folder = folder.path();
     let rows: [(&str, &[&str]); 5] = [
@@ -81,11 +81,11 @@ fn a_world_that_cannot_be_is_refused_with_everything_that_is_wrong() {
     ];
     for (keys, expected) in rows {
         std::fs::write(folder.join("bad.toml"), format!("base = \"N\"\n{keys}\n")).expect("a file");
-        let said = refused(folder, "preset bad.toml", 3);
+        let message = refused(folder, "preset bad.toml", 7);
         for expected in expected {
             assert!(
-                said.contains(expected),
-                "{said:?} does not say {expected:?}"
+                message.contains(expected),
+                "{message:?} does not contain {expected:?}"
             );
         }
     }

@@ -7,18 +7,18 @@
 //! reduced by that amount. Not covered: objects, the table, and recovery motions, which retrace the
 //! paths.
 
-use super::circumstances::Circumstances;
+use super::context::GoalContext;
 use super::fields::{FROM_X, TO_X};
 use crate::goal::Goal;
-use crate::kinematics::frame_of;
-use crate::path::{Path, at_height, blend};
+use crate::kinematics::grasp_pose;
+use crate::path::{Path, blend, with_height};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
-use crate::tasks::{Motion, Step, Track, Transition, Waypoint};
+use crate::tasks::{Motion, Step, StepSequence, Transition, Waypoint};
 use core::cell::Cell;
 use core::ops::Range;
 use robot_model::{
-    Capsules, GraspFrame, HandModel, HandVector, Nearest, RobotVector, Side, VIRTUAL_FINGERS,
+    Capsules, GRASP_SIDES, GraspPose, HandModel, HandSide, HandVector, Nearest, RobotVector,
     farthest_move_m, nearest,
 };
 use shm_schemas::{Body, BodyPair, Cause, Reason};
@@ -29,7 +29,7 @@ use shm_schemas::{Body, BodyPair, Cause, Reason};
 pub const CLEARANCE_M: f64 = 0.008;
 /// Upper limit of the reported clearance margin, m (design choice: exceeds any lateral shift).
 /// Applies to one-handed robots.
-const SPARE_MAX_M: f64 = 1.0;
+const CLEARANCE_MARGIN_MAX_M: f64 = 1.0;
 /// Maximum translation, m, and rotation, rad, between two samples (design choice: bodies move about
 /// 8 mm).
 const SAMPLE_M: f64 = 0.004;
@@ -44,43 +44,47 @@ const ITERATIONS_AT_REST: usize = 30;
 /// Maximum fingertip error along the path, m (design choice: below the resolution of the contact
 /// guard), and axis error at its end, rad (design choice: 5°, within the 33° sensing cone of a
 /// fingertip).
-const OFF_PATH_M: f64 = 0.001;
-const OFF_AXIS_RAD: f64 = 0.087;
+const PATH_ERROR_MAX_M: f64 = 0.001;
+const AXIS_ERROR_MAX_RAD: f64 = 0.087;
 
 /// Checks the paths of a goal whose values are already validated.
 ///
-/// Returns the permitted deviation of each hand from its commanded grasp: [`Goal::spare_m`].
+/// Returns the permitted deviation of each hand from its commanded grasp:
+/// [`Goal::clearance_margin_m`].
 ///
 /// # Errors
 /// [`Cause::UNREACHABLE`] if the arm has no posture, [`Cause::ARMS_COLLIDE`] with the two closest
 /// bodies, [`Cause::TASK_TOO_LONG`] if the task needs too many postures.
 pub(super) fn check_paths(
     goal: &Goal,
-    now: &Circumstances<'_>,
+    now: &GoalContext<'_>,
     q_rad: &RobotVector,
 ) -> Result<f64, Reason> {
-    let other = Side::BOTH[1 - goal.side().index()];
+    let other = HandSide::BOTH[1 - goal.side().index()];
     let samples_left = Cell::new(SAMPLES_MAX);
-    let mut acting = Walk::new(goal, goal.side(), (now, q_rad), &samples_left);
-    let mut helping = Walk::new(goal, other, (now, q_rad), &samples_left);
+    let mut acting = PathWalker::new(goal, goal.side(), (now, q_rad), &samples_left);
+    let mut helping = PathWalker::new(goal, other, (now, q_rad), &samples_left);
     let gap = Gap::new(goal, &acting, &helping);
     loop {
         let reached = [helping.reached, acting.reached];
-        let rounds = [acting.round(reached[0]), helping.round(reached[1])];
+        let rounds = [
+            acting.runnable_steps(reached[0]),
+            helping.runnable_steps(reached[1]),
+        ];
         if rounds.iter().all(Range::is_empty) {
-            return Ok(gap.spare_m());
+            return Ok(gap.clearance_margin_m());
         }
         let (mut after, from) = (helping.clone(), helping.clone());
-        after.follow(rounds[1].clone(), &mut |theirs| {
-            gap.judge(&acting.standing(), theirs)
+        after.run_steps(rounds[1].clone(), &mut |theirs| {
+            gap.check(&acting.sample(), theirs)
         })?;
         if rounds[1].is_empty() {
-            let standing = after.standing();
-            acting.follow(rounds[0].clone(), &mut |ours| gap.judge(ours, &standing))?;
+            let standing = after.sample();
+            acting.run_steps(rounds[0].clone(), &mut |ours| gap.check(ours, &standing))?;
         } else {
-            acting.follow(rounds[0].clone(), &mut |ours| {
+            acting.run_steps(rounds[0].clone(), &mut |ours| {
                 let mut theirs = from.clone();
-                theirs.follow(rounds[1].clone(), &mut |theirs| gap.judge(ours, theirs))
+                theirs.run_steps(rounds[1].clone(), &mut |theirs| gap.check(ours, theirs))
             })?;
         }
         helping = after;
@@ -90,7 +94,7 @@ pub(super) fn check_paths(
 /// Bodies at a sample, and their maximum distance from it until the next one.
 struct Sample {
     bodies: Capsules,
-    about_m: f64,
+    uncertainty_m: f64,
     /// The hand has reached the target.
     at_target: bool,
 }
@@ -100,14 +104,14 @@ struct Gap {
     hands: [usize; 2],
     /// Required gap until the arms are first [`CLEARANCE_M`] apart, m. Lets arms that start too
     /// close separate.
-    before_clear_m: Cell<Option<f64>>,
-    both: bool,
+    initial_limit_m: Cell<Option<f64>>,
+    both_hands: bool,
     /// Smallest gap so far that depends on object positions, m.
     narrowest_m: Cell<f64>,
 }
 
 impl Gap {
-    fn new(goal: &Goal, acting: &Walk<'_>, helping: &Walk<'_>) -> Self {
+    fn new(goal: &Goal, acting: &PathWalker<'_>, helping: &PathWalker<'_>) -> Self {
         let gap_m = nearest(&acting.bodies(), &helping.bodies()).gap_m;
         // Bodies are modelled slightly too large, so an overlap gives no usable gap.
         let half_m = if gap_m > 0.0 {
@@ -117,29 +121,33 @@ impl Gap {
         };
         Self {
             hands: [goal.side().index(), 1 - goal.side().index()],
-            before_clear_m: Cell::new((gap_m < CLEARANCE_M).then_some(half_m)),
-            both: goal.demands().both_hands,
+            initial_limit_m: Cell::new((gap_m < CLEARANCE_M).then_some(half_m)),
+            both_hands: goal.requirements().both_hands,
             narrowest_m: Cell::new(gap_m),
         }
     }
 
     /// Returns the permitted deviation of each hand, m: half the spare gap each if both take part.
-    fn spare_m(&self) -> f64 {
-        let beyond_m = (self.narrowest_m.get() - CLEARANCE_M).clamp(0.0, SPARE_MAX_M);
-        if self.both { beyond_m / 2.0 } else { beyond_m }
+    fn clearance_margin_m(&self) -> f64 {
+        let beyond_m = (self.narrowest_m.get() - CLEARANCE_M).clamp(0.0, CLEARANCE_MARGIN_MAX_M);
+        if self.both_hands {
+            beyond_m / 2.0
+        } else {
+            beyond_m
+        }
     }
 
-    fn judge(&self, ours: &Sample, theirs: &Sample) -> Result<(), Reason> {
+    fn check(&self, ours: &Sample, theirs: &Sample) -> Result<(), Reason> {
         let Nearest { gap_m, joints } = nearest(&ours.bodies, &theirs.bodies);
-        let gap_m = gap_m - ours.about_m - theirs.about_m;
-        if !(self.both && ours.at_target) && gap_m < self.narrowest_m.get() {
+        let gap_m = gap_m - ours.uncertainty_m - theirs.uncertainty_m;
+        if !(self.both_hands && ours.at_target) && gap_m < self.narrowest_m.get() {
             self.narrowest_m.set(gap_m);
         }
         if gap_m >= CLEARANCE_M {
-            self.before_clear_m.set(None);
+            self.initial_limit_m.set(None);
             return Ok(());
         }
-        let needs_m = self.before_clear_m.get().unwrap_or(CLEARANCE_M);
+        let needs_m = self.initial_limit_m.get().unwrap_or(CLEARANCE_M);
         // A gap of minus infinity marks a NaN posture.
         if gap_m >= needs_m && gap_m.is_finite() {
             return Ok(());
@@ -149,45 +157,45 @@ impl Gap {
             joint: joints[i],
         };
         let bodies = BodyPair([body(0), body(1)]);
-        Err(Reason::limit(Cause::ARMS_COLLIDE, gap_m, needs_m).about(bodies.index()))
+        Err(Reason::with_limit(Cause::ARMS_COLLIDE, gap_m, needs_m).with_index(bodies.index()))
     }
 }
 
 /// Simulated motion of one hand through its step sequence.
 #[derive(Clone)]
-struct Walk<'a> {
+struct PathWalker<'a> {
     hand: &'a HandModel,
     settings: &'a Settings,
     samples_left: &'a Cell<u32>,
-    track: Option<Track>,
+    sequence: Option<StepSequence>,
     waypoints: Waypoints,
     width_m: f64,
     next: usize,
     reached: u8,
-    at: GraspFrame,
+    pose: GraspPose,
     q_rad: HandVector,
     /// Index of the goal value that defines the current place.
-    place: usize,
+    place_index: usize,
     at_target: bool,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> PathWalker<'a> {
     fn new(
         goal: &Goal,
-        side: Side,
-        (now, q_rad): (&Circumstances<'a>, &RobotVector),
+        side: HandSide,
+        (now, q_rad): (&GoalContext<'a>, &RobotVector),
         samples_left: &'a Cell<u32>,
     ) -> Self {
         let hand = now.robot.hand(side);
         let q_rad = now.hand_rad(q_rad, side);
-        let at = frame_of(hand, &hand.forward(&q_rad));
-        let (waypoints, width_m) = Waypoints::of(hand, &at, goal, now.settings);
+        let at = grasp_pose(hand, &hand.forward(&q_rad));
+        let (waypoints, width_m) = Waypoints::for_goal(hand, &at, goal, now.settings);
         let acts = side == goal.side();
         let mut walk = Self {
             hand,
             settings: now.settings,
             samples_left,
-            track: if acts {
+            sequence: if acts {
                 Some(goal.task().acting)
             } else {
                 goal.task().helping
@@ -196,12 +204,12 @@ impl<'a> Walk<'a> {
             width_m,
             next: 0,
             reached: 0,
-            at,
+            pose: at,
             q_rad,
-            place: if acts { FROM_X } else { TO_X },
+            place_index: if acts { FROM_X } else { TO_X },
             at_target: false,
         };
-        walk.arrive();
+        walk.reach_meeting_point();
         walk
     }
 
@@ -209,20 +217,20 @@ impl<'a> Walk<'a> {
         self.hand.capsules(&self.hand.forward(&self.q_rad))
     }
 
-    fn standing(&self) -> Sample {
+    fn sample(&self) -> Sample {
         Sample {
             bodies: self.bodies(),
-            about_m: 0.0,
+            uncertainty_m: 0.0,
             at_target: self.at_target,
         }
     }
 
     fn steps(&self) -> &[Step] {
-        self.track.as_ref().map_or(&[], |track| track)
+        self.sequence.as_ref().map_or(&[], |track| track)
     }
 
     /// Returns the steps that need no meeting point beyond `peer_reached`.
-    fn round(&self, peer_reached: u8) -> Range<usize> {
+    fn runnable_steps(&self, peer_reached: u8) -> Range<usize> {
         let waits =
             |step: &Step| matches!(step.transition, Transition::Met(point) if point > peer_reached);
         let free = self.steps()[self.next..].iter().position(waits);
@@ -230,7 +238,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Records the meeting point of the next step as reached.
-    fn arrive(&mut self) {
+    fn reach_meeting_point(&mut self) {
         if let Some(Transition::Met(point)) =
             self.steps().get(self.next).map(|step| step.transition)
         {
@@ -239,7 +247,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Executes steps and visits every sample.
-    fn follow(
+    fn run_steps(
         &mut self,
         steps: Range<usize>,
         visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
@@ -247,47 +255,47 @@ impl<'a> Walk<'a> {
         for index in steps {
             let step = self.steps()[index];
             if step.motion.waypoint() == Some(Waypoint::OverTarget) {
-                self.place = TO_X;
+                self.place_index = TO_X;
             }
             let path = path_of(
                 step.motion,
-                &self.at,
+                &self.pose,
                 &self.waypoints,
-                &Path::stay(self.at),
+                &Path::stationary(self.pose),
                 self.settings,
             );
-            for end in path.ends() {
-                self.go(end, visit)?;
+            for end in path.leg_ends() {
+                self.move_to(end, visit)?;
             }
             self.at_target |= step.motion.waypoint() == Some(Waypoint::OverTarget);
-            self.finish(&step, visit)?;
+            self.finish_step(&step, visit)?;
             self.next = index + 1;
-            self.arrive();
+            self.reach_meeting_point();
         }
         Ok(())
     }
 
     /// Executes the motion that follows the path of a step: close, lower or turn.
-    fn finish(
+    fn finish_step(
         &mut self,
         step: &Step,
         visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
-        let at = self.at;
+        let at = self.pose;
         match (step.motion, step.transition) {
             (Motion::Lower, _) => {
                 let lowest_m = at.centre_m.z - self.waypoints.lowering_m();
-                self.go(at_height(&at, lowest_m), visit)?;
-                self.go(at_height(&at, self.waypoints.expected_m()), visit)
+                self.move_to(with_height(&at, lowest_m), visit)?;
+                self.move_to(with_height(&at, self.waypoints.expected_height_m()), visit)
             }
             (Motion::Square, _) => self.square(visit),
             (_, Transition::AllTouched | Transition::Gripped) => {
-                let half_opening_m = [self.width_m / 2.0; VIRTUAL_FINGERS];
-                let closed = GraspFrame {
+                let half_opening_m = [self.width_m / 2.0; GRASP_SIDES];
+                let closed = GraspPose {
                     half_opening_m,
                     ..at
                 };
-                self.go(closed, visit)
+                self.move_to(closed, visit)
             }
             _ => Ok(()),
         }
@@ -298,7 +306,7 @@ impl<'a> Walk<'a> {
         &mut self,
         visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
-        let (screw, at) = (&self.settings.screw, self.at);
+        let (screw, at) = (&self.settings.screw, self.pose);
         let travel_m = self.waypoints.turning() * screw.travel_m;
         let corners = [
             (travel_m, 0.0),
@@ -307,43 +315,47 @@ impl<'a> Walk<'a> {
             (-travel_m, 0.0),
         ];
         for (turned_m, away_m) in corners {
-            let corner = GraspFrame {
+            let corner = GraspPose {
                 tangential_m: [turned_m, -turned_m],
                 half_opening_m: at.half_opening_m.map(|half_m| half_m + away_m),
                 ..at
             };
-            self.go(corner, visit)?;
+            self.move_to(corner, visit)?;
         }
         Ok(())
     }
 
-    fn go(
+    fn move_to(
         &mut self,
-        to: GraspFrame,
+        to: GraspPose,
         visit: &mut dyn FnMut(&Sample) -> Result<(), Reason>,
     ) -> Result<(), Reason> {
-        let from = self.at;
-        let samples = samples(&self.at, &to);
+        let from = self.pose;
+        let samples = sample_count(&self.pose, &to);
         let mut before = self.bodies();
         for sample in 1..=samples {
-            let left = self.samples_left.get().checked_sub(1).ok_or(too_long())?;
+            let left = self
+                .samples_left
+                .get()
+                .checked_sub(1)
+                .ok_or(task_too_long())?;
             self.samples_left.set(left);
             let frame = blend(&from, &to, f64::from(sample) / f64::from(samples));
-            self.bend(&frame, sample == samples)?;
+            self.solve_posture(&frame, sample == samples)?;
             let bodies = self.bodies();
             let about_m = farthest_move_m(&before, &bodies) / 2.0;
             before.clone_from(&bodies);
             visit(&Sample {
                 bodies,
-                about_m,
+                uncertainty_m: about_m,
                 at_target: self.at_target,
             })?;
         }
-        self.at = to;
+        self.pose = to;
         Ok(())
     }
 
-    fn bend(&mut self, frame: &GraspFrame, rests: bool) -> Result<(), Reason> {
+    fn solve_posture(&mut self, frame: &GraspPose, rests: bool) -> Result<(), Reason> {
         // Fingertips tilt with the opening on some hands; their contact angle is checked at the
         // grasp.
         let iterations = if rests {
@@ -352,36 +364,36 @@ impl<'a> Walk<'a> {
             ITERATIONS
         };
         let off_axis_rad = if rests && !self.hand.domes_tilt() {
-            OFF_AXIS_RAD
+            AXIS_ERROR_MAX_RAD
         } else {
             f64::INFINITY
         };
         let target = frame.target(self.hand);
         let posture = self.hand.solve(&self.q_rad, &target, iterations);
         // False for NaN.
-        if posture.tip_error_m <= OFF_PATH_M && posture.dome_error_rad <= off_axis_rad {
+        if posture.tip_error_m <= PATH_ERROR_MAX_M && posture.dome_error_rad <= off_axis_rad {
             self.q_rad = posture.q_rad;
             return Ok(());
         }
         let error_m = posture.tip_error_m;
-        Err(Reason::limit(Cause::UNREACHABLE, error_m, 0.0).about(self.place))
+        Err(Reason::with_limit(Cause::UNREACHABLE, error_m, 0.0).with_index(self.place_index))
     }
 }
 
-fn too_long() -> Reason {
+fn task_too_long() -> Reason {
     let most = f64::from(SAMPLES_MAX);
-    Reason::limit(Cause::TASK_TOO_LONG, most, most)
+    Reason::with_limit(Cause::TASK_TOO_LONG, most, most)
 }
 
 /// Returns the number of samples for a motion.
-fn samples(from: &GraspFrame, to: &GraspFrame) -> u32 {
+fn sample_count(from: &GraspPose, to: &GraspPose) -> u32 {
     let turns = [
         to.closing_yaw_rad - from.closing_yaw_rad,
         to.hand_azimuth_rad - from.hand_azimuth_rad,
         to.hand_pitch_rad - from.hand_pitch_rad,
         to.root_rad - from.root_rad,
     ];
-    let fingers = (0..VIRTUAL_FINGERS).flat_map(|f| {
+    let fingers = (0..GRASP_SIDES).flat_map(|f| {
         [
             to.half_opening_m[f] - from.half_opening_m[f],
             to.tangential_m[f] - from.tangential_m[f],

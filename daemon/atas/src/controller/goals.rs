@@ -1,10 +1,10 @@
 //! Goal handling: start, task execution, updates for the client, end.
 
 use super::Controller;
+use crate::executor::Outcome;
 use crate::goal::{ActiveGoal, Goal};
 use crate::hand::HandControl;
-use crate::runner::Outcome;
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::{
     Cause, EventKind, GoalState, GoalUpdate, GraspTarget, Mode, ModuleEvent, Reason, Stamp, Text,
 };
@@ -20,17 +20,17 @@ impl Controller {
             self.outputs.goal_update = Some(self.update_of(&goal, GoalState::REJECTED, reason));
             return;
         }
-        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+        for (hand, side) in self.hands.iter_mut().zip(HandSide::BOTH) {
             if goal.involves(side) {
                 hand.start(asked, &self.settings);
             }
         }
         self.goal = Some(goal);
         self.last_goal = None;
-        self.targets.follow(self.goal.as_ref(), self.tick);
-        self.news(GoalState::ACCEPTED, Reason::default());
+        self.targets.set_goal(self.goal.as_ref(), self.tick);
+        self.update_goal(GoalState::ACCEPTED, Reason::default());
         let hand = &self.hands[goal.side.index()];
-        if let Some(runner) = hand.runner() {
+        if let Some(runner) = hand.executor() {
             let event = hand.step_event(runner.step());
             self.outputs.events.push(event);
         }
@@ -38,42 +38,42 @@ impl Controller {
 
     fn refusal(&self, goal: &Goal) -> Option<Reason> {
         let mode = self.mode.mode();
-        if !matches!(mode, Mode::READY | Mode::RUN) || !self.gate.is_anchored() {
-            return Some(Reason::limit(Cause::NOT_READY, f64::from(mode.0), 0.0));
+        if !matches!(mode, Mode::READY | Mode::RUN) || !self.gate.is_synchronised() {
+            return Some(Reason::with_limit(Cause::NOT_READY, f64::from(mode.0), 0.0));
         }
         if self.goal.is_some() {
             let kind = self.goal.map_or(0, |goal| goal.request.kind.0);
-            return Some(Reason::limit(Cause::BUSY, f64::from(kind), 0.0));
+            return Some(Reason::with_limit(Cause::BUSY, f64::from(kind), 0.0));
         }
-        let demands = goal.demands();
-        let full = Side::BOTH.into_iter().find(|side| {
+        let demands = goal.requirements();
+        let full = HandSide::BOTH.into_iter().find(|side| {
             let must_be_empty = if *side == goal.side() {
-                !(demands.lets_go_first || demands.takes_over)
+                !(demands.releases_first || demands.starts_with_object)
             } else {
                 demands.both_hands
             };
             must_be_empty && self.hands[side.index()].grips()
         });
         if let Some(side) = full {
-            return Some(Reason::of(Cause::HAND_FULL).about(side.index()));
+            return Some(Reason::new(Cause::HAND_FULL).with_index(side.index()));
         }
         let acting = goal.side().index();
-        let lacks = demands.takes_over && !self.hands[acting].grips();
-        lacks.then(|| Reason::of(Cause::HAND_EMPTY).about(acting))
+        let lacks = demands.starts_with_object && !self.hands[acting].grips();
+        lacks.then(|| Reason::new(Cause::HAND_EMPTY).with_index(acting))
     }
 
-    pub(super) fn listen(&mut self, targets: &[GraspTarget]) {
-        let finding = self.targets.take(targets, self.tick);
+    pub(super) fn receive_targets(&mut self, targets: &[GraspTarget]) {
+        let finding = self.targets.update(targets, self.tick);
         if finding.is_some() {
             self.warn(finding);
         }
-        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
-            hand.receive_target(self.targets.of(side));
+        for (hand, side) in self.hands.iter_mut().zip(HandSide::BOTH) {
+            hand.receive_target(self.targets.target(side));
         }
     }
 
     /// Ends the goal with this id; `attached_only` spares detached goals.
-    pub(super) fn end_if(&mut self, goal_id: u64, attached_only: bool, cause: Cause) {
+    pub(super) fn end_goal(&mut self, goal_id: u64, attached_only: bool, cause: Cause) {
         let Some(goal) = self.goal.filter(|g| g.request.goal_id == goal_id) else {
             return;
         };
@@ -87,12 +87,12 @@ impl Controller {
             } else {
                 GoalState::CANCELLED
             },
-            Reason::of(cause),
+            Reason::new(cause),
         );
     }
 
     /// Fails a goal that is held too long.
-    pub(super) fn watch_pause(&mut self) {
+    pub(super) fn check_pause(&mut self) {
         let paused = self.mode.mode() == Mode::HOLD;
         let Some(goal) = self.goal.as_mut() else {
             return;
@@ -117,23 +117,28 @@ impl Controller {
     }
 
     /// Executes every hand's task and updates the goal with the outcome.
-    pub(super) fn pursue(&mut self) {
-        let told = |hand: &HandControl| (hand.reached(), hand.displaced_m());
-        let told = self.hands.each_ref().map(told);
-        for side in Side::BOTH {
-            let (reached, displaced_m) = told[1 - side.index()];
+    pub(super) fn execute_tasks(&mut self) {
+        let reported = |hand: &HandControl| (hand.meeting_point(), hand.displacement_m());
+        let reported = self.hands.each_ref().map(reported);
+        for side in HandSide::BOTH {
+            let (reached, displaced_m) = reported[1 - side.index()];
             self.hands[side.index()].receive_peer(reached, displaced_m);
-            let outcome =
-                self.hands[side.index()].act(&self.settings, self.step_s, &mut self.outputs.events);
+            let outcome = self.hands[side.index()].run_task(
+                &self.settings,
+                self.step_s,
+                &mut self.outputs.events,
+            );
             let Some(outcome) = outcome else { continue };
             let is_goals = self.goal.is_some_and(|g| g.involves(side));
             match outcome {
                 Outcome::Running => {}
-                Outcome::NextStep if is_goals => self.news(GoalState::RUNNING, Reason::default()),
+                Outcome::NextStep if is_goals => {
+                    self.update_goal(GoalState::RUNNING, Reason::default())
+                }
                 Outcome::NextStep => {}
                 Outcome::Succeeded => {
                     if !self.hands[side.index()].grips() {
-                        self.hands[side.index()].abandon();
+                        self.hands[side.index()].abort_task();
                     }
                     if is_goals && !self.awaits_other(side) {
                         self.finish(GoalState::SUCCEEDED, Reason::default());
@@ -148,35 +153,35 @@ impl Controller {
         let between = (libm::round(PROGRESS_S / self.step_s) as u64).max(1);
         let quiet = self.outputs.goal_update.is_none() && self.tick.index.is_multiple_of(between);
         if quiet && self.goal.is_some() {
-            self.news(GoalState::RUNNING, Reason::default());
+            self.update_goal(GoalState::RUNNING, Reason::default());
         }
     }
 
     /// Reports an unsuccessful end to the goal or the event log; the hand keeps its grip.
-    fn conclude(&mut self, side: Side, is_goals: bool, state: GoalState, reason: Reason) {
+    fn conclude(&mut self, side: HandSide, is_goals: bool, state: GoalState, reason: Reason) {
         if let Some(goal) = self.goal.filter(|_| is_goals) {
             self.finish(state, reason);
             self.end_hands(&goal);
         } else {
             self.warn(reason);
-            self.hands[side.index()].end(&self.settings);
+            self.hands[side.index()].end_task(&self.settings);
         }
     }
 
-    fn awaits_other(&self, side: Side) -> bool {
-        let is_at_work = |own: Side| own != side && self.hands[own.index()].is_busy();
+    fn awaits_other(&self, side: HandSide) -> bool {
+        let is_at_work = |own: HandSide| own != side && self.hands[own.index()].is_busy();
         let goal = self.goal.as_ref();
         goal.is_some_and(|goal| {
-            Side::BOTH
+            HandSide::BOTH
                 .into_iter()
                 .any(|own| goal.involves(own) && is_at_work(own))
         })
     }
 
     fn end_hands(&mut self, goal: &ActiveGoal) {
-        for (hand, side) in self.hands.iter_mut().zip(Side::BOTH) {
+        for (hand, side) in self.hands.iter_mut().zip(HandSide::BOTH) {
             if goal.involves(side) {
-                hand.end(&self.settings);
+                hand.end_task(&self.settings);
             }
         }
     }
@@ -184,7 +189,7 @@ impl Controller {
     /// Abandons all tasks and fails the goal, because the robot stops.
     pub(super) fn drop_goal(&mut self, reason: Reason) {
         for hand in &mut self.hands {
-            hand.abandon();
+            hand.abort_task();
         }
         if self.goal.is_some() {
             self.finish(GoalState::FAILED, reason);
@@ -192,13 +197,13 @@ impl Controller {
     }
 
     fn finish(&mut self, state: GoalState, reason: Reason) {
-        self.news(state, reason);
+        self.update_goal(state, reason);
         self.last_goal = self.goal.take();
-        self.targets.follow(None, self.tick);
+        self.targets.set_goal(None, self.tick);
     }
 
     /// Updates and reports the goal's state.
-    fn news(&mut self, state: GoalState, reason: Reason) {
+    fn update_goal(&mut self, state: GoalState, reason: Reason) {
         let Some(mut goal) = self.goal else { return };
         if goal.state != state {
             goal.state = state;
@@ -223,20 +228,20 @@ impl Controller {
         let progress = if state == GoalState::SUCCEEDED {
             1.0
         } else {
-            hand.runner().map_or(0.0, |r| r.progress())
+            hand.executor().map_or(0.0, |r| r.progress())
         };
         GoalUpdate {
             stamp: Stamp {
                 sequence: self.tick.index,
                 captured_ns: self.tick.now_ns,
-                writer_epoch: self.wiring.writer_epoch,
+                writer_epoch: self.sensors.writer_epoch,
             },
             goal_id: goal.request.goal_id,
             tick: self.tick.index,
             state,
             progress: progress as f32,
             reason,
-            step: Text::new(hand.runner().map_or("", |r| r.step().name.as_str())),
+            step: Text::new(hand.executor().map_or("", |r| r.step().name.as_str())),
             figures: hand.figures(),
         }
     }

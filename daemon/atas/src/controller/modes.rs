@@ -10,7 +10,7 @@ use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, Reason, Text};
 impl Controller {
     /// Stops and latches; the goal fails.
     pub(super) fn stop(&mut self, reason: Reason) {
-        self.mode_change(|mode| mode.stop(reason));
+        self.change_mode(|mode| mode.stop(reason));
         self.drop_goal(reason);
     }
 
@@ -20,79 +20,79 @@ impl Controller {
         if self.mode.mode() != Mode::SAFE_STOP {
             return;
         }
-        self.mode_change(ModeMachine::recover);
+        self.change_mode(ModeMachine::recover);
         if let Some(measured_rad) = self.joints.position_rad().copied() {
-            self.anchor(&measured_rad);
+            self.synchronise(&measured_rad);
         }
     }
 
     pub(super) fn update_mode(&mut self) {
         let fault = self.joints.fault();
-        if fault.is_some() && self.gate.is_anchored() {
+        if fault.is_some() && self.gate.is_synchronised() {
             self.stop(fault);
         }
-        if self.joints.restarted() && self.gate.is_anchored() {
-            self.rearm();
+        if self.joints.restarted() && self.gate.is_synchronised() {
+            self.handle_robot_restart();
         }
         let (hold_reason, step_s) = (self.hold_reason(), self.step_s);
         let has_task = self.hands.iter().any(HandControl::is_busy);
-        self.mode_change(|mode| mode.update(hold_reason, has_task, step_s));
-        self.locate();
-        self.watch_pause();
+        self.change_mode(|mode| mode.update(hold_reason, has_task, step_s));
+        self.update_poses();
+        self.check_pause();
     }
 
     fn hold_reason(&self) -> Reason {
         let reasons = [
             self.stall,
-            self.refused,
+            self.gate_refusal,
             if self.joints.restarted() {
-                Reason::of(Cause::ROBOT_RESTARTED)
+                Reason::new(Cause::ROBOT_RESTARTED)
             } else {
                 Reason::default()
             },
-            self.told_to_hold,
+            self.requested_hold,
             self.hands[0].hold_reason(self.tick, &self.settings),
             self.hands[1].hold_reason(self.tick, &self.settings),
             self.joints.hold_reason(self.tick, &self.settings.intake),
         ];
-        let without_doubt = if self.wiring.joints_required {
+        let without_doubt = if self.sensors.joints_required {
             Reason::default()
         } else {
-            Reason::of(Cause::SENSE_ONLY)
+            Reason::new(Cause::SENSE_ONLY)
         };
         let doubt = reasons.into_iter().find(Reason::is_some);
         doubt.unwrap_or(without_doubt)
     }
 
     /// Drops goal and command position: a new robot process may have any joint positions.
-    fn rearm(&mut self) {
-        let reason = Reason::of(Cause::ROBOT_RESTARTED);
+    fn handle_robot_restart(&mut self) {
+        let reason = Reason::new(Cause::ROBOT_RESTARTED);
         self.drop_goal(reason);
-        self.gate.release();
+        self.gate.disarm();
     }
 
     /// Keeps existing grips: a hand that presses at start-up holds what an earlier daemon, or this
     /// one before a stop, gripped.
-    fn keep_grips(&mut self) {
-        self.looks_for_grip = false;
+    fn keep_existing_grips(&mut self) {
+        self.checks_for_grip = false;
         for hand in 0..HANDS {
-            let told_f2_n = self.joints.grip_limit_n()[hand];
-            if let Some(found) = self.hands[hand].keep(told_f2_n, &self.settings) {
+            let reported_f2_n = self.joints.grip_limit_n()[hand];
+            if let Some(found) = self.hands[hand].hold_found_grip(reported_f2_n, &self.settings) {
                 self.outputs.events.push(found);
             }
         }
     }
 
     /// Updates the hands' measured poses; synchronises the gate when the robot is first ready.
-    fn locate(&mut self) {
+    fn update_poses(&mut self) {
         let Some(measured_rad) = self.joints.position_rad().copied() else {
             return;
         };
-        if self.mode.mode() == Mode::READY && !self.gate.is_anchored() {
-            self.anchor(&measured_rad);
+        if self.mode.mode() == Mode::READY && !self.gate.is_synchronised() {
+            self.synchronise(&measured_rad);
         }
-        if self.mode.mode() == Mode::READY && self.looks_for_grip {
-            self.keep_grips();
+        if self.mode.mode() == Mode::READY && self.checks_for_grip {
+            self.keep_existing_grips();
         }
         let ranges = self.joint_ranges();
         let effort_n_m = self.joints.effort_n_m();
@@ -100,11 +100,11 @@ impl Controller {
             let q_rad = HandVector::from_slice(&measured_rad[range.clone()]);
             let pose = hand.model().forward(&q_rad);
             let effort_n_m = effort_n_m.map(|all| HandVector::from_slice(&all[range]));
-            hand.locate(&pose, effort_n_m.as_ref(), &self.settings, self.step_s);
+            hand.update_measured(&pose, effort_n_m.as_ref(), &self.settings, self.step_s);
         }
     }
 
-    fn mode_change(&mut self, change: impl FnOnce(&mut ModeMachine)) {
+    fn change_mode(&mut self, change: impl FnOnce(&mut ModeMachine)) {
         let before = self.mode.mode();
         change(&mut self.mode);
         let mode = self.mode.mode();

@@ -1,10 +1,10 @@
 //! Grip state beyond the task: force limit of the held object, and holding of a found object.
 
 use super::HandControl;
+use crate::executor::TaskExecutor;
 use crate::modules::force_range_n;
 use crate::perception::Percept;
-use crate::planning::{Waypoints, home};
-use crate::runner::Runner;
+use crate::planning::{Waypoints, home_pose};
 use crate::safety::Grip;
 use crate::settings::Settings;
 use shm_schemas::{Cause, EventKind, ModuleEvent, Reason};
@@ -12,47 +12,52 @@ use shm_schemas::{Cause, EventKind, ModuleEvent, Reason};
 impl HandControl {
     /// Holds an object found in an idle hand if both sides press on it. Returns the event to
     /// publish. The robot may report F_2, N, or zero.
-    pub(crate) fn keep(&mut self, told_f2_n: f64, settings: &Settings) -> Option<ModuleEvent> {
+    pub(crate) fn hold_found_grip(
+        &mut self,
+        reported_f2_n: f64,
+        settings: &Settings,
+    ) -> Option<ModuleEvent> {
         let percept = *self.perception.percept();
-        let touches = percept.virtual_fingers.iter().all(|f| f.in_contact);
+        let touches = percept.sides.iter().all(|f| f.in_contact);
         let servo = self.servo.as_mut()?;
-        if !touches || self.runner.is_some() || self.borne.doubt().is_some() {
+        if !touches || self.executor.is_some() || self.torque_check.mismatch().is_some() {
             return None;
         }
-        servo.take_grip(&self.model, &percept);
-        let now = *servo.frame();
-        let f2_n = if self.limit_n > 0.0 {
-            self.limit_n
+        servo.initialise_grip(&self.model, &percept);
+        let now = *servo.pose();
+        let f2_n = if self.force_limit_n > 0.0 {
+            self.force_limit_n
         } else {
-            told_f2_n
+            reported_f2_n
         };
-        let waypoints = Waypoints::resting(&self.model, now, home(&self.model, &now), settings);
+        let waypoints =
+            Waypoints::resting(&self.model, now, home_pose(&self.model, &now), settings);
         self.modules.reset();
-        self.arbiter.rest();
-        let runner = Runner::keep(waypoints, &now, &percept, f2_n, settings);
+        self.arbiter.reset();
+        let runner = TaskExecutor::hold_found(waypoints, &now, &percept, f2_n, settings);
         let (_, strongest_n) = force_range_n(&percept);
-        let reason = Reason::limit(Cause::GRIP_FOUND, strongest_n, runner.thresholds().f2_n);
-        self.runner = Some(runner);
+        let reason = Reason::with_limit(Cause::GRIP_FOUND, strongest_n, runner.thresholds().f2_n);
+        self.executor = Some(runner);
         Some(ModuleEvent {
-            reason: reason.about(self.hand.0 as usize),
+            reason: reason.with_index(self.hand.0 as usize),
             ..self.event(EventKind::WARNING)
         })
     }
 
     /// Stores F_2 of the held object until contact ends; it outlives the task.
-    pub(super) fn remember_limit(&mut self) {
-        let touches = |fingers: &Percept| fingers.virtual_fingers.iter().any(|f| f.in_contact);
-        self.limit_n = match &self.runner {
+    pub(super) fn update_force_limit(&mut self) {
+        let touches = |fingers: &Percept| fingers.sides.iter().any(|f| f.in_contact);
+        self.force_limit_n = match &self.executor {
             Some(runner) if runner.grips() => runner.thresholds().f2_n,
-            _ if touches(self.perception.percept()) => self.limit_n,
+            _ if touches(self.perception.percept()) => self.force_limit_n,
             _ => 0.0,
         };
     }
 
     /// F_2 of the held object, N; zero for an empty hand.
     #[must_use]
-    pub(crate) fn limit_n(&self) -> f64 {
-        self.limit_n
+    pub(crate) fn force_limit_n(&self) -> f64 {
+        self.force_limit_n
     }
 
     /// Returns the grip state for the gate.
@@ -60,9 +65,9 @@ impl HandControl {
     pub(crate) fn grip(&self) -> Grip {
         let percept = self.perception.percept();
         Grip {
-            normal_n: percept.virtual_fingers.map(|finger| finger.normal_n),
+            normal_n: percept.sides.map(|finger| finger.normal_n),
             f2_n: self
-                .runner
+                .executor
                 .as_ref()
                 .filter(|r| r.stiffness().is_some())
                 .map(|r| r.thresholds().f2_n),

@@ -1,24 +1,24 @@
 //! Intake: validates tactile frames of one hand. Lost or old data makes the robot hold.
 //!
-//! Input: [`HandFrame`]. Output: [`CheckedFrame`]. Every rejection is counted; safety-relevant
+//! Input: [`HandFrame`]. Output: [`ValidatedFrame`]. Every rejection is counted; safety-relevant
 //! ones raise a [`Reason`]. Data is never repaired.
 
-mod checked;
 mod stuck;
+mod validated;
 
-pub use checked::CheckedFrame;
+pub use validated::ValidatedFrame;
 
 use crate::limits;
+use crate::sensor_setup::HandSensorSetup;
 use crate::settings::Intake as Limits;
 use crate::tick::Tick;
 use crate::tick::{nanoseconds, seconds_between};
-use crate::wiring::HandWiring;
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Cause, Hand, HandFrame, Reason};
-use stuck::StuckWatch;
+use stuck::StuckDetector;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Refusal {
+enum Rejection {
     Corrupt,
     Foreign,
     Duplicate,
@@ -71,7 +71,7 @@ pub struct FrameIntake {
     /// First rejection of this tick that needs no reaction.
     warning: Reason,
     identical: u32,
-    stuck: [StuckWatch; FINGERS],
+    stuck: [StuckDetector; FINGERS],
     were_stuck: [u64; FINGERS],
 }
 
@@ -82,7 +82,7 @@ struct Pinned {
     sequence: u64,
     captured_ns: u64,
     received_ns: u64,
-    #[cfg_attr(feature = "serde", serde(with = "crate::large::each"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_arrays::nested"))]
     force_n: Forces,
 }
 
@@ -97,7 +97,7 @@ struct Candidate {
 impl FrameIntake {
     /// Creates the intake of one hand.
     #[must_use]
-    pub fn new(hand: Hand, wiring: &HandWiring) -> Self {
+    pub fn new(hand: Hand, wiring: &HandSensorSetup) -> Self {
         Self {
             hand,
             layout_hash: wiring.layout.hash(),
@@ -154,12 +154,12 @@ impl FrameIntake {
     }
 
     /// Validates one frame; returns `None` and counts it on rejection.
-    pub fn check<'a>(
+    pub fn validate<'a>(
         &mut self,
         frame: &'a HandFrame,
         tick: Tick,
         limits: &Limits,
-    ) -> Option<CheckedFrame<'a>> {
+    ) -> Option<ValidatedFrame<'a>> {
         match self.admit(frame, tick, limits) {
             Ok(gap) => Some(self.accept(frame, gap, tick, limits)),
             Err(refusal) => {
@@ -175,12 +175,11 @@ impl FrameIntake {
         if !self.required || self.hold_reason.is_some() {
             return self.hold_reason;
         }
-        let allowed_s = limits.hold_age_s.max(self.longest_silence_s());
+        let allowed_s = limits.hold_age_s.max(self.pause_max_s());
         let index = self.hand.0 as usize;
         match self.pinned {
-            None => {
-                Reason::limit(Cause::FRAMES_STOPPED, f64::INFINITY, allowed_s * 1e9).about(index)
-            }
+            None => Reason::with_limit(Cause::FRAMES_STOPPED, f64::INFINITY, allowed_s * 1e9)
+                .with_index(index),
             Some(p) => {
                 let age_s = seconds_between(p.captured_ns, tick.now_ns);
                 // Frames already old on arrival are stale; otherwise they stopped.
@@ -190,7 +189,7 @@ impl FrameIntake {
                     Cause::FRAMES_STOPPED
                 };
                 if age_s > allowed_s {
-                    Reason::limit(cause, age_s * 1e9, allowed_s * 1e9).about(index)
+                    Reason::with_limit(cause, age_s * 1e9, allowed_s * 1e9).with_index(index)
                 } else {
                     Reason::default()
                 }
@@ -199,24 +198,24 @@ impl FrameIntake {
     }
 
     /// Returns the longest normal pause between frames, s: 3.5 sensor periods.
-    fn longest_silence_s(&self) -> f64 {
+    fn pause_max_s(&self) -> f64 {
         3.5 * self.period_s
     }
 
     /// Runs the checks in order. `Ok` is the number of frames lost before this one.
-    fn admit(&mut self, frame: &HandFrame, tick: Tick, limits: &Limits) -> Result<u64, Refusal> {
+    fn admit(&mut self, frame: &HandFrame, tick: Tick, limits: &Limits) -> Result<u64, Rejection> {
         if !frame.is_intact() {
-            return Err(Refusal::Corrupt);
+            return Err(Rejection::Corrupt);
         }
         if frame.hand != self.hand
             || frame.layout_hash != self.layout_hash
             || frame.finger_count as usize != self.fingers
         {
-            return Err(Refusal::Foreign);
+            return Err(Rejection::Foreign);
         }
         let ahead_s = seconds_between(tick.now_ns, frame.stamp.captured_ns);
         if ahead_s > limits.future_s || -ahead_s > limits.reject_age_s {
-            return Err(Refusal::Mistimed);
+            return Err(Rejection::Mistimed);
         }
         let Some(pinned) = self.pinned else {
             return Ok(0);
@@ -226,15 +225,15 @@ impl FrameIntake {
         }
         // Wrapping: a counter overflow to 0 is no gap.
         match frame.stamp.sequence.wrapping_sub(pinned.sequence) {
-            0 => Err(Refusal::Duplicate),
+            0 => Err(Rejection::Duplicate),
             // An implausible jump counts as another writer, so it cannot block later frames.
-            ahead if ahead > limits::FRAMES_AHEAD_MAX => {
+            ahead if ahead > limits::FRAME_GAP_MAX => {
                 match self.consider_writer(frame, pinned, tick, limits) {
-                    Err(Refusal::Foreign) if ahead > u64::MAX / 2 => Err(Refusal::Reordered),
+                    Err(Rejection::Foreign) if ahead > u64::MAX / 2 => Err(Rejection::Reordered),
                     considered => considered,
                 }
             }
-            _ if frame.stamp.captured_ns <= pinned.captured_ns => Err(Refusal::Mistimed),
+            _ if frame.stamp.captured_ns <= pinned.captured_ns => Err(Rejection::Mistimed),
             ahead => Ok(ahead - 1),
         }
     }
@@ -246,10 +245,10 @@ impl FrameIntake {
         pinned: Pinned,
         tick: Tick,
         limits: &Limits,
-    ) -> Result<u64, Refusal> {
-        let silent_ns = limits::WRITER_SILENT_NS.max(nanoseconds(self.longest_silence_s()));
+    ) -> Result<u64, Rejection> {
+        let silent_ns = limits::WRITER_SILENT_NS.max(nanoseconds(self.pause_max_s()));
         if tick.now_ns.saturating_sub(pinned.received_ns) < silent_ns {
-            return Err(Refusal::Foreign);
+            return Err(Rejection::Foreign);
         }
         let (epoch, sequence) = (frame.stamp.writer_epoch, frame.stamp.sequence);
         let good = match self.candidate {
@@ -262,10 +261,10 @@ impl FrameIntake {
             good,
         });
         if f64::from(good) < limits.resync_frames {
-            return Err(Refusal::Resyncing);
+            return Err(Rejection::Resyncing);
         }
         self.counts.restarts += 1;
-        self.worsen(Reason::of(Cause::SENSOR_RESTARTED));
+        self.escalate(Reason::new(Cause::SENSOR_RESTARTED));
         Ok(0)
     }
 
@@ -275,19 +274,19 @@ impl FrameIntake {
         gap: u64,
         tick: Tick,
         limits: &Limits,
-    ) -> CheckedFrame<'a> {
+    ) -> ValidatedFrame<'a> {
         self.counts.frames += 1;
         self.candidate = None;
         self.counts.lost = self.counts.lost.saturating_add(gap);
         if gap as f64 > limits.gap_frames {
-            self.worsen(Reason::limit(
+            self.escalate(Reason::with_limit(
                 Cause::FRAMES_LOST,
                 gap as f64,
                 limits.gap_frames,
             ));
         }
-        self.watch_frozen(frame, limits);
-        self.watch_stuck(frame);
+        self.detect_frozen(frame, limits);
+        self.detect_stuck(frame);
         let mask = self.mask(frame, limits);
         let step_s = self
             .pinned
@@ -302,7 +301,7 @@ impl FrameIntake {
             received_ns: tick.now_ns,
             force_n: frame.force_n,
         });
-        CheckedFrame {
+        ValidatedFrame {
             frame,
             mask,
             step_s,
@@ -335,7 +334,7 @@ impl FrameIntake {
         // Per fingertip, because a good one does not compensate for a blind one.
         let share = worst as f64 / f64::from(self.elements);
         if share > limits.invalid_share {
-            self.worsen(Reason::limit(
+            self.escalate(Reason::with_limit(
                 Cause::ELEMENTS_INVALID,
                 share,
                 limits.invalid_share,
@@ -345,7 +344,7 @@ impl FrameIntake {
     }
 
     /// Detects a frozen sensor; real readings have noise and never repeat exactly.
-    fn watch_frozen(&mut self, frame: &HandFrame, limits: &Limits) {
+    fn detect_frozen(&mut self, frame: &HandFrame, limits: &Limits) {
         let same = self
             .pinned
             .as_ref()
@@ -356,7 +355,7 @@ impl FrameIntake {
             0
         };
         if limits.frozen_frames > 0.0 && f64::from(self.identical) >= limits.frozen_frames {
-            self.worsen(Reason::limit(
+            self.escalate(Reason::with_limit(
                 Cause::FRAMES_FROZEN,
                 f64::from(self.identical),
                 limits.frozen_frames,
@@ -365,13 +364,13 @@ impl FrameIntake {
     }
 
     /// Warns once of each stuck element and masks it until its reading changes.
-    fn watch_stuck(&mut self, frame: &HandFrame) {
+    fn detect_stuck(&mut self, frame: &HandFrame) {
         let Some(pinned) = &self.pinned else { return };
         let elements = self.elements as usize;
         let mut first = None;
         for finger in 0..self.fingers {
             let (before_n, now_n) = (&pinned.force_n[finger], &frame.force_n[finger]);
-            let stuck = self.stuck[finger].look(before_n, now_n, elements);
+            let stuck = self.stuck[finger].update(before_n, now_n, elements);
             let newly = stuck & !self.were_stuck[finger];
             self.were_stuck[finger] = stuck;
             if newly != 0 {
@@ -379,45 +378,45 @@ impl FrameIntake {
             }
         }
         if let Some((finger, element)) = first {
-            let about = Reason::limit(Cause::ELEMENT_STUCK, f64::from(element), finger as f64);
+            let about = Reason::with_limit(Cause::ELEMENT_STUCK, f64::from(element), finger as f64);
             self.warn(about);
         }
     }
 
-    fn count(&mut self, refusal: Refusal, frame: &HandFrame, tick: Tick, limits: &Limits) {
+    fn count(&mut self, refusal: Rejection, frame: &HandFrame, tick: Tick, limits: &Limits) {
         match refusal {
-            Refusal::Corrupt => {
+            Rejection::Corrupt => {
                 self.counts.corrupt += 1;
-                self.warn(Reason::limit(
+                self.warn(Reason::with_limit(
                     Cause::FRAME_CORRUPT,
                     self.counts.corrupt as f64,
                     0.0,
                 ));
             }
-            Refusal::Foreign => {
+            Rejection::Foreign => {
                 self.counts.foreign += 1;
-                self.warn(Reason::of(Cause::FRAME_FOREIGN));
+                self.warn(Reason::new(Cause::FRAME_FOREIGN));
             }
-            Refusal::Mistimed => {
+            Rejection::Mistimed => {
                 self.counts.mistimed += 1;
                 self.warn(mistimed(frame, tick, limits));
             }
-            Refusal::Duplicate => self.counts.duplicates += 1,
-            Refusal::Reordered => self.counts.reordered += 1,
-            Refusal::Resyncing => self.worsen(Reason::of(Cause::SENSOR_RESTARTED)),
+            Rejection::Duplicate => self.counts.duplicates += 1,
+            Rejection::Reordered => self.counts.reordered += 1,
+            Rejection::Resyncing => self.escalate(Reason::new(Cause::SENSOR_RESTARTED)),
         }
     }
 
     /// Keeps the first reason of a tick, which usually explains the later ones.
-    fn worsen(&mut self, reason: Reason) {
+    fn escalate(&mut self, reason: Reason) {
         if !self.hold_reason.is_some() {
-            self.hold_reason = reason.about(self.hand.0 as usize);
+            self.hold_reason = reason.with_index(self.hand.0 as usize);
         }
     }
 
     fn warn(&mut self, reason: Reason) {
         if !self.warning.is_some() {
-            self.warning = reason.about(self.hand.0 as usize);
+            self.warning = reason.with_index(self.hand.0 as usize);
         }
     }
 }
@@ -436,9 +435,9 @@ fn same_bits(a: &Forces, b: &Forces) -> bool {
 fn mistimed(frame: &HandFrame, tick: Tick, limits: &Limits) -> Reason {
     let ahead_s = seconds_between(tick.now_ns, frame.stamp.captured_ns);
     if ahead_s > 0.0 {
-        Reason::limit(Cause::FRAME_FUTURE, ahead_s * 1e9, limits.future_s * 1e9)
+        Reason::with_limit(Cause::FRAME_FUTURE, ahead_s * 1e9, limits.future_s * 1e9)
     } else {
-        Reason::limit(
+        Reason::with_limit(
             Cause::FRAME_STALE,
             -ahead_s * 1e9,
             limits.reject_age_s * 1e9,

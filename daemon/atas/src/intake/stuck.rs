@@ -8,47 +8,47 @@
 use shm_schemas::capacity::ELEMENTS;
 
 /// Changes required before an element counts as working (design choice: 0.25 s at 1 kHz).
-const ALIVE_FRAMES: u16 = 250;
+const WORKING_FRAMES: u16 = 250;
 /// Constant frames before an element counts as stuck (design choice; fault catalogue F15 requires
 /// at most 1000).
 const STUCK_FRAMES: u16 = 250;
 /// Permitted multiple of the longest earlier pause (design choice: coarse readings pause).
-const REST_FACTOR: u16 = 4;
+const PAUSE_FACTOR: u16 = 4;
 /// Smallest non-zero reading, N (design choice: several times the element noise).
 const ZERO_N: f32 = 0.01;
 
 /// Detector for the elements of one fingertip; each bit of a set is one element.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct StuckWatch {
+pub(super) struct StuckDetector {
     /// Working elements, and those of them that currently pause.
-    alive: u64,
-    resting: u64,
+    working: u64,
+    paused: u64,
     /// Frames with a change per element, counted until it is working.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    moved: [u16; ELEMENTS],
+    changes: [u16; ELEMENTS],
     /// Current and longest pause per element, frames.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    rests: [u16; ELEMENTS],
+    pauses: [u16; ELEMENTS],
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    longest: [u16; ELEMENTS],
+    longest_pauses: [u16; ELEMENTS],
 }
 
-impl Default for StuckWatch {
+impl Default for StuckDetector {
     fn default() -> Self {
         Self {
-            alive: 0,
-            resting: 0,
-            moved: [0; ELEMENTS],
-            rests: [0; ELEMENTS],
-            longest: [0; ELEMENTS],
+            working: 0,
+            paused: 0,
+            changes: [0; ELEMENTS],
+            pauses: [0; ELEMENTS],
+            longest_pauses: [0; ELEMENTS],
         }
     }
 }
 
-impl StuckWatch {
+impl StuckDetector {
     /// Compares two frames, N, and returns the stuck elements among the first `count`.
-    pub(super) fn look(
+    pub(super) fn update(
         &mut self,
         before_n: &[[f32; 3]; ELEMENTS],
         now_n: &[[f32; 3]; ELEMENTS],
@@ -62,36 +62,36 @@ impl StuckWatch {
             moved |= u64::from(moves) << element;
         }
         // If most elements pause, none is stuck: the sensor is noise-free or repeated a frame.
-        let speaks = 2 * (moved & self.alive).count_ones() >= self.alive.count_ones();
-        for element in each(moved & (self.resting | !self.alive)) {
-            self.move_on(element);
+        let speaks = 2 * (moved & self.working).count_ones() >= self.working.count_ones();
+        for element in each(moved & (self.paused | !self.working)) {
+            self.end_pause(element);
         }
         let mut stuck = 0;
-        for element in each(self.alive & !moved) {
+        for element in each(self.working & !moved) {
             if !is_zero(&now_n[element]) {
-                stuck |= u64::from(self.rest(element, speaks)) << element;
+                stuck |= u64::from(self.count_pause(element, speaks)) << element;
             }
         }
         stuck
     }
 
     /// Counts a pause of an element and returns whether it is stuck.
-    fn rest(&mut self, element: usize, speaks: bool) -> bool {
-        self.resting |= 1 << element;
-        self.rests[element] = self.rests[element].saturating_add(u16::from(speaks));
-        let allowed = self.longest[element].saturating_mul(REST_FACTOR);
-        self.rests[element] >= STUCK_FRAMES.max(allowed)
+    fn count_pause(&mut self, element: usize, counts: bool) -> bool {
+        self.paused |= 1 << element;
+        self.pauses[element] = self.pauses[element].saturating_add(u16::from(counts));
+        let allowed = self.longest_pauses[element].saturating_mul(PAUSE_FACTOR);
+        self.pauses[element] >= STUCK_FRAMES.max(allowed)
     }
 
     /// Ends the pause of an element or counts its change.
-    fn move_on(&mut self, element: usize) {
-        let rests = core::mem::take(&mut self.rests[element]);
-        self.resting &= !(1 << element);
+    fn end_pause(&mut self, element: usize) {
+        let rests = core::mem::take(&mut self.pauses[element]);
+        self.paused &= !(1 << element);
         if rests < STUCK_FRAMES {
-            self.longest[element] = self.longest[element].max(rests);
+            self.longest_pauses[element] = self.longest_pauses[element].max(rests);
         }
-        self.moved[element] = self.moved[element].saturating_add(1);
-        self.alive |= u64::from(self.moved[element] >= ALIVE_FRAMES) << element;
+        self.changes[element] = self.changes[element].saturating_add(1);
+        self.working |= u64::from(self.changes[element] >= WORKING_FRAMES) << element;
     }
 }
 
@@ -113,13 +113,13 @@ mod tests {
 
     /// Returns the frame, of 3000, at which the element becomes stuck.
     fn stuck_after(reading: impl Fn(u16) -> f32) -> Option<u16> {
-        let mut watch = StuckWatch::default();
+        let mut watch = StuckDetector::default();
         let mut before_n = [[0.0; 3]; ELEMENTS];
         (0..3000).find(|frame| {
             let mut now_n = before_n;
             now_n[3] = [reading(*frame), 0.0, 0.0];
-            now_n[1] = [alive(*frame), 0.0, 0.0];
-            let stuck = watch.look(&before_n, &now_n, 5);
+            now_n[1] = [working_reading(*frame), 0.0, 0.0];
+            let stuck = watch.update(&before_n, &now_n, 5);
             before_n = now_n;
             assert!(stuck == 0 || stuck == 1 << 3, "{stuck:b}");
             stuck != 0
@@ -127,35 +127,45 @@ mod tests {
     }
 
     /// Working element: a reading that changes in every frame.
-    fn alive(frame: u16) -> f32 {
+    fn working_reading(frame: u16) -> f32 {
         0.2 + f32::from(frame % 7) * 1e-3
     }
 
     #[test]
-    fn only_what_lived_and_rests_beside_zero_is_stuck() {
+    fn working_element_is_stuck_when_constant_non_zero() {
         let check = |name: &str, reading: &dyn Fn(u16) -> f32, expected: Option<u16>| {
             assert_eq!(stuck_after(reading), expected, "{name}");
         };
-        check("alive", &alive, None);
+        check("working", &working_reading, None);
         check(
-            "dead from 1000 on",
-            &|frame| alive(frame.min(1000)),
+            "constant from frame 1000",
+            &|frame| working_reading(frame.min(1000)),
             Some(1250),
         );
-        check("never moved", &|_| 0.2, None);
-        let at_zero = |frame: u16| if frame < 1000 { alive(frame) } else { 0.0 };
-        check("rests at zero", &at_zero, None);
-        // Changes only every hundredth frame, which is below four times its longest pause.
-        check("coarse", &|frame| alive(frame / 100), None);
-        let coarse = |frame: u16| alive(frame.min(1000) / 2);
-        check("coarse, then dead", &coarse, Some(1250));
-        let back = |frame: u16| {
-            if frame < 1240 {
-                alive(frame.min(1000))
+        check("never changed", &|_| 0.2, None);
+        let at_zero = |frame: u16| {
+            if frame < 1000 {
+                working_reading(frame)
             } else {
-                alive(frame)
+                0.0
             }
         };
-        check("back in time", &back, None);
+        check("constant zero", &at_zero, None);
+        // Changes only every hundredth frame, which is below four times its longest pause.
+        check(
+            "coarsely quantised",
+            &|frame| working_reading(frame / 100),
+            None,
+        );
+        let coarse = |frame: u16| working_reading(frame.min(1000) / 2);
+        check("coarsely quantised, then constant", &coarse, Some(1250));
+        let back = |frame: u16| {
+            if frame < 1240 {
+                working_reading(frame.min(1000))
+            } else {
+                working_reading(frame)
+            }
+        };
+        check("recovers in time", &back, None);
     }
 }

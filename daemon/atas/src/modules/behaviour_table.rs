@@ -5,31 +5,34 @@
 //! closing and path speed. A table cannot refuse an object; moving back for more than
 //! [`BACK_MAX_S`] in total does. Without a table the module proposes nothing.
 
-use super::force_limit::{exceeds_f2, too_heavy};
-use super::slip::{is_loading, slips_grossly, turns, uses_up};
+use super::force_limit::{exceeds_f2, too_heavy_reason};
+use super::slip::{exceeds_utilisation, is_loading, is_turning, slips_grossly};
 use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
-use crate::perception::{FingerPercept, Percept};
-use robot_model::VIRTUAL_FINGERS;
+use crate::perception::{ContactPercept, Percept};
+use robot_model::GRASP_SIDES;
 use shm_schemas::{ModuleId, SensorBit};
 
-/// Total time of backward motion that refuses the object, s (design choice: several slip latches).
+/// Total time of backward motion that refuses the object, s (design choice: longer than several
+/// slip reactions; shorter refuses objects that slip briefly).
 const BACK_MAX_S: f64 = 0.25;
-/// Carried distance for [`SensorBit::LIFTED`], m (design choice: more than an object may slip).
+/// Carried distance for [`SensorBit::LIFTED`], m (design choice: more than an object slips in a
+/// held grasp).
 const LIFTED_M: f64 = 0.003;
-/// Duration of low utilisation for [`SensorBit::SPARE`], s (design choice: one window of dF_t).
-const SPARE_S: f64 = 0.1;
+/// Duration of low utilisation for [`SensorBit::FRICTION_MARGIN`], s (design choice: one window of
+/// dF_t).
+const LOW_UTILISATION_S: f64 = 0.1;
 
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BehaviourTable {
     /// Per side, with hysteresis: excessive utilisation, and turning.
-    slipping: [bool; VIRTUAL_FINGERS],
-    turning: [bool; VIRTUAL_FINGERS],
+    slipping: [bool; GRASP_SIDES],
+    turning: [bool; GRASP_SIDES],
     /// Remaining time of [`SensorBit::SLIPPING`], s.
     latch_s: f64,
     above_f2: bool,
     /// Duration of low utilisation on every side, s.
-    spare_s: f64,
+    low_utilisation_s: f64,
     back_s: f64,
 }
 
@@ -44,19 +47,19 @@ impl Module for BehaviourTable {
         let Some(table) = context.table else {
             return Proposal::default();
         };
-        self.feel(percept, context);
+        self.update_bits(percept, context);
         let row = table.bits().enumerate().fold(0, |row, (index, bit)| {
-            row | usize::from(self.tells(bit, percept, context)) << index
+            row | usize::from(self.is_set(bit, percept, context)) << index
         });
         let action = table.action(row);
         if action.hand < 0.0 {
             self.back_s += context.step_s;
         }
         let (_, strongest_n) = force_range_n(percept);
-        let reason = too_heavy(strongest_n, context).by(ModuleId::BEHAVIOUR_TABLE);
+        let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::BEHAVIOUR_TABLE);
         Proposal {
             active: action.fingers_m_s != 0.0 || action.hand < 1.0,
-            closing_m_s: [action.fingers_m_s; VIRTUAL_FINGERS],
+            closing_m_s: [action.fingers_m_s; GRASP_SIDES],
             carry_ceiling: action.hand,
             verdict: if self.back_s > BACK_MAX_S {
                 Verdict::Refuse(reason)
@@ -70,16 +73,16 @@ impl Module for BehaviourTable {
 
 impl BehaviourTable {
     /// Updates the sensor bits that have state.
-    fn feel(&mut self, percept: &Percept, context: &Context<'_>) {
+    fn update_bits(&mut self, percept: &Percept, context: &Context<'_>) {
         let settings = &context.settings.grasp;
         let (_, strongest_n) = force_range_n(percept);
         self.above_f2 = exceeds_f2(strongest_n, self.above_f2, context.thresholds.f2_n);
         let mut slips = false;
-        let fingers = percept.virtual_fingers.iter();
+        let fingers = percept.sides.iter();
         for ((finger, slipping), turning) in fingers.zip(&mut self.slipping).zip(&mut self.turning)
         {
-            *slipping = uses_up(finger, *slipping, context);
-            *turning = turns(finger, *turning, context);
+            *slipping = exceeds_utilisation(finger, *slipping, context);
+            *turning = is_turning(finger, *turning, context);
             slips |= *slipping
                 || *turning
                 || slips_grossly(finger, context)
@@ -90,28 +93,28 @@ impl BehaviourTable {
         } else {
             self.latch_s - context.step_s
         };
-        let spare = |finger: &FingerPercept| {
+        let spare = |finger: &ContactPercept| {
             finger.utilisation > 0.0
                 && finger.utilisation < settings.relax_below
                 && finger.gross_slip_s == 0.0
         };
-        let spares = percept.virtual_fingers.iter().all(spare);
-        self.spare_s = if spares && !slips {
-            self.spare_s + context.step_s
+        let spares = percept.sides.iter().all(spare);
+        self.low_utilisation_s = if spares && !slips {
+            self.low_utilisation_s + context.step_s
         } else {
             0.0
         };
     }
 
-    fn tells(&self, bit: SensorBit, percept: &Percept, context: &Context<'_>) -> bool {
+    fn is_set(&self, bit: SensorBit, percept: &Percept, context: &Context<'_>) -> bool {
         let (weakest_n, _) = force_range_n(percept);
         match bit {
-            SensorBit::TOUCHING => percept.virtual_fingers.iter().all(|f| f.in_contact),
+            SensorBit::TOUCHING => percept.sides.iter().all(|f| f.in_contact),
             SensorBit::ABOVE_F1 => weakest_n > context.thresholds.f1_n,
             SensorBit::SLIPPING => self.latch_s > 0.0,
             SensorBit::ABOVE_F2 => self.above_f2,
             SensorBit::LIFTED => context.carried_m > LIFTED_M,
-            SensorBit::SPARE => self.spare_s > SPARE_S,
+            SensorBit::FRICTION_MARGIN => self.low_utilisation_s > LOW_UTILISATION_S,
             _ => false,
         }
     }

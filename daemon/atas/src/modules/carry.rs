@@ -19,18 +19,18 @@ impl Module for Carry {
     const ID: ModuleId = ModuleId::CARRY;
     const ROLES: Roles = Roles {
         moves_hand: true,
-        forgets_each_step: true,
+        resets_each_step: true,
         ..Roles::NONE
     };
 
     fn evaluate(&mut self, _percept: &Percept, context: &Context<'_>) -> Proposal {
         self.path_s = (self.path_s + context.step_s * context.carry_scale).max(0.0);
         let arrived = self.path_s >= context.path.duration_s();
-        let frame = context.path.at(self.path_s);
+        let frame = context.path.pose_at(self.path_s);
         Proposal {
             active: !arrived,
             pose: Some(PoseCommand {
-                frame,
+                pose: frame,
                 with_fingers: context.path.moves_fingers(),
                 arrived,
             }),

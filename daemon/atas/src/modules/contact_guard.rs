@@ -20,17 +20,25 @@ impl Module for ContactGuard {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let limit_n = TOUCH_FACTOR * context.settings.perception.touch_on_n;
         let touching = percept
-            .fingers
+            .fingertips
             .iter()
             .position(|finger| finger.in_contact && finger.normal_n > limit_n);
         let Some(index) = touching else {
             return Proposal::default();
         };
-        let reason = Reason::limit(Cause::OBSTRUCTED, percept.fingers[index].normal_n, limit_n);
+        let reason = Reason::with_limit(
+            Cause::OBSTRUCTED,
+            percept.fingertips[index].normal_n,
+            limit_n,
+        );
         Proposal {
             active: true,
             carry_ceiling: 0.0,
-            verdict: Verdict::Refuse(reason.about(index).by(ModuleId::CONTACT_GUARD)),
+            verdict: Verdict::Refuse(
+                reason
+                    .with_index(index)
+                    .with_module(ModuleId::CONTACT_GUARD),
+            ),
             ..Proposal::default()
         }
     }

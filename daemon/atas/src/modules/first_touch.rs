@@ -8,7 +8,7 @@
 
 use super::{Context, Module, Proposal, Roles, force_range_n};
 use crate::perception::Percept;
-use robot_model::VIRTUAL_FINGERS;
+use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
 
 /// Stateless module.
@@ -25,10 +25,10 @@ impl Module for FirstTouch {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let (weakest_n, _) = force_range_n(percept);
-        let enhance: [bool; VIRTUAL_FINGERS] = if context.all_touched {
-            [weakest_n <= context.least_n; VIRTUAL_FINGERS]
+        let enhance: [bool; GRASP_SIDES] = if context.all_touched {
+            [weakest_n <= context.min_force_n; GRASP_SIDES]
         } else {
-            core::array::from_fn(|finger| !percept.virtual_fingers[finger].in_contact)
+            core::array::from_fn(|finger| !percept.sides[finger].in_contact)
         };
         let speed_m_s = context.settings.grasp.approach_m_s;
         Proposal {

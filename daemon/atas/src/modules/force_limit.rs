@@ -9,8 +9,8 @@
 use super::{Context, Module, Proposal, Verdict, force_range_n};
 use crate::filter::low_pass;
 use crate::perception::Percept;
-use crate::thresholds::Bound;
-use robot_model::VIRTUAL_FINGERS;
+use crate::thresholds::ForceLimitSource;
+use robot_model::GRASP_SIDES;
 use shm_schemas::{ModuleId, Reason};
 
 /// Share of F_2 that deactivates the module (design choice: wider than the force noise).
@@ -23,9 +23,9 @@ const GROSS_FILTER_S: f64 = 0.1;
 pub(super) struct ForceLimit {
     active: bool,
     /// Low-passed smallest momentary utilisation of the sides.
-    gross: f64,
+    slip_utilisation: f64,
     /// Duration of gross slip at F_2, s.
-    gross_s: f64,
+    gross_slip_s: f64,
 }
 
 impl Module for ForceLimit {
@@ -35,22 +35,24 @@ impl Module for ForceLimit {
         let settings = &context.settings.grasp;
         let f2_n = context.thresholds.f2_n;
         let (_, strongest_n) = force_range_n(percept);
-        let strongest_n = strongest_n * context.underread;
+        let strongest_n = strongest_n * context.torque_over_tactile;
         self.active = exceeds_f2(strongest_n, self.active, f2_n);
-        let relieve_at = match context.thresholds.bound {
-            Bound::Goal => 1.0,
-            Bound::Hand | Bound::Object => settings.relieve_at,
+        let relieve_at = match context.thresholds.source {
+            ForceLimitSource::Goal => 1.0,
+            ForceLimitSource::Hand | ForceLimitSource::Object => settings.relieve_at,
         };
         let ceiling_m_s = match self.active {
-            true if strongest_n > relieve_at * f2_n * context.overread => -settings.relieve_m_s,
+            true if strongest_n > relieve_at * f2_n * context.tactile_over_torque => {
+                -settings.relieve_m_s
+            }
             true => 0.0,
             false => f64::INFINITY,
         };
-        let slides = self.slides(percept, context);
-        let reason = too_heavy(strongest_n, context).by(ModuleId::FORCE_LIMIT);
+        let slides = self.is_slipping_out(percept, context);
+        let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::FORCE_LIMIT);
         Proposal {
             active: self.active,
-            closing_ceiling_m_s: [ceiling_m_s; VIRTUAL_FINGERS],
+            closing_ceiling_m_s: [ceiling_m_s; GRASP_SIDES],
             verdict: if slides {
                 Verdict::Refuse(reason)
             } else {
@@ -62,9 +64,9 @@ impl Module for ForceLimit {
 }
 
 /// Returns the reason to refuse an object that needs more than F_2.
-pub(super) fn too_heavy(strongest_n: f64, context: &Context<'_>) -> Reason {
+pub(super) fn too_heavy_reason(strongest_n: f64, context: &Context<'_>) -> Reason {
     let thresholds = context.thresholds;
-    Reason::limit(thresholds.exceeded(), strongest_n, thresholds.f2_n)
+    Reason::with_limit(thresholds.refusal_cause(), strongest_n, thresholds.f2_n)
 }
 
 /// Returns whether the force exceeds F_2, with hysteresis.
@@ -75,20 +77,22 @@ pub(super) fn exceeds_f2(strongest_n: f64, exceeded: bool, f2_n: f64) -> bool {
 impl ForceLimit {
     /// Returns true after every side has slipped at F_2 for `too_heavy_s`, except with a verified
     /// grip.
-    fn slides(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
+    fn is_slipping_out(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
         let settings = &context.settings.grasp;
         let least = percept
-            .virtual_fingers
+            .sides
             .iter()
             .map(|f| f.utilisation_now)
             .fold(f64::INFINITY, f64::min);
-        self.gross = low_pass(self.gross, least, context.step_s, GROSS_FILTER_S);
-        let sliding = self.active && !context.proved && self.gross > settings.too_heavy_gross;
-        self.gross_s = if sliding {
-            self.gross_s + context.step_s
+        self.slip_utilisation =
+            low_pass(self.slip_utilisation, least, context.step_s, GROSS_FILTER_S);
+        let sliding =
+            self.active && !context.verified && self.slip_utilisation > settings.too_heavy_gross;
+        self.gross_slip_s = if sliding {
+            self.gross_slip_s + context.step_s
         } else {
             0.0
         };
-        self.gross_s > settings.too_heavy_s
+        self.gross_slip_s > settings.too_heavy_s
     }
 }

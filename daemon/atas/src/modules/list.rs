@@ -40,9 +40,9 @@ macro_rules! modules {
                 *self = Self::default();
             }
 
-            /// Resets the modules whose role is `forgets_each_step`.
+            /// Resets the modules whose role is `resets_each_step`.
             pub fn restart_step(&mut self) {
-                $(if <$file::$Type as Module>::ROLES.forgets_each_step {
+                $(if <$file::$Type as Module>::ROLES.resets_each_step {
                     self.$file = $file::$Type::default();
                 })*
             }
@@ -57,7 +57,7 @@ mod tests {
     use shm_schemas::ModuleId;
 
     #[test]
-    fn every_named_module_is_in_the_list_once() {
+    fn every_module_id_is_listed_once() {
         for id in ModuleId::ALL.iter().filter(|id| **id != ModuleId::NONE) {
             let times = IDS.iter().filter(|known| *known == id).count();
             assert_eq!(times, 1, "{id}: add its type to the list in modules/mod.rs");
@@ -65,18 +65,18 @@ mod tests {
         assert_eq!(IDS.len() + 1, ModuleId::ALL.len());
         assert!(
             IDS.iter().all(|id| id.0 < u32::BITS),
-            "a selection has a bit for each"
+            "a selection has one bit per module"
         );
         // Teleoperation has no path and continues its motion across steps.
         let walks =
-            |id: ModuleId, roles: crate::modules::Roles| roles.moves_hand && id != ModuleId::FOLLOW;
+            |id: ModuleId, roles: crate::modules::Roles| roles.moves_hand && id != ModuleId::TELEOP;
         let movers = IDS
             .iter()
             .zip(ROLES)
             .filter(|(id, roles)| walks(**id, *roles));
         assert!(
             movers.clone().count() > 0
-                && movers.into_iter().all(|(_, roles)| roles.forgets_each_step)
+                && movers.into_iter().all(|(_, roles)| roles.resets_each_step)
         );
     }
 }

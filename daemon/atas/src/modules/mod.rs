@@ -16,7 +16,7 @@
 //! | `slip` | 2: increases force while slipping, dF_t > dr | II.b (1) |
 //! | `force_limit` | 3: stops closing above F_2 | II.b (1) |
 //! | `relax` | reduces force that friction does not need | – |
-//! | `load_test` | pulls back during a lift to detect whether the object is suspended | – |
+//! | `lift_verification` | pulls back during a lift to detect whether the object is suspended | – |
 //! | `probe` | measures stiffness for 100 ms after first touch, then refines it | II.b (1) |
 //! | `contact_guard` | turns the hand back on unexpected contact | – |
 //! | `carry` | moves the hand along the path of the step | II.b (1), (3) |
@@ -31,12 +31,12 @@
 mod behaviour_table;
 mod carry;
 mod contact_guard;
-mod fall;
+mod drop_detector;
 mod first_touch;
-mod follow;
 mod force_limit;
+mod lift_verification;
 mod list;
-mod load_test;
+mod load_response;
 mod probe;
 mod proposal;
 mod relax;
@@ -44,10 +44,10 @@ mod release_placed;
 mod selection;
 mod slip;
 mod slip_reaction;
+mod teleop;
 mod terminate_screw;
 mod trajectory;
 mod transfer;
-mod vain;
 
 pub(crate) use force_limit::RELEASE_SHARE;
 pub use proposal::{
@@ -68,25 +68,25 @@ list::modules! {
     trajectory::Trajectory,
     terminate_screw::TerminateScrew,
     contact_guard::ContactGuard,
-    load_test::LoadTest,
+    lift_verification::LiftVerification,
     slip_reaction::SlipReaction,
-    follow::Follow,
+    teleop::Teleop,
     behaviour_table::BehaviourTable,
 }
 
 impl Modules {
     /// Restarts motion from rest after the hand was stopped.
-    pub fn halt(&mut self) {
-        self.follow = follow::Follow::default();
-        self.trajectory.halt();
-        self.transfer.halt();
-        self.release_placed.halt();
+    pub fn stop(&mut self) {
+        self.teleop = teleop::Teleop::default();
+        self.trajectory.stop();
+        self.transfer.stop();
+        self.release_placed.stop();
     }
 
     /// Resets all modules after the object is released, except teleoperation.
-    pub fn let_go(&mut self) {
-        let follow = core::mem::take(&mut self.follow);
+    pub fn release_object(&mut self) {
+        let teleop = core::mem::take(&mut self.teleop);
         self.reset();
-        self.follow = follow;
+        self.teleop = teleop;
     }
 }

@@ -7,8 +7,8 @@
 //! with slip are ignored: faces then move by more than their compression.
 
 use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
-use crate::perception::{Bearing, Percept, StiffnessEstimate, StiffnessFit};
-use robot_model::VIRTUAL_FINGERS;
+use crate::perception::{LoadedArea, Percept, StiffnessEstimate, StiffnessFit};
+use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,13 +30,13 @@ impl Module for Probe {
         let settings = &context.settings.grasp;
         self.elapsed_s += context.step_s;
         let done = self.elapsed_s >= settings.probe_s;
-        self.listen(percept, context);
+        self.update(percept, context);
         // Rigid objects must not be pressed beyond F_2 during the probe.
         let (_, strongest_n) = force_range_n(percept);
-        let pressing = !done && strongest_n < context.thresholds.most_n(settings);
+        let pressing = !done && strongest_n < context.thresholds.force_ceiling_n(settings);
         Proposal {
             active: !done,
-            closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; VIRTUAL_FINGERS],
+            closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; GRASP_SIDES],
             verdict: self
                 .fit
                 .filter(|_| done)
@@ -48,34 +48,26 @@ impl Module for Probe {
 
 impl Probe {
     /// Adds this tick's frame.
-    fn listen(&mut self, percept: &Percept, context: &Context<'_>) {
-        let slips = percept
-            .virtual_fingers
-            .iter()
-            .any(|finger| finger.gross_slip_s > 0.0);
+    fn update(&mut self, percept: &Percept, context: &Context<'_>) {
+        let slips = percept.sides.iter().any(|finger| finger.gross_slip_s > 0.0);
         if percept.step_s <= 0.0 || slips {
             return;
         }
-        let mean_n = percept
-            .virtual_fingers
-            .iter()
-            .map(|f| f.normal_n)
-            .sum::<f64>()
-            / VIRTUAL_FINGERS as f64;
+        let mean_n = percept.sides.iter().map(|f| f.normal_n).sum::<f64>() / GRASP_SIDES as f64;
         let settings = &context.settings.perception;
         let news = self.stiffness.add(
             context.closing_m,
             mean_n,
             percept.step_s,
-            &context.tips,
-            percept.virtual_fingers.map(|finger| Bearing {
-                face_share: finger.pressed_share,
-                tips: finger.bearing_tips,
+            &context.compression,
+            percept.sides.map(|finger| LoadedArea {
+                face_share: finger.loaded_share,
+                fingertips: finger.loaded_fingertips,
             }),
             settings,
         );
         self.fit = news.or(self.fit).map(|fit| StiffnessFit {
-            settled: self.stiffness.has_settled(),
+            new_contact: self.stiffness.has_new_contact(),
             ..fit
         });
     }

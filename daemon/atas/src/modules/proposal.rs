@@ -1,13 +1,13 @@
 //! Interface of a module: its inputs, its proposal, and its roles in the rules of tasks.
 
-use crate::follow::Lead;
 use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
 use crate::tasks::BehaviourTable;
+use crate::teleop::TeleopTarget;
 use crate::thresholds::Thresholds;
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{Compression, GraspFrame, VIRTUAL_FINGERS};
+use robot_model::{Compression, GRASP_SIDES, GraspPose};
 use shm_schemas::{ModuleId, Reason};
 
 /// Inputs of a module other than the percept.
@@ -20,22 +20,22 @@ pub struct Context<'a> {
     /// F_1 and F_2 for the present object.
     pub thresholds: Thresholds,
     /// Minimum normal force per grasp side, N: F_1 at first touch, less once the object is carried.
-    pub least_n: f64,
+    pub min_force_n: f64,
     /// Every side has touched since the approach began.
     pub all_touched: bool,
     /// Total measured closing since every side touched, m.
     pub closing_m: f64,
     /// Compression of the fingertips under force.
-    pub tips: Compression,
+    pub compression: Compression,
     /// Distance over which the object was carried, m.
     pub carried_m: f64,
     /// Only the hand carries the object, as far as verified.
-    pub hangs: bool,
+    pub suspended: bool,
     /// Lift verification minimises the grip, just above the support, where a slip is harmless.
-    pub tries: bool,
+    pub minimises_grip: bool,
     /// The present ratio of grip force to load has passed lift verification. The force pattern is
     /// then no evidence of slip.
-    pub proved: bool,
+    pub verified: bool,
     /// Behaviour table of the task.
     pub table: Option<&'a BehaviourTable>,
     /// Path of the present step.
@@ -43,9 +43,9 @@ pub struct Context<'a> {
     /// Arbitrated factor on the path speed, −1 (back) to 1.
     pub carry_scale: f64,
     /// Arbitrated closing speed of each grasp side in the previous tick, m/s.
-    pub closing_m_s: [f64; VIRTUAL_FINGERS],
+    pub closing_m_s: [f64; GRASP_SIDES],
     /// Commanded grasp pose.
-    pub frame: &'a GraspFrame,
+    pub pose: &'a GraspPose,
     /// Present closing axis, base frame, unit length, including the rotation of the wrist.
     pub closing_axis: Vector3<f64>,
     /// Direction of rotation, seen from above: 1 anticlockwise, −1 clockwise.
@@ -55,15 +55,15 @@ pub struct Context<'a> {
     /// Depth of a lowering step below the end of its path, m; `None` in other steps.
     pub lowering_m: Option<f64>,
     /// Teleoperation target; `None` brakes.
-    pub lead: Option<&'a Lead>,
+    pub teleop_target: Option<&'a TeleopTarget>,
     /// Rotation of each fingertip's frame into the base frame, measured.
     pub base_from_tip: &'a [Matrix3<f64>],
     /// Ratio of tactile to joint-estimated force, ≥ 1. Limits opening when the skin reports too
     /// much.
-    pub overread: f64,
+    pub tactile_over_torque: f64,
     /// Ratio of joint-estimated to tactile force, ≥ 1. Limits closing when the skin reports too
     /// little.
-    pub underread: f64,
+    pub torque_over_tactile: f64,
 }
 
 /// Output of one module in one tick.
@@ -73,9 +73,9 @@ pub struct Proposal {
     pub active: bool,
     /// Requested closing speed of each grasp side, m/s; 0 for none, negative to open unless a
     /// module closes.
-    pub closing_m_s: [f64; VIRTUAL_FINGERS],
+    pub closing_m_s: [f64; GRASP_SIDES],
     /// Highest tolerated closing speed of each grasp side, m/s; negative demands opening.
-    pub closing_ceiling_m_s: [f64; VIRTUAL_FINGERS],
+    pub closing_ceiling_m_s: [f64; GRASP_SIDES],
     /// Highest tolerated factor on the path speed, −1 (back) to 1.
     pub carry_ceiling: f64,
     /// Requested pose of the hand.
@@ -91,11 +91,11 @@ pub struct Proposal {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
     /// It slips through the fingers.
-    pub slides: bool,
+    pub slips: bool,
     /// Only the hand carries it.
-    pub hangs: bool,
+    pub suspended: bool,
     /// The grip is to be minimised, before a verification.
-    pub tries: bool,
+    pub minimises_grip: bool,
 }
 
 /// Requested hand pose.
@@ -103,7 +103,7 @@ pub struct Finding {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PoseCommand {
     /// Grasp pose.
-    pub frame: GraspFrame,
+    pub pose: GraspPose,
     /// The pose includes the finger opening, instead of the closing speeds.
     pub with_fingers: bool,
     /// The path has ended.
@@ -129,8 +129,8 @@ impl Default for Proposal {
     fn default() -> Self {
         Self {
             active: false,
-            closing_m_s: [0.0; VIRTUAL_FINGERS],
-            closing_ceiling_m_s: [f64::INFINITY; VIRTUAL_FINGERS],
+            closing_m_s: [0.0; GRASP_SIDES],
+            closing_ceiling_m_s: [f64::INFINITY; GRASP_SIDES],
             carry_ceiling: 1.0,
             pose: None,
             verdict: Verdict::None,
@@ -149,7 +149,7 @@ pub struct Roles {
     /// Ends a step by its verdict (Module 4).
     pub concludes: bool,
     /// Resets at every step, not only after the release of the object.
-    pub forgets_each_step: bool,
+    pub resets_each_step: bool,
 }
 
 impl Roles {
@@ -158,7 +158,7 @@ impl Roles {
         moves_hand: false,
         closes_fingers: false,
         concludes: false,
-        forgets_each_step: false,
+        resets_each_step: false,
     };
 }
 
@@ -176,9 +176,10 @@ pub trait Module {
 /// Returns the smallest and largest normal force over the grasp sides, N.
 #[must_use]
 pub fn force_range_n(percept: &Percept) -> (f64, f64) {
-    percept.virtual_fingers.iter().fold(
-        (f64::INFINITY, f64::NEG_INFINITY),
-        |(low, high), finger| {
+    percept
+        .sides
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), finger| {
             (
                 if finger.normal_n < low {
                     finger.normal_n
@@ -191,14 +192,13 @@ pub fn force_range_n(percept: &Percept) -> (f64, f64) {
                     high
                 },
             )
-        },
-    )
+        })
 }
 
 /// Returns the total tangential force of the grasp sides, N.
 #[must_use]
 pub fn load_n(percept: &Percept) -> f64 {
-    percept.virtual_fingers.iter().map(|f| f.tangential_n).sum()
+    percept.sides.iter().map(|f| f.tangential_n).sum()
 }
 
 /// Returns the vertical force of the object on all gripping fingertips, base frame, N; negative for
@@ -206,7 +206,7 @@ pub fn load_n(percept: &Percept) -> f64 {
 #[must_use]
 pub fn force_up_n(percept: &Percept, base_from_tip: &[Matrix3<f64>]) -> f64 {
     percept
-        .fingers
+        .fingertips
         .iter()
         .zip(base_from_tip)
         .map(|(finger, base_from_tip)| (base_from_tip * finger.force_tip_n).z)

@@ -7,23 +7,23 @@
 //! last caused closing.
 //!
 //! A poor sensor may misread friction by more than the grip's margin. In grip minimisation, the
-//! fingers therefore open down to `TRY_BELOW`. The verified force is then the minimum.
+//! fingers therefore open down to `MINIMISE_UTILISATION`. The verified force is then the minimum.
 
 use super::slip::STEADY_SHARE;
 use super::{Context, Module, Proposal, force_range_n, load_n};
 use crate::filter::low_pass;
 use crate::limits::FRICTION_FLOOR;
-use crate::perception::{FingerPercept, Percept};
-use robot_model::VIRTUAL_FINGERS;
+use crate::perception::{ContactPercept, Percept};
+use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
 
 /// Factor above the minimum force at which opening stops (design choice: keeps Module 1 inactive).
-const LEAST_MARGIN: f64 = 1.1;
+const MIN_FORCE_MARGIN: f64 = 1.1;
 /// Utilisation margin above which opening runs at full speed (design choice).
-const SPARE_FULL: f64 = 0.1;
+const FULL_SPEED_MARGIN: f64 = 0.1;
 /// Standard deviations of sensor noise subtracted from the remembered friction, which is a maximum
 /// of many readings (design choice).
-const DOUBT: f64 = 2.2;
+const FRICTION_ERROR_MARGIN: f64 = 2.2;
 /// Share of the element scatter subtracted from the remembered friction, for the same reason
 /// (design choice). At 0.3, objects slip with 5 % crosstalk.
 const SCATTER_SHARE: f64 = 0.8;
@@ -31,24 +31,24 @@ const SCATTER_SHARE: f64 = 0.8;
 const FILTER_S: f64 = 0.1;
 const FORCE_FILTER_S: f64 = 0.03;
 /// Time without disturbance before opening, s (design choice: longer than two windows of dF_t).
-const SETTLE_S: f64 = 0.1;
+const STEADY_MIN_S: f64 = 0.1;
 /// Utilisation limit of grip minimisation (design choice).
-const TRY_BELOW: f64 = 0.96;
+const MINIMISE_UTILISATION: f64 = 0.96;
 /// Torsion ratio that ends opening in grip minimisation (design choice: below the threshold of
 /// Module 2; at 0.42 objects have turned by 12°).
-const TRY_TORSION: f64 = 0.35;
+const MINIMISE_TORSION: f64 = 0.35;
 /// Torsion ratio below which opening starts (design choice: hysteresis against hand vibration).
-const BEGIN_TORSION: f64 = 0.33;
+const START_TORSION: f64 = 0.33;
 /// Utilisation margin and filtered excess force above which opening starts (design choice:
 /// hysteresis).
-const BEGIN_SPARE: f64 = 0.025;
-const BEGIN_ABOVE: f64 = 0.05;
+const START_MARGIN: f64 = 0.025;
+const START_EXCESS: f64 = 0.05;
 /// Time after opening in which closing is attributed to it, s (design choice).
-const BLAME_S: f64 = 0.5;
+const OPENING_EFFECT_S: f64 = 0.5;
 /// Momentary utilisation above which the shear is too uniform to open (design choice).
-const ALIKE_BELOW: f64 = 0.9;
+const UNIFORM_SHEAR_BELOW: f64 = 0.9;
 /// Margin factor on the force-to-load ratio at the last slip (design choice).
-const REMEMBERED_MARGIN: f64 = 1.04;
+const SLIP_RATIO_MARGIN: f64 = 1.04;
 /// Time constant of the element scatter, s (design choice: most of the closing during a lift).
 const SCATTER_S: f64 = 0.3;
 /// Load below which no object is suspended, N (design choice: noise of two fingertips).
@@ -60,21 +60,21 @@ pub(super) struct Relax {
     /// Low-passed largest utilisation of the sides; `None` while unknown.
     utilisation: Option<f64>,
     /// Low-passed excess force of the weakest side, as a share.
-    above: f64,
+    excess: f64,
     /// Low-passed largest torsion ratio of the sides.
     torsion: f64,
     /// Time without disturbance, s.
     steady_s: f64,
     active: bool,
     /// Remaining attribution time, s.
-    blame_s: f64,
+    opening_effect_s: f64,
     pressing: bool,
     /// Largest force-to-load ratio at which closing restarted on a suspended object: it slipped
     /// there, regardless of the friction reading.
-    slipped_at: f64,
+    slip_ratio: f64,
     /// Gentlest verified force-to-load ratio, and whether a minimisation awaits verification.
-    proved_at: f64,
-    tries: bool,
+    verified_ratio: f64,
+    minimised: bool,
     /// Low-passed element scatter before the first opening; opening unloads the rim of the patch
     /// and adds scatter.
     scatter: f64,
@@ -86,70 +86,70 @@ impl Module for Relax {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let (weakest_n, _) = force_range_n(percept);
-        let weakest_n = weakest_n / context.overread;
+        let weakest_n = weakest_n / context.tactile_over_torque;
         let load_n = load_n(percept);
-        self.remember(weakest_n, load_n, context);
-        self.settle(percept, context);
-        self.prove(weakest_n, load_n, context);
-        let above = self.above_least(weakest_n, load_n, context);
-        let spare = self.spare(percept, context);
-        let may = self.steady_s >= SETTLE_S && spare > 0.0 && above > 0.0;
-        let turns = self.turns(percept) && context.tries;
+        self.update_slip_ratio(weakest_n, load_n, context);
+        self.update_steady_time(percept, context);
+        self.update_verified_ratio(weakest_n, load_n, context);
+        let above = self.excess_force(weakest_n, load_n, context);
+        let spare = self.utilisation_margin(percept, context);
+        let may = self.steady_s >= STEADY_MIN_S && spare > 0.0 && above > 0.0;
+        let turns = self.exceeds_torsion(percept) && context.minimises_grip;
         if !self.opened {
-            self.listen(percept);
+            self.update_scatter(percept);
         }
-        let begins = spare > BEGIN_SPARE && above > BEGIN_ABOVE;
+        let begins = spare > START_MARGIN && above > START_EXCESS;
         self.active = may && !turns && (self.active || begins);
         self.opened |= self.active;
         let opening_m_s = if self.active {
-            context.settings.grasp.relax_m_s * (spare.min(above) / SPARE_FULL).min(1.0)
+            context.settings.grasp.relax_m_s * (spare.min(above) / FULL_SPEED_MARGIN).min(1.0)
         } else {
             0.0
         };
         Proposal {
             active: self.active,
-            closing_m_s: [-opening_m_s; VIRTUAL_FINGERS],
+            closing_m_s: [-opening_m_s; GRASP_SIDES],
             ..Proposal::default()
         }
     }
 }
 
 impl Relax {
-    fn prove(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
-        self.tries |= context.tries;
-        if context.hangs && self.tries && load_n > LOAD_FLOOR_N {
-            (self.proved_at, self.tries) = (weakest_n / load_n, false);
+    fn update_verified_ratio(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
+        self.minimised |= context.minimises_grip;
+        if context.suspended && self.minimised && load_n > LOAD_FLOOR_N {
+            (self.verified_ratio, self.minimised) = (weakest_n / load_n, false);
         }
     }
 
     /// Stores the force-to-load ratio when closing starts on a suspended object.
-    fn remember(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
+    fn update_slip_ratio(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
         let pressing = context.closing_m_s.iter().any(|closing| *closing > 0.0);
         let begins = pressing && !self.pressing;
         self.pressing = pressing;
-        self.blame_s = if self.active {
-            BLAME_S
+        self.opening_effect_s = if self.active {
+            OPENING_EFFECT_S
         } else {
-            self.blame_s - context.step_s
+            self.opening_effect_s - context.step_s
         };
-        if begins && self.blame_s > 0.0 && load_n > LOAD_FLOOR_N {
+        if begins && self.opening_effect_s > 0.0 && load_n > LOAD_FLOOR_N {
             let ratio = weakest_n / load_n;
-            self.slipped_at = self.slipped_at.max(ratio);
+            self.slip_ratio = self.slip_ratio.max(ratio);
         }
     }
 
     /// Updates the time without load change, slip or closing.
-    fn settle(&mut self, percept: &Percept, context: &Context<'_>) {
+    fn update_steady_time(&mut self, percept: &Percept, context: &Context<'_>) {
         let dr_n = context.settings.grasp.dr_n;
-        let calm = |finger: &FingerPercept| {
+        let calm = |finger: &ContactPercept| {
             let steady_n = dr_n.max(STEADY_SHARE * finger.tangential_n);
             finger.increment_n < steady_n
                 && finger.gross_slip_s == 0.0
-                && (context.tries || finger.utilisation_now < ALIKE_BELOW)
+                && (context.minimises_grip || finger.utilisation_now < UNIFORM_SHEAR_BELOW)
         };
-        let steady = (context.hangs || context.tries)
+        let steady = (context.suspended || context.minimises_grip)
             && !self.pressing
-            && percept.virtual_fingers.iter().all(calm);
+            && percept.sides.iter().all(calm);
         self.steady_s = if steady {
             self.steady_s + context.step_s
         } else {
@@ -158,60 +158,64 @@ impl Relax {
     }
 
     /// Returns the low-passed share of the force above the minimum known without friction.
-    fn above_least(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) -> f64 {
-        let remembered_n = (REMEMBERED_MARGIN * self.slipped_at).max(self.proved_at) * load_n;
-        let least_n = (LEAST_MARGIN * context.least_n).max(remembered_n);
+    fn excess_force(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) -> f64 {
+        let remembered_n = (SLIP_RATIO_MARGIN * self.slip_ratio).max(self.verified_ratio) * load_n;
+        let least_n = (MIN_FORCE_MARGIN * context.min_force_n).max(remembered_n);
         let above = if weakest_n > least_n {
             1.0 - least_n / weakest_n
         } else {
             weakest_n / least_n - 1.0
         };
-        self.above = low_pass(self.above, above, context.step_s, FORCE_FILTER_S);
-        self.above
+        self.excess = low_pass(self.excess, above, context.step_s, FORCE_FILTER_S);
+        self.excess
     }
 
     /// Returns the margin to the utilisation limit; zero if unknown.
-    fn spare(&mut self, percept: &Percept, context: &Context<'_>) -> f64 {
-        let below = if context.tries {
-            TRY_BELOW
+    fn utilisation_margin(&mut self, percept: &Percept, context: &Context<'_>) -> f64 {
+        let below = if context.minimises_grip {
+            MINIMISE_UTILISATION
         } else {
             context.settings.grasp.relax_below
         };
-        let utilisation = self.watch(percept, context);
+        let utilisation = self.update_utilisation(percept, context);
         utilisation.map_or(0.0, |utilisation| {
-            1.0 - utilisation * context.overread / below
+            1.0 - utilisation * context.tactile_over_torque / below
         })
     }
 
     /// Returns whether further opening would turn the object.
-    fn turns(&mut self, percept: &Percept) -> bool {
-        let fingers = &percept.virtual_fingers;
+    fn exceeds_torsion(&mut self, percept: &Percept) -> bool {
+        let fingers = &percept.sides;
         let most = fingers.iter().fold(0.0, |most: f64, f| most.max(f.torsion));
         self.torsion = low_pass(self.torsion, most, percept.step_s, FILTER_S);
         let limit = if self.active {
-            TRY_TORSION
+            MINIMISE_TORSION
         } else {
-            BEGIN_TORSION
+            START_TORSION
         };
         self.torsion > limit
     }
 
-    fn listen(&mut self, percept: &Percept) {
-        let fingers = &percept.virtual_fingers;
+    fn update_scatter(&mut self, percept: &Percept) {
+        let fingers = &percept.sides;
         let squares: f64 = fingers.iter().map(|f| f.scatter * f.scatter).sum();
         let now = libm::sqrt(squares / fingers.len() as f64);
         self.scatter = low_pass(self.scatter, now, percept.step_s, SCATTER_S);
     }
 
     /// Returns the low-passed utilisation, if known for every side.
-    fn watch(&mut self, percept: &Percept, context: &Context<'_>) -> Option<f64> {
+    fn update_utilisation(&mut self, percept: &Percept, context: &Context<'_>) -> Option<f64> {
         let step_s = context.step_s;
-        let fingers = &percept.virtual_fingers;
-        let scatter = if context.tries { 0.0 } else { self.scatter };
+        let fingers = &percept.sides;
+        let scatter = if context.minimises_grip {
+            0.0
+        } else {
+            self.scatter
+        };
         let known = fingers.iter().all(|f| f.utilisation > 0.0);
         let most = fingers
             .iter()
-            .map(|finger| doubtful_utilisation(finger, scatter))
+            .map(|finger| pessimistic_utilisation(finger, scatter))
             .fold(0.0, |most, utilisation| {
                 if utilisation > most {
                     utilisation
@@ -229,9 +233,10 @@ impl Relax {
 
 /// Returns the utilisation with the friction reduced by its possible error. Shear and rotation
 /// combine on an elliptic limit surface (R. D. Howe and M. R. Cutkosky, 1996).
-fn doubtful_utilisation(finger: &FingerPercept, scatter: f64) -> f64 {
+fn pessimistic_utilisation(finger: &ContactPercept, scatter: f64) -> f64 {
     let friction = finger.friction.max(FRICTION_FLOOR);
     let least =
-        (friction - DOUBT * finger.friction_error - SCATTER_SHARE * scatter).max(FRICTION_FLOOR);
+        (friction - FRICTION_ERROR_MARGIN * finger.friction_error - SCATTER_SHARE * scatter)
+            .max(FRICTION_FLOOR);
     libm::hypot(finger.utilisation, finger.torsion) * friction / least
 }

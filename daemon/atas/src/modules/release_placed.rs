@@ -26,7 +26,7 @@ const SCATTER_FILTER_S: f64 = 0.5;
 /// thousand frames).
 const SCATTER_MARGIN: f64 = 4.0;
 /// Swing time of a load after a stop, s (design choice).
-const SHAKEN_S: f64 = 0.15;
+const SWING_S: f64 = 0.15;
 
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -38,14 +38,14 @@ pub(super) struct ReleasePlaced {
     /// Sensor time above the limit, s.
     rising_s: f64,
     /// Remaining swing time, s.
-    shaken_s: f64,
+    swing_s: f64,
 }
 
 impl Module for ReleasePlaced {
     const ID: ModuleId = ModuleId::RELEASE_PLACED;
     const ROLES: Roles = Roles {
         concludes: true,
-        forgets_each_step: true,
+        resets_each_step: true,
         ..Roles::NONE
     };
 
@@ -54,8 +54,8 @@ impl Module for ReleasePlaced {
         if context.lowering_m.is_none() {
             return Proposal::default();
         }
-        if self.shaken_s > 0.0 {
-            self.shaken_s -= context.step_s;
+        if self.swing_s > 0.0 {
+            self.swing_s -= context.step_s;
             return Proposal {
                 active: true,
                 carry_ceiling: 0.0,
@@ -75,7 +75,7 @@ impl Module for ReleasePlaced {
             self.rising_s += percept.step_s;
         } else {
             self.rising_s = 0.0;
-            self.listen(up_n - reference_n, percept.step_s);
+            self.update_scatter(up_n - reference_n, percept.step_s);
             let filter_s = if settled {
                 REFERENCE_FILTER_S
             } else {
@@ -95,11 +95,11 @@ impl Module for ReleasePlaced {
 
 impl ReleasePlaced {
     /// Starts the swing time after a stop.
-    pub(super) fn halt(&mut self) {
-        (self.shaken_s, self.rising_s) = (SHAKEN_S, 0.0);
+    pub(super) fn stop(&mut self) {
+        (self.swing_s, self.rising_s) = (SWING_S, 0.0);
     }
 
-    fn listen(&mut self, off_n: f64, step_s: f64) {
+    fn update_scatter(&mut self, off_n: f64, step_s: f64) {
         let share = step_s / (SCATTER_FILTER_S + step_s);
         self.scatter_n2 += (off_n * off_n - self.scatter_n2) * share;
     }

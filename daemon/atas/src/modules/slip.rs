@@ -21,11 +21,11 @@
 //! The module stays active for `slip_latch_s` after the last cause. It slows the hand while closing
 //! can still help.
 
-use super::fall::Fall;
-use super::vain::Vain;
+use super::drop_detector::DropDetector;
+use super::load_response::LoadResponse;
 use super::{Context, Finding, Module, Proposal, Roles, force_range_n, force_up_n};
-use crate::perception::{FingerPercept, Percept};
-use robot_model::VIRTUAL_FINGERS;
+use crate::perception::{ContactPercept, Percept};
+use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
 
 /// Torsion ratios at which turning begins and ends (design choice: at 0.6 the first objects have
@@ -34,37 +34,37 @@ const TORSION_ON: f64 = 0.5;
 const TORSION_OFF: f64 = 0.45;
 /// Momentary utilisation of uniform shear in a suspended object, and utilisation below which the
 /// contact is only lightly loaded (design choice).
-const ALIKE: f64 = 0.935;
-const ALIKE_ABOVE: f64 = 0.8;
+const UNIFORM_SHEAR: f64 = 0.935;
+const UNIFORM_SHEAR_LOADED: f64 = 0.8;
 /// Horizontal distance to the end of the path that counts as conveying, m (design choice).
-const CONVEYS_M: f64 = 0.001;
+const CONVEYING_MIN_M: f64 = 0.001;
 /// Swing time of a load after a change of speed, s (design choice).
 const BRAKING_S: f64 = 0.15;
 /// Factor on the closing speed while the object drops (design choice: at 1 it drops by
 /// millimetres).
-const HURRY: f64 = 3.0;
+const DROP_SPEED_FACTOR: f64 = 3.0;
 /// Factor on `slip_on` and `slip_off` in teleoperation (design choice), which has no lift
 /// verification. Kinetic friction is a tenth lower than static, so S falls below `slip_on` during a
 /// slide. Drag around a curved face raises the friction reading by up to a fifth. Cost: one
 /// hundredth more over-grip.
-const LED_SHARE: f64 = 0.84;
+const TELEOP_SHARE: f64 = 0.84;
 /// Carried distance above which only the hand holds the object, m (design choice).
-const HANGS_M: f64 = 0.001;
+const SUSPENDED_MIN_M: f64 = 0.001;
 /// Usual and largest share of the tangential force that vibration changes within the window of dF_t
 /// (design choice).
 pub(super) const STEADY_SHARE: f64 = 0.06;
-const TREMBLE_SHARE: f64 = 0.1;
+const VIBRATION_SHARE: f64 = 0.1;
 
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slip {
     /// Per side: cause (a) holds.
-    slipping: [bool; VIRTUAL_FINGERS],
+    slipping: [bool; GRASP_SIDES],
     /// Per side: cause (d) holds.
-    turning: [bool; VIRTUAL_FINGERS],
+    turning: [bool; GRASP_SIDES],
     /// Load while the object is suspended and not being set down.
-    fall: Fall,
-    vain: Vain,
+    drop_detector: DropDetector,
+    load_response: LoadResponse,
     /// Remaining latch time, s.
     latch_s: f64,
     /// Factor on the hand speed in the previous tick, and remaining swing time, s.
@@ -82,20 +82,20 @@ impl Module for Slip {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let down_n = -force_up_n(percept, context.base_from_tip);
-        let brakes = self.brakes(context);
-        let load_n = hangs(context).then_some(down_n);
-        let falls = self.fall.follow(load_n, brakes, percept.step_s);
+        let brakes = self.is_braking(context);
+        let load_n = is_suspended(context).then_some(down_n);
+        let falls = self.drop_detector.update(load_n, brakes, percept.step_s);
         let mut cause = falls;
-        for (turning, finger) in self.turning.iter_mut().zip(&percept.fingers) {
-            *turning = turns(finger, *turning, context);
+        for (turning, finger) in self.turning.iter_mut().zip(&percept.fingertips) {
+            *turning = is_turning(finger, *turning, context);
             cause |= *turning;
         }
-        let in_vain = self.press_in_vain(percept, down_n, context);
-        for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingers) {
-            *slipping = uses_up(finger, *slipping, context);
+        let in_vain = self.load_is_unresponsive(percept, down_n, context);
+        for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingertips) {
+            *slipping = exceeds_utilisation(finger, *slipping, context);
             let nears = *slipping || (!brakes && is_loading(finger, context));
-            let slips = slips_grossly(finger, context) || (nears && !context.tries);
-            cause |= slips && !context.proved && !in_vain;
+            let slips = slips_grossly(finger, context) || (nears && !context.minimises_grip);
+            cause |= slips && !context.verified && !in_vain;
         }
         self.latch_s = if cause {
             settings.slip_latch_s
@@ -106,23 +106,23 @@ impl Module for Slip {
         let (_, strongest_n) = force_range_n(percept);
         // Setting down ends the slip sooner than braking. The load of a lifted object does not
         // depend on speed, so braking only makes it swing.
-        let loads = !hangs(context) || conveys(context);
+        let loads = !is_suspended(context) || is_conveying(context);
         let helps = loads && strongest_n < context.thresholds.f2_n && context.lowering_m.is_none();
         let closing_m_s = match (active, falls) {
-            (_, true) => HURRY * settings.enhance_m_s,
+            (_, true) => DROP_SPEED_FACTOR * settings.enhance_m_s,
             (true, false) => settings.enhance_m_s,
             (false, false) => 0.0,
         };
         Proposal {
             active,
-            closing_m_s: [closing_m_s; VIRTUAL_FINGERS],
+            closing_m_s: [closing_m_s; GRASP_SIDES],
             carry_ceiling: if active && helps {
                 settings.slip_carry_scale
             } else {
                 1.0
             },
             finding: Finding {
-                slides: falls,
+                slips: falls,
                 ..Finding::default()
             },
             ..Proposal::default()
@@ -132,41 +132,50 @@ impl Module for Slip {
 
 impl Slip {
     /// Returns whether closing does not increase the load of the lifted object.
-    fn press_in_vain(&mut self, percept: &Percept, down_n: f64, context: &Context<'_>) -> bool {
-        let lifts = context.carried_m > 0.0 && !context.hangs;
-        let normal_n: f64 = percept.virtual_fingers.iter().map(|f| f.normal_n).sum();
-        self.vain
-            .follow(lifts.then_some((normal_n, down_n)), percept.step_s)
+    fn load_is_unresponsive(
+        &mut self,
+        percept: &Percept,
+        down_n: f64,
+        context: &Context<'_>,
+    ) -> bool {
+        let lifts = context.carried_m > 0.0 && !context.suspended;
+        let normal_n: f64 = percept.sides.iter().map(|f| f.normal_n).sum();
+        self.load_response
+            .is_unresponsive(lifts.then_some((normal_n, down_n)), percept.step_s)
     }
 
     /// Returns whether a change of speed makes the carried object swing.
-    fn brakes(&mut self, context: &Context<'_>) -> bool {
+    fn is_braking(&mut self, context: &Context<'_>) -> bool {
         let before = core::mem::replace(&mut self.carry_scale, context.carry_scale);
         self.braking_s = if before == context.carry_scale {
             self.braking_s - context.step_s
         } else {
             BRAKING_S
         };
-        hangs(context) && self.braking_s > 0.0
+        is_suspended(context) && self.braking_s > 0.0
     }
 }
 
 /// Returns whether only the hand carries the object, outside lowering.
-fn hangs(context: &Context<'_>) -> bool {
-    context.hangs && context.carried_m > HANGS_M && context.lowering_m.is_none()
+fn is_suspended(context: &Context<'_>) -> bool {
+    context.suspended && context.carried_m > SUSPENDED_MIN_M && context.lowering_m.is_none()
 }
 
 /// Returns whether the hand moves sideways, where its acceleration loads the grip.
-fn conveys(context: &Context<'_>) -> bool {
-    let ahead_m = context.path.end().centre_m - context.frame.centre_m;
-    ahead_m.xy().norm() > CONVEYS_M
+fn is_conveying(context: &Context<'_>) -> bool {
+    let ahead_m = context.path.end().centre_m - context.pose.centre_m;
+    ahead_m.xy().norm() > CONVEYING_MIN_M
 }
 
 /// Returns whether the friction utilisation exceeds its limit, with hysteresis.
-pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, context: &Context<'_>) -> bool {
+pub(super) fn exceeds_utilisation(
+    finger: &ContactPercept,
+    used_up: bool,
+    context: &Context<'_>,
+) -> bool {
     let settings = &context.settings.grasp;
-    let share = if context.lead.is_some() {
-        LED_SHARE
+    let share = if context.teleop_target.is_some() {
+        TELEOP_SHARE
     } else {
         1.0
     };
@@ -179,25 +188,25 @@ pub(super) fn uses_up(finger: &FingerPercept, used_up: bool, context: &Context<'
 }
 
 /// Returns whether the lifted object is about to turn in the hand, with hysteresis.
-pub(super) fn turns(finger: &FingerPercept, turned: bool, context: &Context<'_>) -> bool {
+pub(super) fn is_turning(finger: &ContactPercept, turned: bool, context: &Context<'_>) -> bool {
     context.carried_m > 0.0 && finger.torsion > if turned { TORSION_OFF } else { TORSION_ON }
 }
 
 /// Returns whether the contact slips grossly. Under a steady load, uniform shear is gross slip;
 /// otherwise it may result from loading and closing at once.
-pub(super) fn slips_grossly(finger: &FingerPercept, context: &Context<'_>) -> bool {
-    let alike = finger.utilisation_now > ALIKE && finger.utilisation > ALIKE_ABOVE;
-    finger.gross_slip_s > context.settings.grasp.slip_gross_s || (hangs(context) && alike)
+pub(super) fn slips_grossly(finger: &ContactPercept, context: &Context<'_>) -> bool {
+    let alike = finger.utilisation_now > UNIFORM_SHEAR && finger.utilisation > UNIFORM_SHEAR_LOADED;
+    finger.gross_slip_s > context.settings.grasp.slip_gross_s || (is_suspended(context) && alike)
 }
 
-pub(super) fn is_loading(finger: &FingerPercept, context: &Context<'_>) -> bool {
+pub(super) fn is_loading(finger: &ContactPercept, context: &Context<'_>) -> bool {
     let settings = &context.settings.grasp;
-    let tremble_n = if context.hangs {
-        TREMBLE_SHARE * finger.tangential_n
+    let tremble_n = if context.suspended {
+        VIBRATION_SHARE * finger.tangential_n
     } else {
         0.0
     };
-    let blind = !finger.shows_slip && finger.friction == 0.0;
+    let blind = !finger.shows_incipient_slip && finger.friction == 0.0;
     finger.increment_n > settings.dr_n.max(tremble_n)
         && (blind || finger.utilisation > settings.slip_loading)
 }

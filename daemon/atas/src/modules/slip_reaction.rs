@@ -9,9 +9,9 @@
 //! only.
 
 use super::{Context, Module, Proposal, Roles, force_range_n};
-use crate::perception::{FingerPercept, Percept};
+use crate::perception::{ContactPercept, Percept};
 use crate::settings::Grasp;
-use robot_model::VIRTUAL_FINGERS;
+use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
 
 /// Rise of the target per sample with slip: 8 %, that is 0.2 % per millisecond over the 41 ms
@@ -40,7 +40,7 @@ impl Module for SlipReaction {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         self.since_s += context.step_s;
-        let mut fingers = percept.virtual_fingers.iter();
+        let mut fingers = percept.sides.iter();
         let slips = context.all_touched && fingers.any(|finger| slips(finger, settings));
         if slips && self.since_s >= SAMPLE_S {
             self.raised = (1.0 + self.raised) * (1.0 + RAISE_SHARE) - 1.0;
@@ -51,12 +51,12 @@ impl Module for SlipReaction {
         let active = context.all_touched && weakest_n <= target_n;
         Proposal {
             active,
-            closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; VIRTUAL_FINGERS],
+            closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; GRASP_SIDES],
             ..Proposal::default()
         }
     }
 }
 
-fn slips(finger: &FingerPercept, settings: &Grasp) -> bool {
+fn slips(finger: &ContactPercept, settings: &Grasp) -> bool {
     finger.utilisation > settings.slip_on || finger.gross_slip_s > settings.slip_gross_s
 }

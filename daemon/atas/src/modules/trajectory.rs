@@ -22,7 +22,7 @@
 use super::{Context, Module, PoseCommand, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::Percept;
 use crate::thresholds::Thresholds;
-use robot_model::{GraspFrame, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, GraspPose};
 use shm_schemas::ModuleId;
 
 /// Samples of the offset along the turn (prototype: one per 0.5 mm).
@@ -42,11 +42,11 @@ const GRIP_GAP_M: f64 = 0.0005;
 /// Acceleration time along an edge, s (design choice: 0.5 mm at 10 mm/s).
 const RAMP_S: f64 = 0.1;
 /// Vertical compliance of the hand, m/s per newton (design choice).
-const FOLLOW_M_S_N: f64 = 0.003;
+const CAP_FOLLOWING_M_S_N: f64 = 0.003;
 /// Downward force on the cap, N (design choice: a few times the weight of a cap).
-const PRESS_N: f64 = 0.3;
+const CAP_PRESS_N: f64 = 0.3;
 /// Largest vertical travel, m (design choice: more than any cap travels).
-const FOLLOW_MAX_M: f64 = 0.008;
+const CAP_TRAVEL_MAX_M: f64 = 0.008;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -64,27 +64,27 @@ enum Edge {
 pub(super) struct Trajectory {
     edge: Edge,
     /// Position on the edge, m, and speed, m/s.
-    way_m: f64,
+    position_m: f64,
     speed_m_s: f64,
-    anchor: Option<GraspFrame>,
+    first_grip: Option<GraspPose>,
     /// Offset e(s) of each side, m, positive inwards.
-    inward_m: [[f64; BINS]; VIRTUAL_FINGERS],
+    inward_m: [[f64; BINS]; GRASP_SIDES],
     /// Time for which the grip force has been sufficient, s.
     gripped_s: f64,
     /// Vertical travel with the cap, m; negative is down.
-    followed_m: f64,
+    cap_travel_m: f64,
 }
 
 impl Default for Trajectory {
     fn default() -> Self {
         Self {
             edge: Edge::default(),
-            way_m: 0.0,
+            position_m: 0.0,
             speed_m_s: 0.0,
-            anchor: None,
-            inward_m: [[0.0; BINS]; VIRTUAL_FINGERS],
+            first_grip: None,
+            inward_m: [[0.0; BINS]; GRASP_SIDES],
             gripped_s: 0.0,
-            followed_m: 0.0,
+            cap_travel_m: 0.0,
         }
     }
 }
@@ -94,22 +94,22 @@ impl Module for Trajectory {
     const ROLES: Roles = Roles {
         moves_hand: true,
         closes_fingers: true,
-        forgets_each_step: true,
+        resets_each_step: true,
         ..Roles::NONE
     };
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
-        self.anchor.get_or_insert(*context.frame);
+        self.first_grip.get_or_insert(*context.pose);
         match self.edge {
             Edge::Grip => self.grip(percept, context),
-            Edge::Turn => self.learn(percept, context),
+            Edge::Turn => self.adapt(percept, context),
             Edge::In | Edge::Out | Edge::Return => {}
         }
         if self.advance(context) {
-            self.turn_corner(context);
+            self.start_next_edge(context);
         }
         let touching = matches!(self.edge, Edge::Grip | Edge::Turn);
-        let waits = self.edge == Edge::Turn && is_relieved(percept, context);
+        let waits = self.edge == Edge::Turn && waits_for_relief(percept, context);
         let presses = self.edge == Edge::Grip && context.turns_by_wrist && self.gripped_s == 0.0;
         let closing_m_s = if presses {
             context.settings.grasp.enhance_m_s
@@ -118,15 +118,15 @@ impl Module for Trajectory {
         };
         Proposal {
             active: true,
-            closing_m_s: [closing_m_s; VIRTUAL_FINGERS],
+            closing_m_s: [closing_m_s; GRASP_SIDES],
             carry_ceiling: if waits {
                 context.settings.grasp.slip_carry_scale
             } else {
                 1.0
             },
-            closing_ceiling_m_s: [if touching { f64::INFINITY } else { 0.0 }; VIRTUAL_FINGERS],
+            closing_ceiling_m_s: [if touching { f64::INFINITY } else { 0.0 }; GRASP_SIDES],
             pose: Some(PoseCommand {
-                frame: self.frame(context),
+                pose: self.pose(context),
                 with_fingers: self.edge != Edge::Grip,
                 arrived: false,
             }),
@@ -137,7 +137,7 @@ impl Module for Trajectory {
 
 impl Trajectory {
     /// Restarts from rest.
-    pub(super) fn halt(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.speed_m_s = 0.0;
     }
 
@@ -156,41 +156,42 @@ impl Trajectory {
         } else {
             0.0
         };
-        self.follow(percept, context);
+        self.follow_cap(percept, context);
     }
 
     /// Adds the arbitrated closing and the centring reflex to the offset.
-    fn learn(&mut self, percept: &Percept, context: &Context<'_>) {
+    fn adapt(&mut self, percept: &Percept, context: &Context<'_>) {
         let settings = &context.settings.screw;
-        let place = self.way_m / (2.0 * settings.travel_m) * (BINS - 1) as f64;
-        let normal_n = percept.virtual_fingers.map(|finger| finger.normal_n);
+        let place = self.position_m / (2.0 * settings.travel_m) * (BINS - 1) as f64;
+        let normal_n = percept.sides.map(|finger| finger.normal_n);
         // While both sides open, the weaker one must not close.
-        let centring_m_s_n = if is_relieved(percept, context) {
+        let centring_m_s_n = if waits_for_relief(percept, context) {
             0.0
         } else {
             settings.centring_m_s_n
         };
-        for finger in 0..VIRTUAL_FINGERS {
+        for finger in 0..GRASP_SIDES {
             let softer_n = (normal_n[1 - finger] - normal_n[finger]) / 2.0;
             let inwards_m_s = context.closing_m_s[finger] + centring_m_s_n * softer_n;
-            correct(
+            add_correction(
                 &mut self.inward_m[finger],
                 place,
                 inwards_m_s * context.step_s,
                 decay(context),
             );
         }
-        self.follow(percept, context);
+        self.follow_cap(percept, context);
     }
 
     /// Follows the cap along its thread with a light downward force.
-    fn follow(&mut self, percept: &Percept, context: &Context<'_>) {
-        if !percept.virtual_fingers.iter().all(|f| f.in_contact) {
+    fn follow_cap(&mut self, percept: &Percept, context: &Context<'_>) {
+        if !percept.sides.iter().all(|f| f.in_contact) {
             return;
         }
-        let followed_m_s = FOLLOW_M_S_N * (force_up_n(percept, context.base_from_tip) - PRESS_N);
-        let followed_m = self.followed_m + followed_m_s * context.step_s;
-        self.followed_m = followed_m.clamp(-FOLLOW_MAX_M, FOLLOW_MAX_M);
+        let followed_m_s =
+            CAP_FOLLOWING_M_S_N * (force_up_n(percept, context.base_from_tip) - CAP_PRESS_N);
+        let followed_m = self.cap_travel_m + followed_m_s * context.step_s;
+        self.cap_travel_m = followed_m.clamp(-CAP_TRAVEL_MAX_M, CAP_TRAVEL_MAX_M);
     }
 
     /// Advances along the edge; true at its end. Slip and excessive force slow only the turn.
@@ -209,20 +210,20 @@ impl Trajectory {
             1.0
         };
         let ramp_m_s2 = top_m_s / RAMP_S;
-        let left_m = (length_m - self.way_m).max(0.0);
+        let left_m = (length_m - self.position_m).max(0.0);
         // Keeps a minimum speed to reach the end.
         let braking_m_s =
             libm::sqrt(2.0 * ramp_m_s2 * left_m).max(top_m_s * context.step_s / RAMP_S);
         self.speed_m_s = (self.speed_m_s + ramp_m_s2 * context.step_s)
             .min(top_m_s)
             .min(braking_m_s);
-        self.way_m = (self.way_m + self.speed_m_s * scale * context.step_s).min(length_m);
-        self.way_m >= length_m
+        self.position_m = (self.position_m + self.speed_m_s * scale * context.step_s).min(length_m);
+        self.position_m >= length_m
     }
 
-    fn turn_corner(&mut self, context: &Context<'_>) {
+    fn start_next_edge(&mut self, context: &Context<'_>) {
         if self.edge == Edge::Grip {
-            self.adopt_grip(context.frame, decay(context));
+            self.adopt_grip(context.pose, decay(context));
         }
         self.edge = match self.edge {
             Edge::In => Edge::Grip,
@@ -231,13 +232,15 @@ impl Trajectory {
             Edge::Out => Edge::Return,
             Edge::Return => Edge::In,
         };
-        (self.way_m, self.speed_m_s, self.gripped_s) = (0.0, 0.0, 0.0);
+        (self.position_m, self.speed_m_s, self.gripped_s) = (0.0, 0.0, 0.0);
     }
 
     /// Starts the turn at the opening at which the grip was reached.
-    fn adopt_grip(&mut self, now: &GraspFrame, decay: f64) {
-        let Some(anchor) = self.anchor else { return };
-        for finger in 0..VIRTUAL_FINGERS {
+    fn adopt_grip(&mut self, now: &GraspPose, decay: f64) {
+        let Some(anchor) = self.first_grip else {
+            return;
+        };
+        for finger in 0..GRASP_SIDES {
             let gripped_m = anchor.half_opening_m[finger] - now.half_opening_m[finger];
             let news_m = gripped_m - self.inward_m[finger][0];
             let mut share = 1.0;
@@ -248,29 +251,29 @@ impl Trajectory {
         }
     }
 
-    fn frame(&self, context: &Context<'_>) -> GraspFrame {
+    fn pose(&self, context: &Context<'_>) -> GraspPose {
         let settings = &context.settings.screw;
-        let mut frame = self.anchor.unwrap_or(*context.frame);
+        let mut frame = self.first_grip.unwrap_or(*context.pose);
         let (clearance_m, travel_m) = (settings.clearance_m, settings.travel_m);
-        let way = self.way_m / (2.0 * travel_m);
+        let way = self.position_m / (2.0 * travel_m);
         let (along, away_m) = match self.edge {
-            Edge::In => (0.0, clearance_m - self.way_m),
+            Edge::In => (0.0, clearance_m - self.position_m),
             Edge::Grip => (0.0, 0.0),
             Edge::Turn => (way, 0.0),
-            Edge::Out => (1.0, self.way_m),
+            Edge::Out => (1.0, self.position_m),
             Edge::Return => (1.0 - way, clearance_m),
         };
         let turned_m = context.turning * travel_m * (2.0 * along - 1.0);
         frame.tangential_m = [turned_m, -turned_m];
-        frame.centre_m.z += self.followed_m;
-        for finger in 0..VIRTUAL_FINGERS {
+        frame.centre_m.z += self.cap_travel_m;
+        for finger in 0..GRASP_SIDES {
             let inward_m = match self.edge {
-                Edge::Return => mix(
+                Edge::Return => interpolate(
                     self.inward_m[finger][0],
                     self.inward_m[finger][BINS - 1],
                     along,
                 ),
-                _ => at(&self.inward_m[finger], along * (BINS - 1) as f64),
+                _ => offset_at(&self.inward_m[finger], along * (BINS - 1) as f64),
             };
             frame.half_opening_m[finger] += away_m - inward_m;
         }
@@ -284,23 +287,23 @@ fn decay(context: &Context<'_>) -> f64 {
 
 /// Returns whether Module 3 opens fingers above F_2 during wrist rotation. On straight paths the
 /// fingertips leave the cap by themselves.
-fn is_relieved(percept: &Percept, context: &Context<'_>) -> bool {
+fn waits_for_relief(percept: &Percept, context: &Context<'_>) -> bool {
     let (_, strongest_n) = force_range_n(percept);
     let opens = context.closing_m_s.iter().any(|closing| *closing < 0.0);
     context.turns_by_wrist && opens && strongest_n > context.thresholds.f2_n
 }
 
-fn at(inward_m: &[f64; BINS], place: f64) -> f64 {
+fn offset_at(inward_m: &[f64; BINS], place: f64) -> f64 {
     let bin = (place as usize).min(BINS - 2);
-    mix(inward_m[bin], inward_m[bin + 1], place - bin as f64)
+    interpolate(inward_m[bin], inward_m[bin + 1], place - bin as f64)
 }
 
-fn mix(a: f64, b: f64, share: f64) -> f64 {
+fn interpolate(a: f64, b: f64, share: f64) -> f64 {
     a + (b - a) * share
 }
 
 /// Adds a correction between two bins and decreasing shares of it to the bins ahead.
-fn correct(inward_m: &mut [f64; BINS], place: f64, by_m: f64, decay: f64) {
+fn add_correction(inward_m: &mut [f64; BINS], place: f64, by_m: f64, decay: f64) {
     let bin = (place as usize).min(BINS - 2);
     let beyond = place - bin as f64;
     let mut ahead = 1.0;

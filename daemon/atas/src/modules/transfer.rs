@@ -27,7 +27,7 @@ impl Module for Transfer {
     const ID: ModuleId = ModuleId::TRANSFER;
     const ROLES: Roles = Roles {
         moves_hand: true,
-        forgets_each_step: true,
+        resets_each_step: true,
         ..Roles::NONE
     };
 
@@ -41,13 +41,13 @@ impl Module for Transfer {
             self.lowering_m_s = faster_m_s.min(context.settings.place.lower_m_s);
             self.lowered_m = (self.lowered_m + self.lowering_m_s * scaled_s).max(0.0);
         }
-        let mut frame = context.path.at(self.path_s);
+        let mut frame = context.path.pose_at(self.path_s);
         frame.centre_m -= Vector3::z() * self.lowered_m;
         let arrived = conveyed && self.lowered_m >= depth_max_m;
         Proposal {
             active: !arrived,
             pose: Some(PoseCommand {
-                frame,
+                pose: frame,
                 with_fingers: context.path.moves_fingers(),
                 arrived,
             }),
@@ -58,7 +58,7 @@ impl Module for Transfer {
 
 impl Transfer {
     /// Restarts from rest.
-    pub(super) fn halt(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.lowering_m_s = 0.0;
     }
 }

@@ -30,17 +30,17 @@ const UTILISATION_CLIP: f64 = 1.2;
 /// Smallest friction reading used as a divisor (prototype: 0.03).
 const READING_FLOOR: f64 = 0.03;
 /// Decay time constant of the recent maximum, s (design choice: detection time of slip).
-const LATELY_S: f64 = 0.3;
+const RECENT_S: f64 = 0.3;
 /// Momentary utilisation that ends gross slip (design choice: well below its start).
-const GROSS_OVER: f64 = 0.9;
+const GROSS_END_UTILISATION: f64 = 0.9;
 /// Share of the largest F_t/F_n of an episode below which the object sticks again (design choice:
 /// more than the scatter of kinetic friction).
 const SLIDING_SHARE: f64 = 0.96;
 /// Time constant of that ratio, s (design choice: a few frames of noise).
-const FELT_S: f64 = 0.03;
+const RATIO_FILTER_S: f64 = 0.03;
 
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slipping {
+pub(super) struct FrictionEstimate {
     pub(super) utilisation: f64,
     pub(super) utilisation_now: f64,
     pub(super) friction: f64,
@@ -58,12 +58,12 @@ pub(super) struct Friction {
     utilisation_now: f64,
     gross_s: f64,
     /// Low-passed F_t/F_n, and its maximum since uniform shear began; 0 between episodes.
-    felt: f64,
-    slid_from: f64,
+    filtered_ratio: f64,
+    episode_max_ratio: f64,
     /// Recent maximum of F_t/F_n.
-    lately: f64,
+    recent_ratio: f64,
     /// F_t/F_n at an observed slip, the upper limit of friction.
-    slid_at: Option<f64>,
+    slip_ratio: Option<f64>,
 }
 
 impl Friction {
@@ -75,10 +75,10 @@ impl Friction {
         patch: &Patch,
         is_round: bool,
         steady: impl FnOnce() -> Patch,
-        slides: bool,
+        slips: bool,
         step_s: f64,
         settings: &Settings,
-    ) -> Slipping {
+    ) -> FrictionEstimate {
         let (tangential_n, normal_n) = patch
             .elements
             .iter()
@@ -89,14 +89,14 @@ impl Friction {
         let is_sheared = tangential_n > TANGENTIAL_FLOOR_N;
         if !is_round {
             self.gross_s = 0.0;
-            self.remember_slide(ratio, slides, step_s, settings);
-            return self.known_from_slides(ratio);
+            self.record_slip(ratio, slips, step_s, settings);
+            return self.estimate_from_slip(ratio);
         }
         let Some(loaded) = is_sheared.then(steady).as_ref().and_then(most_loaded) else {
             self.gross_s = 0.0;
-            return Slipping {
+            return FrictionEstimate {
                 friction: self.remembered,
-                ..Slipping::default()
+                ..FrictionEstimate::default()
             };
         };
         let share = step_s / (settings.friction_filter_s + step_s);
@@ -108,9 +108,9 @@ impl Friction {
             self.remembered
         };
         self.utilisation_now += (ratio / reading.max(READING_FLOOR) - self.utilisation_now) * share;
-        self.watch_gross(ratio, step_s);
-        self.remember_slide(ratio, slides, step_s, settings);
-        Slipping {
+        self.update_gross_slip(ratio, step_s);
+        self.record_slip(ratio, slips, step_s, settings);
+        FrictionEstimate {
             utilisation: (ratio / self.remembered.max(FRICTION_FLOOR)).min(UTILISATION_CLIP),
             utilisation_now: self.utilisation_now,
             friction: self.remembered,
@@ -120,31 +120,35 @@ impl Friction {
     }
 
     /// Returns the estimate without the force pattern.
-    fn known_from_slides(&self, ratio: f64) -> Slipping {
-        let Some(slid_at) = self.slid_at else {
-            return Slipping::default();
+    fn estimate_from_slip(&self, ratio: f64) -> FrictionEstimate {
+        let Some(slid_at) = self.slip_ratio else {
+            return FrictionEstimate::default();
         };
         let utilisation = (ratio / slid_at.max(FRICTION_FLOOR)).min(UTILISATION_CLIP);
-        Slipping {
+        FrictionEstimate {
             utilisation,
             utilisation_now: utilisation,
             friction: slid_at,
-            ..Slipping::default()
+            ..FrictionEstimate::default()
         }
     }
 
     /// Lowers the remembered friction to the ratio at an observed slip.
-    fn remember_slide(&mut self, ratio: f64, slides: bool, step_s: f64, settings: &Settings) {
-        let filter_s = if ratio > self.lately {
+    fn record_slip(&mut self, ratio: f64, slips: bool, step_s: f64, settings: &Settings) {
+        let filter_s = if ratio > self.recent_ratio {
             settings.friction_filter_s
         } else {
-            LATELY_S
+            RECENT_S
         };
-        self.lately = low_pass(self.lately, ratio, step_s, filter_s);
-        if slides {
-            self.slid_at = Some(self.slid_at.unwrap_or(f64::INFINITY).min(self.lately));
+        self.recent_ratio = low_pass(self.recent_ratio, ratio, step_s, filter_s);
+        if slips {
+            self.slip_ratio = Some(
+                self.slip_ratio
+                    .unwrap_or(f64::INFINITY)
+                    .min(self.recent_ratio),
+            );
         }
-        if let Some(slid_at) = self.slid_at.filter(|slid_at| *slid_at < self.remembered) {
+        if let Some(slid_at) = self.slip_ratio.filter(|slid_at| *slid_at < self.remembered) {
             self.remembered = slid_at;
         }
     }
@@ -152,15 +156,15 @@ impl Friction {
     /// Relaxes the remembered friction to F_t/F_n during gross slip. A patch stays uniformly
     /// sheared after it sticks again, until it is reloaded. Therefore only a ratio near the maximum
     /// of the episode counts as sliding.
-    fn watch_gross(&mut self, ratio: f64, step_s: f64) {
-        self.felt = low_pass(self.felt, ratio, step_s, FELT_S);
+    fn update_gross_slip(&mut self, ratio: f64, step_s: f64) {
+        self.filtered_ratio = low_pass(self.filtered_ratio, ratio, step_s, RATIO_FILTER_S);
         let alike = self.utilisation_now > GROSS_UTILISATION;
-        if self.utilisation_now < GROSS_OVER {
-            self.slid_from = 0.0;
-        } else if alike && self.felt > self.slid_from {
-            self.slid_from = self.felt;
+        if self.utilisation_now < GROSS_END_UTILISATION {
+            self.episode_max_ratio = 0.0;
+        } else if alike && self.filtered_ratio > self.episode_max_ratio {
+            self.episode_max_ratio = self.filtered_ratio;
         }
-        self.gross_s = if alike && self.felt > SLIDING_SHARE * self.slid_from {
+        self.gross_s = if alike && self.filtered_ratio > SLIDING_SHARE * self.episode_max_ratio {
             self.gross_s + step_s
         } else {
             0.0
@@ -172,7 +176,7 @@ impl Friction {
     }
 }
 
-struct Loaded {
+struct MostLoaded {
     /// Mean ratio of tangential to normal force, weighted by normal force.
     ratio: f64,
     /// Standard deviation of the ratio due to sensor noise.
@@ -180,7 +184,7 @@ struct Loaded {
 }
 
 /// Evaluates the third of the loaded elements (at least two) with the highest ratio.
-fn most_loaded(patch: &Patch) -> Option<Loaded> {
+fn most_loaded(patch: &Patch) -> Option<MostLoaded> {
     let mut ratios = [(0.0, 0.0); ELEMENTS];
     for (ratio, element) in ratios.iter_mut().zip(&patch.elements) {
         *ratio = (element.along_n / element.normal_n, element.normal_n);
@@ -195,7 +199,7 @@ fn most_loaded(patch: &Patch) -> Option<Loaded> {
     let (weighted, weight) = pressed[..top]
         .iter()
         .fold((0.0, 0.0), |(q, w), &(ratio, n)| (q + ratio * n, w + n));
-    Some(Loaded {
+    Some(MostLoaded {
         ratio: weighted / weight,
         error: patch.noise_n * libm::sqrt(top as f64) / weight,
     })

@@ -3,7 +3,7 @@
 //!
 //! Computed per frame over a window; single-sample differences are noise on real sensors.
 
-use crate::intake::CheckedFrame;
+use crate::intake::ValidatedFrame;
 use crate::limits::INCREMENT_SAMPLES;
 use nalgebra::Vector3;
 
@@ -32,12 +32,12 @@ impl Increment {
     pub(super) fn update(
         &mut self,
         tangential_n: &Vector3<f64>,
-        frame: &CheckedFrame<'_>,
+        frame: &ValidatedFrame<'_>,
         window_s: f64,
     ) -> f64 {
         let now_ns = frame.captured_ns();
         let window_ns = (window_s * 1e9) as u64;
-        self.forget(now_ns.saturating_sub(window_ns));
+        self.discard_before(now_ns.saturating_sub(window_ns));
         let change = self
             .oldest()
             .map_or(0.0, |past| (tangential_n - past).norm());
@@ -58,7 +58,7 @@ impl Increment {
         (self.count > 0).then(|| self.samples[self.oldest_index()].1)
     }
 
-    fn forget(&mut self, before_ns: u64) {
+    fn discard_before(&mut self, before_ns: u64) {
         while self.count > 1 && self.samples[self.oldest_index()].0 < before_ns {
             self.count -= 1;
         }

@@ -1,33 +1,33 @@
 //! Perception: computes the tactile state of a hand from validated frames.
 //!
-//! Inputs: the [`CheckedFrame`]s of one hand in order, each exactly once (differences of repeated
+//! Inputs: the [`ValidatedFrame`]s of one hand in order, each exactly once (differences of repeated
 //! samples would spike). Output: one [`Percept`] per tick. Windows and filters use sensor time, so
 //! results do not depend on sensor or tick rate.
 //!
 //! The curvature of a fingertip would leak F_n·sin θ into the tangential force. Every element's
 //! force is therefore rotated into the tip frame and split along the patch normal.
 
-mod finger;
+mod fingertip;
 mod friction;
+mod grasp_side;
 mod increment;
 mod motion;
 mod noise;
 mod object_pose;
 mod patch;
 mod stiffness;
-mod virtual_finger;
-mod yielding;
+mod yield_detection;
 
-pub use finger::{Finger, FingerPercept};
+pub use fingertip::{ContactPercept, FingertipPerception};
 pub use motion::MotionPercept;
 pub use object_pose::ObjectPose;
-pub use stiffness::{Bearing, StiffnessEstimate, StiffnessFit, compression};
-pub use yielding::{YieldRule, YieldWatch, Yielded};
+pub use stiffness::{LoadedArea, StiffnessEstimate, StiffnessFit, compression};
+pub use yield_detection::{PressMaxima, YieldDetector, YieldRule};
 
-use crate::intake::CheckedFrame;
+use crate::intake::ValidatedFrame;
+use crate::sensor_setup::HandSensorSetup;
 use crate::settings::Perception as Settings;
-use crate::wiring::HandWiring;
-use robot_model::{HandModel, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, HandModel};
 use shm_schemas::capacity::FINGERS;
 
 /// Tactile state of one hand.
@@ -35,11 +35,11 @@ use shm_schemas::capacity::FINGERS;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Percept {
     /// Per fingertip; zero forces without a sensor.
-    pub fingers: [FingerPercept; FINGERS],
+    pub fingertips: [ContactPercept; FINGERS],
     /// Grasp side of each fingertip, 0 or 1.
-    pub presses_from: [usize; FINGERS],
+    pub side_of_fingertip: [usize; FINGERS],
     /// Per grasp side, the combined percept of its fingertips.
-    pub virtual_fingers: [FingerPercept; VIRTUAL_FINGERS],
+    pub sides: [ContactPercept; GRASP_SIDES],
     /// Sensor time of the newest frame, ns.
     pub captured_ns: u64,
     /// Sensor time that the newest frames of this tick cover, s; 0 without a frame.
@@ -50,7 +50,7 @@ pub struct Percept {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Perception {
-    fingers: [Finger; FINGERS],
+    fingertips: [FingertipPerception; FINGERS],
     count: usize,
     percept: Percept,
 }
@@ -58,16 +58,16 @@ pub struct Perception {
 impl Perception {
     /// Creates the perception of a hand; also works for a sensor without a hand.
     #[must_use]
-    pub fn new(wiring: &HandWiring, hand: &HandModel) -> Self {
+    pub fn new(wiring: &HandSensorSetup, hand: &HandModel) -> Self {
         let mut percept = Percept::default();
-        for (finger, side) in percept.presses_from[..hand.finger_count()]
+        for (finger, side) in percept.side_of_fingertip[..hand.fingertip_count()]
             .iter_mut()
             .enumerate()
         {
-            *side = hand.virtual_finger(finger);
+            *side = hand.grasp_side(finger);
         }
         Self {
-            fingers: core::array::from_fn(|_| Finger::new(&wiring.layout)),
+            fingertips: core::array::from_fn(|_| FingertipPerception::new(&wiring.layout)),
             count: wiring.fingers,
             percept,
         }
@@ -79,15 +79,15 @@ impl Perception {
     }
 
     /// Adds one frame. `slips` reports slip detected without friction.
-    pub fn update(&mut self, frame: &CheckedFrame<'_>, slides: bool, settings: &Settings) {
-        for (index, finger) in self.fingers[..self.count].iter_mut().enumerate() {
-            self.percept.fingers[index] = finger.update(index, frame, slides, settings);
+    pub fn update(&mut self, frame: &ValidatedFrame<'_>, slips: bool, settings: &Settings) {
+        for (index, finger) in self.fingertips[..self.count].iter_mut().enumerate() {
+            self.percept.fingertips[index] = finger.update(index, frame, slips, settings);
         }
-        for (side, felt) in self.percept.virtual_fingers.iter_mut().enumerate() {
-            let fingers = self.percept.fingers[..self.count].iter();
-            let of_side = fingers.zip(self.percept.presses_from);
+        for (side, measured) in self.percept.sides.iter_mut().enumerate() {
+            let fingers = self.percept.fingertips[..self.count].iter();
+            let of_side = fingers.zip(self.percept.side_of_fingertip);
             let of_side = of_side.filter_map(|(finger, from)| (from == side).then_some(finger));
-            *felt = virtual_finger::together(of_side);
+            *measured = grasp_side::combine(of_side);
         }
         self.percept.captured_ns = frame.captured_ns();
         self.percept.step_s += frame.step_s();
@@ -101,7 +101,7 @@ impl Perception {
 
     /// Zeroes the filtered readings of all elements.
     pub fn bias(&mut self) {
-        for finger in &mut self.fingers[..self.count] {
+        for finger in &mut self.fingertips[..self.count] {
             finger.bias();
         }
     }

@@ -9,7 +9,7 @@
 //!
 //! Delay: one window plus most of the counted comparisons (`motion_window_s`, `motion_at`).
 
-use crate::intake::CheckedFrame;
+use crate::intake::ValidatedFrame;
 use crate::settings::Perception as Settings;
 use shm_schemas::capacity::ELEMENTS;
 
@@ -40,17 +40,17 @@ pub struct MotionPercept {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Motion {
     /// Sums over half windows, N; `sums[newest]` is being filled.
-    #[cfg_attr(feature = "serde", serde(with = "crate::large::each"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_arrays::nested"))]
     sums: [[f32; VALUES]; HALVES],
     frames: [u32; HALVES],
     newest: usize,
     covered_s: f64,
     /// Readings of the previous frame, N.
     #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    before: [f32; VALUES],
+    previous: [f32; VALUES],
     /// Sum of the variances of all values, N², from frame differences.
     noise_n2: f64,
-    heard_s: f64,
+    noise_s: f64,
     has_begun: bool,
     recent: u16,
     percept: MotionPercept,
@@ -63,9 +63,9 @@ impl Default for Motion {
             frames: [0; HALVES],
             newest: 0,
             covered_s: 0.0,
-            before: [0.0; VALUES],
+            previous: [0.0; VALUES],
             noise_n2: 0.0,
-            heard_s: 0.0,
+            noise_s: 0.0,
             has_begun: false,
             recent: 0,
             percept: MotionPercept::default(),
@@ -79,10 +79,10 @@ impl Motion {
         &mut self,
         finger: usize,
         count: usize,
-        frame: &CheckedFrame<'_>,
+        frame: &ValidatedFrame<'_>,
         settings: &Settings,
     ) -> MotionPercept {
-        let mut now = self.before;
+        let mut now = self.previous;
         let (readings, mask) = frame.readings_n(finger);
         for (element, reading) in readings.iter().enumerate().take(count) {
             // Missing elements keep their previous reading.
@@ -91,39 +91,39 @@ impl Motion {
             }
         }
         let step_s = frame.step_s();
-        self.listen(&now[..3 * count], step_s);
+        self.update_noise(&now[..3 * count], step_s);
         let sum = &mut self.sums[self.newest];
         for (sum, value) in sum.iter_mut().zip(&now[..3 * count]) {
             *sum += value;
         }
         self.frames[self.newest] += 1;
         self.covered_s += step_s;
-        self.before = now;
+        self.previous = now;
         // A frame belongs to the window that contains most of its time.
         if self.covered_s + 0.5 * step_s >= 0.5 * settings.motion_window_s {
-            self.close(3 * count, settings.motion_at);
+            self.end_half_window(3 * count, settings.motion_at);
         }
         self.percept
     }
 
     /// Updates the noise: half the mean square difference is the variance of white noise.
-    fn listen(&mut self, now: &[f32], step_s: f64) {
+    fn update_noise(&mut self, now: &[f32], step_s: f64) {
         if !self.has_begun {
             self.has_begun = true;
             return;
         }
         let sum: f32 = now
             .iter()
-            .zip(&self.before)
+            .zip(&self.previous)
             .map(|(now, before)| (now - before) * (now - before))
             .sum();
-        self.heard_s += step_s;
-        let share = step_s / self.heard_s.clamp(1e-9, NOISE_S);
+        self.noise_s += step_s;
+        let share = step_s / self.noise_s.clamp(1e-9, NOISE_S);
         self.noise_n2 += (0.5 * f64::from(sum) - self.noise_n2) * share.min(1.0);
     }
 
     /// Ends a half window and compares the two newest with the two oldest.
-    fn close(&mut self, values: usize, motion_at: f64) {
+    fn end_half_window(&mut self, values: usize, motion_at: f64) {
         let half = |age: usize| (self.newest + HALVES - age) % HALVES;
         let [a, b, c, d] = [half(0), half(1), half(2), half(3)];
         if self.frames[d] > 0 {

@@ -16,8 +16,8 @@ const FILTER_S: f64 = 0.3;
 pub(super) struct Noise {
     variance_n2: Option<f64>,
     /// Readings of the previous frame, N; `None` after contact.
-    #[cfg_attr(feature = "serde", serde(with = "crate::large::maybe"))]
-    before_n: Option<[[f64; 3]; ELEMENTS]>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serde_arrays::optional"))]
+    previous_n: Option<[[f64; 3]; ELEMENTS]>,
 }
 
 impl Noise {
@@ -28,14 +28,14 @@ impl Noise {
 
     /// Adds filtered elements of an unloaded fingertip, N. `share` is the filter gain; differences
     /// of filtered white noise have 2·share times its variance.
-    pub(super) fn listen(
+    pub(super) fn update(
         &mut self,
         elements_n: &[[f64; 3]; ELEMENTS],
         count: usize,
         share: f64,
         step_s: f64,
     ) {
-        if let Some(before_n) = &self.before_n
+        if let Some(before_n) = &self.previous_n
             && share > 0.0
         {
             let changes = elements_n[..count].iter().zip(before_n);
@@ -46,12 +46,12 @@ impl Noise {
             let old_n2 = self.variance_n2.unwrap_or(now_n2);
             self.variance_n2 = Some(low_pass(old_n2, now_n2, step_s, FILTER_S));
         }
-        self.before_n = Some(*elements_n);
+        self.previous_n = Some(*elements_n);
     }
 
     /// Interrupts the measurement during contact.
     pub(super) fn pause(&mut self) {
-        self.before_n = None;
+        self.previous_n = None;
     }
 }
 
@@ -63,11 +63,11 @@ mod tests {
     const SHARE: f64 = 1.0 / 6.0;
 
     /// Standard deviation measured in one second of readings, N.
-    fn heard_n(reading_n: impl Fn(usize) -> f64) -> f64 {
+    fn measured_n(reading_n: impl Fn(usize) -> f64) -> f64 {
         let mut noise = Noise::default();
         for index in 0..1000 {
             let elements_n = [[0.0, reading_n(index), -reading_n(index)]; ELEMENTS];
-            noise.listen(&elements_n, 1, SHARE, 1e-3);
+            noise.update(&elements_n, 1, SHARE, 1e-3);
         }
         noise.variance_n2().sqrt()
     }
@@ -75,26 +75,30 @@ mod tests {
     /// Regression: a light load below the contact threshold of a real fingertip counted as noise
     /// and hid contacts.
     #[test]
-    fn offsets_and_slow_loads_are_no_noise() {
-        assert_eq!(heard_n(|_| 5.0), 0.0);
-        let ramp_n = heard_n(|index| 0.01 * index as f64);
-        assert!(ramp_n < 0.02, "{ramp_n} N of a ramp of 10 N/s");
+    fn offsets_and_slow_loads_are_not_noise() {
+        assert_eq!(measured_n(|_| 5.0), 0.0);
+        let ramp_n = measured_n(|index| 0.01 * index as f64);
+        assert!(ramp_n < 0.02, "{ramp_n} N from a ramp of 10 N/s");
     }
 
     #[test]
-    fn what_flickers_is_noise() {
+    fn alternating_readings_are_noise() {
         let flicker = |index: usize| if index.is_multiple_of(2) { 0.01 } else { -0.01 };
-        let heard = heard_n(flicker);
+        let received = measured_n(flicker);
         // Differences of 20 mN per axis, over 2·share.
         assert!(
-            (heard - 0.02 / (2.0 * SHARE).sqrt()).abs() < 1e-3,
-            "{heard}"
+            (received - 0.02 / (2.0 * SHARE).sqrt()).abs() < 1e-3,
+            "{received}"
         );
         let mut paused = Noise::default();
         for index in 0..10 {
-            paused.listen(&[[0.0, flicker(index), 0.0]; ELEMENTS], 1, SHARE, 1e-3);
+            paused.update(&[[0.0, flicker(index), 0.0]; ELEMENTS], 1, SHARE, 1e-3);
             paused.pause();
         }
-        assert_eq!(paused.variance_n2(), 0.0, "touches in between say nothing");
+        assert_eq!(
+            paused.variance_n2(),
+            0.0,
+            "contacts in between must suspend the measurement"
+        );
     }
 }

@@ -17,33 +17,36 @@
 use super::Percept;
 use crate::limits::PATCH_FLOOR_N;
 use nalgebra::Vector2;
-use robot_model::{HandModel, HandPose, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, HandModel, HandPose};
 
 /// Smallest squared distance between the unit normals of both sides (design choice: the sides face
 /// each other within 90°).
-const FACING: f64 = 2.0;
+const FACING_MIN: f64 = 2.0;
 
 /// Horizontal pose of an object relative to the pressing hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ObjectPose {
     /// Offset from the midpoint of both sides to the object's centre, base frame, m.
-    pub off_m: Vector2<f64>,
+    pub offset_m: Vector2<f64>,
     /// Direction from the second side to the first, base frame, unit length.
     pub closing_axis: Vector2<f64>,
     /// Angle from `closing_axis` to the normal of the object's faces, anticlockwise from above,
     /// rad.
-    pub turn_rad: f64,
+    pub yaw_error_rad: f64,
 }
 
 impl ObjectPose {
     /// Estimates the pose at the measured hand pose; `None` unless both sides press clearly. Unless
     /// every fingertip presses, the offset along the faces is zero.
     #[must_use]
-    pub fn felt(hand: &HandModel, measured: &HandPose, percept: &Percept) -> Option<Self> {
-        let mut sides = [Contacts::default(); VIRTUAL_FINGERS];
+    pub fn estimate(hand: &HandModel, measured: &HandPose, percept: &Percept) -> Option<Self> {
+        let mut sides = [Contacts::default(); GRASP_SIDES];
         let mut all_press = true;
-        for (index, finger) in percept.fingers[..hand.finger_count()].iter().enumerate() {
+        for (index, finger) in percept.fingertips[..hand.fingertip_count()]
+            .iter()
+            .enumerate()
+        {
             if !finger.in_contact || finger.normal_n <= PATCH_FLOOR_N {
                 all_press = false;
                 continue;
@@ -51,12 +54,12 @@ impl ObjectPose {
             let tip = &measured.base_from_tip()[index];
             let normal = (tip.rotation * finger.patch_normal).xy();
             let contact_m = tip.translation_m.xy() + normal * hand.tip_radius_m()[index];
-            sides[hand.virtual_finger(index)].add(contact_m, normal);
+            sides[hand.grasp_side(index)].add(contact_m, normal);
         }
         let [first, second] = sides.map(Contacts::mean);
         let ((first_m, first), (second_m, second)) = (first?, second?);
         let facing = first - second;
-        if facing.norm_squared() < FACING {
+        if facing.norm_squared() < FACING_MIN {
             return None;
         }
         let deep_m = -(first_m - second_m).dot(&facing) / facing.norm_squared();
@@ -64,13 +67,13 @@ impl ObjectPose {
         let line = (measured.side_m(0) - measured.side_m(1)).xy().normalize();
         let off_m = middle_m - ((measured.side_m(0) + measured.side_m(1)) / 2.0).xy();
         Some(Self {
-            off_m: if all_press {
+            offset_m: if all_press {
                 off_m
             } else {
                 line * line.dot(&off_m)
             },
             closing_axis: line,
-            turn_rad: libm::atan2(facing.perp(&line), -facing.dot(&line)),
+            yaw_error_rad: libm::atan2(facing.perp(&line), -facing.dot(&line)),
         })
     }
 }

@@ -10,11 +10,11 @@ use shm_schemas::capacity::ELEMENTS;
 const NOISE_CLEARANCE: f64 = 6.0;
 /// Determinant of the mean n·nᵀ of element normals above which a face is curved in both directions
 /// (`dome-41`: 0.006).
-const ROUND: f64 = 1e-6;
+const ROUND_DETERMINANT: f64 = 1e-6;
 /// Smallest cosine between element normals of a flat face.
 const FLAT_COS: f64 = 0.999;
 /// Evenness (Σf)²/(n·Σf²) of n forces that rise linearly from zero, as under an inclined face.
-const WEDGE: f64 = 0.75;
+const WEDGE_EVENNESS: f64 = 0.75;
 
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -50,7 +50,7 @@ impl ElementAxes {
 
     /// Returns the loaded share of a flat face, from one element to 1 (derived from the evenness of
     /// the forces). A linear pressure wedge counts as 1.
-    pub(super) fn pressed_share(&self, elements_n: &[[f64; 3]; ELEMENTS], noise_n2: f64) -> f64 {
+    pub(super) fn loaded_share(&self, elements_n: &[[f64; 3]; ELEMENTS], noise_n2: f64) -> f64 {
         if !self.is_flat {
             return 1.0;
         }
@@ -63,7 +63,7 @@ impl ElementAxes {
         if sum_n <= 0.0 || square_n2 <= 0.0 {
             return 1.0;
         }
-        let share = sum_n * sum_n / (count * square_n2) / WEDGE;
+        let share = sum_n * sum_n / (count * square_n2) / WEDGE_EVENNESS;
         share.clamp(1.0 / count, 1.0)
     }
 
@@ -78,7 +78,7 @@ fn is_round(normals: &[[f64; 3]]) -> bool {
         let normal = Vector3::from(*normal);
         sum + normal * normal.transpose()
     });
-    (spread / normals.len() as f64).determinant() > ROUND
+    (spread / normals.len() as f64).determinant() > ROUND_DETERMINANT
 }
 
 fn is_flat(normals: &[[f64; 3]]) -> bool {
@@ -91,13 +91,13 @@ fn is_flat(normals: &[[f64; 3]]) -> bool {
 
 /// Clearly loaded element, in the plane of the patch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pressed {
+pub(super) struct LoadedElement {
     /// Force along the patch's inward normal, N.
     pub(super) normal_n: f64,
     /// Force along the two axes of the plane, N.
     shear_n: [f64; 2],
     /// Position in the plane relative to the centre of pressure, m.
-    place_m: [f64; 2],
+    position_m: [f64; 2],
     /// Force along the local shear direction of the whole patch, N.
     pub(super) along_n: f64,
 }
@@ -120,13 +120,13 @@ pub(super) struct Patch {
     pub(super) arm_n_m: f64,
     /// Scatter of the shear direction between elements, standard deviation over their normal force.
     pub(super) scatter: f64,
-    pub(super) elements: ArrayVec<Pressed, ELEMENTS>,
+    pub(super) elements: ArrayVec<LoadedElement, ELEMENTS>,
     /// Standard deviation of one tangential axis of an element, N.
     pub(super) noise_n: f64,
 }
 
 impl Patch {
-    pub(super) fn of(
+    pub(super) fn new(
         axes: &ElementAxes,
         elements_n: &[[f64; 3]; ELEMENTS],
         noise_n2: f64,
@@ -144,13 +144,13 @@ impl Patch {
         let normal = if strength_n > PATCH_FLOOR_N {
             lean / strength_n
         } else {
-            resting_normal(axes)
+            default_normal(axes)
         };
         let normal_n = -force_n.dot(&normal);
         let mut patch = Self {
             force_n,
             normal,
-            plane: plane_of(&normal),
+            plane: plane_axes(&normal),
             normal_n,
             tangential_n: force_n + normal * normal_n,
             moment_n_m: 0.0,
@@ -159,12 +159,17 @@ impl Patch {
             elements: ArrayVec::new_const(),
             noise_n: libm::sqrt(noise_n2),
         };
-        patch.collect(axes, elements_n, floor_n);
-        patch.find_shear();
+        patch.collect_loaded(axes, elements_n, floor_n);
+        patch.compute_shear();
         patch
     }
 
-    fn collect(&mut self, axes: &ElementAxes, elements_n: &[[f64; 3]; ELEMENTS], floor_n: f64) {
+    fn collect_loaded(
+        &mut self,
+        axes: &ElementAxes,
+        elements_n: &[[f64; 3]; ELEMENTS],
+        floor_n: f64,
+    ) {
         let clear_n = NOISE_CLEARANCE * self.noise_n;
         let floor_n = if clear_n > floor_n { clear_n } else { floor_n };
         for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
@@ -175,10 +180,10 @@ impl Patch {
             let normal_n = -force_n.dot(&self.normal);
             if normal_n > floor_n {
                 let way = axes.position_m[element];
-                self.elements.push(Pressed {
+                self.elements.push(LoadedElement {
                     normal_n,
                     shear_n: self.plane.map(|axis| axis.dot(&force_n)),
-                    place_m: self.plane.map(|axis| axis.dot(&way)),
+                    position_m: self.plane.map(|axis| axis.dot(&way)),
                     along_n: 0.0,
                 });
             }
@@ -187,12 +192,12 @@ impl Patch {
 
     /// Computes the shear of the patch: translation per element, and rotation per metre from the
     /// centre of pressure.
-    fn find_shear(&mut self) {
+    fn compute_shear(&mut self) {
         let elements = &mut self.elements;
         let (mut pressure_n, mut centre_n_m) = (0.0, [0.0; 2]);
-        for Pressed {
+        for LoadedElement {
             normal_n,
-            place_m: [x, y],
+            position_m: [x, y],
             ..
         } in elements.iter()
         {
@@ -206,9 +211,9 @@ impl Patch {
         let centre_m = centre_n_m.map(|n_m| n_m / pressure_n);
         let (mut sum_n, mut square_m2) = ([0.0; 2], 0.0);
         for element in elements.iter_mut() {
-            element.place_m[0] -= centre_m[0];
-            element.place_m[1] -= centre_m[1];
-            let ([x, y], [u, v]) = (element.place_m, element.shear_n);
+            element.position_m[0] -= centre_m[0];
+            element.position_m[1] -= centre_m[1];
+            let ([x, y], [u, v]) = (element.position_m, element.shear_n);
             let distance_m2 = x * x + y * y;
             sum_n[0] += u;
             sum_n[1] += v;
@@ -218,17 +223,17 @@ impl Patch {
         }
         let straight_n = sum_n.map(|n| n / elements.len() as f64);
         let spin_n_m = self.moment_n_m / square_m2.max(f64::MIN_POSITIVE);
-        self.project(straight_n, spin_n_m);
+        self.project_shear(straight_n, spin_n_m);
     }
 
     /// Projects each element's force onto the local shear direction. Noise and crosstalk then
     /// average out, whereas vector lengths would only grow. The surface curvature explains a cross
     /// component that is constant or linear in position; the rest is sensor error.
-    fn project(&mut self, straight_n: [f64; 2], spin_n_m: f64) {
+    fn project_shear(&mut self, straight_n: [f64; 2], spin_n_m: f64) {
         let elements = &mut self.elements;
-        let mut across = Across::default();
+        let mut across = CrossShear::default();
         for element in elements.iter_mut() {
-            let ([x, y], [u, v]) = (element.place_m, element.shear_n);
+            let ([x, y], [u, v]) = (element.position_m, element.shear_n);
             let way = [straight_n[0] - spin_n_m * y, straight_n[1] + spin_n_m * x];
             let length_n = libm::sqrt(way[0] * way[0] + way[1] * way[1]);
             if length_n > 0.0 {
@@ -245,16 +250,16 @@ impl Patch {
 
 /// Sums of a least-squares plane through the cross components over normal force.
 #[derive(Default)]
-struct Across {
+struct CrossShear {
     square_n2: f64,
     with_n2: [f64; 3],
     normal_n2: [f64; 3],
 }
 
-impl Across {
-    fn add(&mut self, across_n: f64, element: &Pressed) {
+impl CrossShear {
+    fn add(&mut self, across_n: f64, element: &LoadedElement) {
         let n = element.normal_n;
-        let [x, y] = element.place_m;
+        let [x, y] = element.position_m;
         self.square_n2 += across_n * across_n;
         for (axis, by) in [1.0, x, y].into_iter().enumerate() {
             self.with_n2[axis] += across_n * n * by;
@@ -280,7 +285,7 @@ impl Across {
 
 /// Completes a unit vector to a right-handed frame (T. Duff et al., "Building an orthonormal basis,
 /// revisited", 2017).
-fn plane_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
+fn plane_axes(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let sign = if normal.z < 0.0 { -1.0 } else { 1.0 };
     let a = -1.0 / (sign + normal.z);
     let b = normal.x * normal.y * a;
@@ -295,7 +300,7 @@ fn plane_of(normal: &Vector3<f64>) -> [Vector3<f64>; 2] {
 }
 
 /// Normal of a weak contact: the fingertip axis, or that of a single element.
-fn resting_normal(axes: &ElementAxes) -> Vector3<f64> {
+fn default_normal(axes: &ElementAxes) -> Vector3<f64> {
     if axes.count == 1 {
         axes.normal[0]
     } else {

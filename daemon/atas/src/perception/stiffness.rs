@@ -11,7 +11,7 @@
 //! are therefore discarded.
 
 use crate::settings::Perception as Settings;
-use robot_model::{Compression, Skin, VIRTUAL_FINGERS};
+use robot_model::{Compression, GRASP_SIDES, Skin};
 
 /// Smallest number of samples of a slope, that of a 30 Hz sensor in 100 ms.
 const SAMPLES_MIN: f64 = 3.0;
@@ -24,7 +24,7 @@ const FACES: f64 = 2.0;
 const CONTACT_GROWTH: f64 = 1.5;
 const NEW_SAMPLES_MIN: f64 = 6.0;
 const NEW_CONFIDENCE: f64 = 0.9;
-const CERTAIN_ERRORS: f64 = 3.0;
+const BOUND_ERRORS: f64 = 3.0;
 /// Smallest resolvable compliance of one face, m/N (1 MN/m).
 const COMPLIANCE_FLOOR_M_N: f64 = 1e-6;
 
@@ -46,14 +46,14 @@ pub fn compression(settings: &Settings, skin: &Skin) -> Compression {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StiffnessEstimate {
     filtered_closing_m: Option<f64>,
-    hardest_n: f64,
+    max_force_n: f64,
     /// δ(F) of both fingertips, and the additional compression from partial contact, m.
-    tips_m: f64,
-    beyond_m: f64,
+    compression_m: f64,
+    partial_contact_m: f64,
     /// Smallest loaded area of each side in the present contact.
-    least_bearing: Option<[f64; VIRTUAL_FINGERS]>,
+    min_loaded_area: Option<[f64; GRASP_SIDES]>,
     /// Compliance from the previous contact, m/N; infinite if it gave no fit.
-    before_m_n: Option<f64>,
+    previous_m_n: Option<f64>,
     sums: Sums,
 }
 
@@ -70,17 +70,17 @@ struct Sums {
 
 /// Loaded contact area of one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bearing {
+pub struct LoadedArea {
     /// Effective number of loaded fingertips.
-    pub tips: f64,
+    pub fingertips: f64,
     /// Loaded share of their faces, above 0.
     pub face_share: f64,
 }
 
-impl Bearing {
+impl LoadedArea {
     /// One fingertip with its whole face.
     pub const WHOLE: Self = Self {
-        tips: 1.0,
+        fingertips: 1.0,
         face_share: 1.0,
     };
 }
@@ -94,7 +94,7 @@ pub struct StiffnessFit {
     /// 1/(1 + ε²), 0 to 1, with ε the relative standard error of the compliance.
     pub confidence: f64,
     /// A new contact has replaced the first.
-    pub settled: bool,
+    pub new_contact: bool,
 }
 
 impl StiffnessEstimate {
@@ -109,60 +109,62 @@ impl StiffnessEstimate {
         normal_n: f64,
         step_s: f64,
         tips: &Compression,
-        bearing: [Bearing; VIRTUAL_FINGERS],
+        bearing: [LoadedArea; GRASP_SIDES],
         settings: &Settings,
     ) -> Option<StiffnessFit> {
-        let closing_m = self.delayed(closing_m, step_s, settings.filter_s);
-        if normal_n <= settings.touch_off_n || normal_n <= self.hardest_n {
+        let closing_m = self.delay_closing(closing_m, step_s, settings.filter_s);
+        if normal_n <= settings.touch_off_n || normal_n <= self.max_force_n {
             return None;
         }
-        self.hardest_n = normal_n;
-        let of_side = |it: &Bearing| tips.at_1n_m * libm::pow(normal_n / it.tips, tips.exponent);
+        self.max_force_n = normal_n;
+        let of_side =
+            |it: &LoadedArea| tips.at_1n_m * libm::pow(normal_n / it.fingertips, tips.exponent);
         let tips_m = bearing.iter().map(of_side).sum::<f64>();
         let beyond = bearing.iter().map(|it| 1.0 / it.face_share - 1.0);
-        self.beyond_m += (tips_m - self.tips_m) * beyond.sum::<f64>() / FACES;
-        self.tips_m = tips_m;
-        self.meet(bearing.map(|it| it.tips * it.face_share));
-        self.sums.add(normal_n, closing_m - tips_m - self.beyond_m);
+        self.partial_contact_m += (tips_m - self.compression_m) * beyond.sum::<f64>() / FACES;
+        self.compression_m = tips_m;
+        self.detect_new_contact(bearing.map(|it| it.fingertips * it.face_share));
+        self.sums
+            .add(normal_n, closing_m - tips_m - self.partial_contact_m);
         let line = self.sums.line()?;
-        let Some(before_m_n) = self.before_m_n else {
+        let Some(before_m_n) = self.previous_m_n else {
             return Some(line.fit());
         };
-        self.of_new_contact(&line, before_m_n)
+        self.fit_new_contact(&line, before_m_n)
     }
 
     /// Returns whether a new contact has replaced the first: the object may have turned.
     #[must_use]
-    pub fn has_settled(&self) -> bool {
-        self.before_m_n.is_some()
+    pub fn has_new_contact(&self) -> bool {
+        self.previous_m_n.is_some()
     }
 
     /// Fits a new contact, given the previous compliance, m/N.
-    fn of_new_contact(&self, line: &Line, before_m_n: f64) -> Option<StiffnessFit> {
+    fn fit_new_contact(&self, line: &Line, previous_m_n: f64) -> Option<StiffnessFit> {
         if self.sums.n < NEW_SAMPLES_MIN {
             return None;
         }
         let fit = line.fit();
         let at_most = Line {
-            slope_m_n: line.slope_m_n + CERTAIN_ERRORS * line.error_m_n,
+            slope_m_n: line.slope_m_n + BOUND_ERRORS * line.error_m_n,
             ..*line
         };
         if fit.confidence >= NEW_CONFIDENCE {
             Some(fit)
         } else {
-            (at_most.slope_m_n < before_m_n).then(|| at_most.fit())
+            (at_most.slope_m_n < previous_m_n).then(|| at_most.fit())
         }
     }
 
     /// Discards samples from a much smaller loaded area.
-    fn meet(&mut self, bearing: [f64; VIRTUAL_FINGERS]) {
-        let least = self.least_bearing.unwrap_or(bearing);
+    fn detect_new_contact(&mut self, bearing: [f64; GRASP_SIDES]) {
+        let least = self.min_loaded_area.unwrap_or(bearing);
         let grows = |(now, least): (&f64, &f64)| *now > CONTACT_GROWTH * least;
         if bearing.iter().zip(&least).any(grows) {
             let line = self.sums.line();
-            self.before_m_n = Some(line.map_or(f64::INFINITY, |line| line.slope_m_n));
+            self.previous_m_n = Some(line.map_or(f64::INFINITY, |line| line.slope_m_n));
             self.sums = Sums::default();
-            self.least_bearing = Some(bearing);
+            self.min_loaded_area = Some(bearing);
         } else {
             let less = |side: usize| {
                 if bearing[side] < least[side] {
@@ -171,12 +173,12 @@ impl StiffnessEstimate {
                     least[side]
                 }
             };
-            self.least_bearing = Some(core::array::from_fn(less));
+            self.min_loaded_area = Some(core::array::from_fn(less));
         }
     }
 
     /// Delays the closing by the low-pass of the forces.
-    fn delayed(&mut self, closing_m: f64, step_s: f64, filter_s: f64) -> f64 {
+    fn delay_closing(&mut self, closing_m: f64, step_s: f64, filter_s: f64) -> f64 {
         let before_m = self.filtered_closing_m.unwrap_or(closing_m);
         let share = if filter_s > 0.0 {
             step_s / (filter_s + step_s)
@@ -238,7 +240,7 @@ impl Line {
         StiffnessFit {
             object_n_m: FACES / slope,
             confidence: 1.0 / (1.0 + error * error),
-            settled: false,
+            new_contact: false,
         }
     }
 }

@@ -7,6 +7,6 @@
 mod motion;
 mod waypoints;
 
-pub(crate) use motion::{FREED_BY_M, path_of};
-pub(crate) use waypoints::{OVER_TOP_M, descent_m};
-pub use waypoints::{Waypoints, from_the_side, home};
+pub(crate) use motion::{RELEASED_BY_M, path_of};
+pub(crate) use waypoints::{TOP_CLEARANCE_M, approach_height_m};
+pub use waypoints::{Waypoints, home_pose, side_grasp};

@@ -4,21 +4,21 @@ use super::waypoints::Waypoints;
 use crate::path::{Path, Speeds};
 use crate::settings::Settings;
 use crate::tasks::Motion;
-use robot_model::GraspFrame;
+use robot_model::GraspPose;
 
 /// Opening travel of each grasp side on release, m (design choice: clears a bulging soft object).
 const OPEN_BY_M: f64 = 0.012;
 /// Opening travel, m, and duration, s, of the fast release (design choice: 50 rad/s² of the gate's
 /// 60). A faster release swings back and grips the object again.
-const LET_GO_BY_M: f64 = 0.003;
-const LET_GO_S: f64 = 0.085;
+const RELEASE_BY_M: f64 = 0.003;
+const RELEASE_S: f64 = 0.085;
 /// Distance of each grasp side from the released object, m, if the hand opens that far.
-pub(crate) const FREED_BY_M: f64 = LET_GO_BY_M + OPEN_BY_M;
+pub(crate) const RELEASED_BY_M: f64 = RELEASE_BY_M + OPEN_BY_M;
 
 /// Returns the path of a motion that starts at `now`, where `before` is the previous path.
 pub(crate) fn path_of(
     motion: Motion,
-    now: &GraspFrame,
+    now: &GraspPose,
     waypoints: &Waypoints,
     before: &Path,
     settings: &Settings,
@@ -34,20 +34,20 @@ pub(crate) fn path_of(
         Path::gripping(*now, waypoints.pose(waypoint, now), &speeds)
     };
     match motion {
-        Motion::Stay | Motion::Lower | Motion::Square | Motion::Follow | Motion::Brake => {
-            Path::stay(*now)
+        Motion::Stay | Motion::Lower | Motion::Square | Motion::Teleop | Motion::Brake => {
+            Path::stationary(*now)
         }
-        Motion::Reach(waypoint) => Path::over(*now, waypoints.pose(waypoint, now), &free),
-        Motion::Withdraw => Path::over(*now, before.at(0.0), &free),
+        Motion::Reach(waypoint) => Path::over_obstacles(*now, waypoints.pose(waypoint, now), &free),
+        Motion::Withdraw => Path::over_obstacles(*now, before.pose_at(0.0), &free),
         Motion::Carry(waypoint) => gripping(waypoint, speeds.lift_m_s),
         Motion::Convey(waypoint) => gripping(waypoint, settings.place.convey_m_s),
         Motion::Open => Path::free(*now, waypoints.opened(now, OPEN_BY_M), &free),
         Motion::LetGo => {
             let speeds = Speeds {
-                open_m_s: waypoints.finger_speed_m_s(LET_GO_BY_M / LET_GO_S),
+                open_m_s: waypoints.finger_speed_m_s(RELEASE_BY_M / RELEASE_S),
                 ..free
             };
-            Path::free(*now, waypoints.opened(now, LET_GO_BY_M), &speeds)
+            Path::free(*now, waypoints.opened(now, RELEASE_BY_M), &speeds)
         }
     }
 }

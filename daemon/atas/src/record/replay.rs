@@ -1,6 +1,6 @@
 //! Replay of a recording through the controller.
 
-use super::{Unreadable, read_order};
+use super::{RecordError, read_request};
 use crate::controller::Controller;
 use crate::io::{Inputs, Outputs, TARGETS_PER_TICK};
 use crate::tick::Tick;
@@ -12,7 +12,7 @@ use zerocopy::IntoBytes;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReplayError {
     /// Recording without the start of the run.
-    NoBeginning {
+    MissingStart {
         /// Missing parts.
         missing: u64,
     },
@@ -34,41 +34,43 @@ pub enum ReplayError {
         tick: u64,
     },
     /// Invalid request.
-    Order {
+    Request {
         /// Tick index.
         tick: u64,
         /// Reason.
-        why: Unreadable,
+        cause: RecordError,
     },
 }
 
 impl core::fmt::Display for ReplayError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::NoBeginning { missing } => write!(
+            Self::MissingStart { missing } => write!(
                 f,
-                "could not replay because the first {missing} parts of the run were not recorded; \
-                 start the recorder before the daemon"
+                "replay failed: the first {missing} parts of the run are not recorded; start the \
+                 recorder before the daemon"
             ),
             Self::Gap { tick, missing } => {
                 write!(
                     f,
-                    "could not replay beyond tick {tick} because {missing} parts before it were lost"
+                    "replay stopped at tick {tick}: {missing} parts before it are lost"
                 )
             }
             Self::Panicked { tick } => {
                 write!(
                     f,
-                    "the controller panicked in tick {tick}; what the daemon did from there on cannot be replayed"
+                    "replay stopped: the controller panicked in tick {tick}; later ticks of the \
+                     daemon cannot be replayed"
                 )
             }
             Self::Malformed { tick } => {
                 write!(
                     f,
-                    "could not replay tick {tick} because its parts contradict each other; is the recording damaged?"
+                    "replay stopped at tick {tick}: its parts contradict each other; check whether \
+                     the recording is damaged"
                 )
             }
-            Self::Order { tick, why } => write!(f, "tick {tick}: {why}"),
+            Self::Request { tick, cause: why } => write!(f, "tick {tick}: {why}"),
         }
     }
 }
@@ -80,7 +82,7 @@ impl core::error::Error for ReplayError {}
 pub struct Replayed<'a> {
     /// Outputs of the replay.
     pub outputs: &'a Outputs,
-    /// Whether the replayed command equals the recorded one bit for bit.
+    /// True if the replayed command equals the recorded one bit for bit.
     pub is_equal: bool,
 }
 
@@ -135,9 +137,9 @@ impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
             self.next_part = part.part + 1;
             return Ok(None);
         }
-        let order = read_order(&part.order).map_err(|why| ReplayError::Order {
+        let order = read_request(&part.order).map_err(|why| ReplayError::Request {
             tick: part.tick,
-            why,
+            cause: why,
         })?;
         let [left, right] = &self.frames;
         let outputs = self.controller.step(&Inputs {
@@ -151,7 +153,7 @@ impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
             ],
             joints: (part.has_joints != 0).then_some(&part.joints),
             targets: &self.targets[..self.target_count],
-            order: order.as_ref(),
+            request: order.as_ref(),
         });
         (self.counts, self.target_count, self.next_part) = ([0; HANDS], 0, 0);
         Ok(Some(Replayed {
@@ -165,7 +167,7 @@ impl<F: AsRef<[HandFrame]> + AsMut<[HandFrame]>> Replay<F> {
         let missing = part.stamp.sequence.wrapping_sub(expected);
         match (expected, missing) {
             (_, 0) => {}
-            (0, missing) => return Err(ReplayError::NoBeginning { missing }),
+            (0, missing) => return Err(ReplayError::MissingStart { missing }),
             (_, missing) => return Err(ReplayError::Gap { tick, missing }),
         }
         if part.part != self.next_part || part.parts <= part.part {

@@ -2,7 +2,7 @@
 
 use crate::modules::{IDS, Selection};
 use crate::tasks::{
-    BehaviourTable, MOTIONS, Name, Step, TRANSITIONS, Task, Track, Transition, WAYPOINTS,
+    BehaviourTable, MOTIONS, Name, Step, StepSequence, TRANSITIONS, Task, Transition, WAYPOINTS,
 };
 use shm_schemas::{StepRecord, TableRecord, TaskRecord, Text, TrackRecord};
 
@@ -28,14 +28,14 @@ pub(super) fn read(record: &TaskRecord) -> Option<Task> {
             0 => None,
             _ => Some(read_track(helping)?),
         },
-        table: BehaviourTable::of_record(&record.table).ok()?,
+        table: BehaviourTable::from_record(&record.table).ok()?,
     })
 }
 
-fn write_track(track: Option<&Track>) -> TrackRecord {
+fn write_track(track: Option<&StepSequence>) -> TrackRecord {
     let steps: &[Step] = track.map_or(&[], |track| track);
     let mut record = TrackRecord {
-        count: super::index_word(steps.len()),
+        count: super::index_to_u32(steps.len()),
         ..TrackRecord::default()
     };
     for (record, step) in record.steps.iter_mut().zip(steps) {
@@ -44,21 +44,21 @@ fn write_track(track: Option<&Track>) -> TrackRecord {
     record
 }
 
-fn read_track(record: &TrackRecord) -> Option<Track> {
+fn read_track(record: &TrackRecord) -> Option<StepSequence> {
     let used = record.steps.get(..record.count as usize)?;
     let mut steps = [Step::NONE; shm_schemas::capacity::STEPS];
     for (step, record) in steps.iter_mut().zip(used) {
         *step = read_step(record)?;
     }
-    Track::checked(&steps[..used.len()])
+    StepSequence::validated(&steps[..used.len()])
 }
 
 fn write_step(step: &Step) -> StepRecord {
-    let place = |place: Option<usize>| place.map_or(u32::MAX, super::index_word);
+    let place = |place: Option<usize>| place.map_or(u32::MAX, super::index_to_u32);
     let motion = step.motion;
     StepRecord {
         name: Text::new(&step.name),
-        motion: place(MOTIONS.iter().position(|m| m.word() == motion.word())),
+        motion: place(MOTIONS.iter().position(|m| m.name() == motion.name())),
         waypoint: place(motion.waypoint().map_or(Some(0), |waypoint| {
             WAYPOINTS.iter().position(|known| *known == waypoint)
         })),
@@ -66,7 +66,7 @@ fn write_step(step: &Step) -> StepRecord {
         transition: place(
             TRANSITIONS
                 .iter()
-                .position(|u| u.word() == step.transition.word()),
+                .position(|u| u.name() == step.transition.name()),
         ),
         point: match step.transition {
             Transition::Met(point) => u32::from(point),
@@ -87,11 +87,13 @@ fn read_step(record: &StepRecord) -> Option<Step> {
     let modules = IDS
         .into_iter()
         .filter(|id| record.modules >> id.0 & 1 == 1)
-        .fold(Selection::NONE, |sum, id| sum.and(Selection::of(&[id])));
+        .fold(Selection::NONE, |sum, id| {
+            sum.union(Selection::from_modules(&[id]))
+        });
     if bits(modules) != record.modules {
         return None;
     }
-    let (name, motion) = (record.name.as_str(), motion.to(*waypoint));
+    let (name, motion) = (record.name.as_str(), motion.with_waypoint(*waypoint));
     Some(Step::new(name, motion, modules, until, record.timeout_s))
 }
 

@@ -7,21 +7,23 @@
 //! | 1 | picks the cap, places it, screws it, goes home | holds |
 //! | 2 | | releases the bottle, goes home |
 
-use super::grasp::{APPROACH, CARRY, DESCEND, FEEL, GO_HOME, GRASP_IT, LEAVE, OPEN, REACH, SECURE};
+use super::grasp::{
+    APPROACH, CARRY, DESCEND, GO_HOME, GRASP_IT, LEAVE, OPEN, PROBE_IT, REACH, SECURE,
+};
 use super::name::Name;
 use super::pick_place::{CONVEY_IT, LIFT_IT, PLACE_IT};
 use super::screw::SCREW_IT;
 use super::step::{Motion, Step, Transition, Waypoint};
-use super::track::{Task, Track};
+use super::step_sequence::{StepSequence, Task};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
 /// Meeting point: the bottle is held.
-const HELD: u8 = 1;
+const BOTTLE_HELD: u8 = 1;
 /// Meeting point: the cap is tight and the acting hand is home.
-const CLOSED: u8 = 2;
+const CAP_CLOSED: u8 = 2;
 
-const REGRIP: Selection = Selection::of(&[ModuleId::FIRST_TOUCH, ModuleId::FORCE_LIMIT]);
+const REGRIP: Selection = Selection::from_modules(&[ModuleId::FIRST_TOUCH, ModuleId::FORCE_LIMIT]);
 
 const fn reach(name: &str, waypoint: Waypoint) -> Step {
     Step::new(
@@ -46,12 +48,12 @@ const fn meet(name: &str, modules: Selection, point: u8) -> Step {
 /// Screws a cap from its stand onto a bottle.
 pub static ASSEMBLE: Task = Task {
     name: Name::new("assemble"),
-    acting: Track::of(&[
-        meet("wait", Selection::NONE, HELD),
+    acting: StepSequence::from_steps(&[
+        meet("wait", Selection::NONE, BOTTLE_HELD),
         REACH,
         DESCEND,
         APPROACH,
-        FEEL,
+        PROBE_IT,
         GRASP_IT,
         LIFT_IT,
         CONVEY_IT,
@@ -64,17 +66,17 @@ pub static ASSEMBLE: Task = Task {
         OPEN,
         LEAVE,
         GO_HOME,
-        meet("rest", Selection::NONE, CLOSED),
+        meet("rest", Selection::NONE, CAP_CLOSED),
     ]),
-    helping: Some(Track::of(&[
+    helping: Some(StepSequence::from_steps(&[
         reach("tilt", Waypoint::Tilted),
         REACH,
         reach("insert", Waypoint::Around),
         DESCEND,
         APPROACH,
-        FEEL,
+        PROBE_IT,
         GRASP_IT,
-        meet("hold", SECURE, CLOSED),
+        meet("hold", SECURE, CAP_CLOSED),
         OPEN,
         reach("back out", Waypoint::BeforeSource),
         GO_HOME,

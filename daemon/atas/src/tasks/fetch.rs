@@ -3,12 +3,12 @@
 //!
 //! No module relaxes the grip, because the drive acceleration is not known in advance.
 
-use super::grasp::{APPROACH, DESCEND, FEEL, GRASP_IT, REACH, SECURE};
+use super::grasp::{APPROACH, DESCEND, GRASP_IT, PROBE_IT, REACH, SECURE};
 use super::pick_place::LIFT_IT;
 use super::step::{Motion, Step, Transition};
-use super::track::Task;
+use super::step_sequence::Task;
 
-const HOLD_FAST: Step = Step::new(
+const SECURE_HOLD: Step = Step::new(
     "hold",
     Motion::Stay,
     SECURE,
@@ -17,7 +17,15 @@ const HOLD_FAST: Step = Step::new(
 );
 
 /// Grasps, lifts and holds. The last step stays active after success.
-pub static FETCH: Task = Task::of(
+pub static FETCH: Task = Task::one_handed(
     "fetch",
-    &[REACH, DESCEND, APPROACH, FEEL, GRASP_IT, LIFT_IT, HOLD_FAST],
+    &[
+        REACH,
+        DESCEND,
+        APPROACH,
+        PROBE_IT,
+        GRASP_IT,
+        LIFT_IT,
+        SECURE_HOLD,
+    ],
 );

@@ -1,31 +1,34 @@
 //! Grasp (paper II.b (1), Fig. 4): modules 1, 2 and 3.
 
 use super::step::{Motion, Step, Transition, Waypoint};
-use super::track::{Task, Track};
+use super::step_sequence::{StepSequence, Task};
 use crate::modules::Selection;
 use shm_schemas::ModuleId;
 
-pub(super) const CARRY: Selection = Selection::of(&[ModuleId::CARRY]);
+pub(super) const CARRY: Selection = Selection::from_modules(&[ModuleId::CARRY]);
 /// Free motion with contact guard.
-const FREE: Selection = CARRY.and(Selection::of(&[ModuleId::CONTACT_GUARD]));
-pub(super) const TOUCH: Selection = Selection::of(&[ModuleId::FIRST_TOUCH]);
-pub(super) const PROBE: Selection = Selection::of(&[ModuleId::PROBE]);
-pub(super) const GRIP: Selection = Selection::of(&[
+const FREE: Selection = CARRY.union(Selection::from_modules(&[ModuleId::CONTACT_GUARD]));
+pub(super) const TOUCH: Selection = Selection::from_modules(&[ModuleId::FIRST_TOUCH]);
+pub(super) const PROBE: Selection = Selection::from_modules(&[ModuleId::PROBE]);
+pub(super) const GRIP: Selection = Selection::from_modules(&[
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::FORCE_LIMIT,
 ]);
-const LOWER: Selection = Selection::of(&[ModuleId::CARRY, ModuleId::FORCE_LIMIT]);
+const LOWER: Selection = Selection::from_modules(&[ModuleId::CARRY, ModuleId::FORCE_LIMIT]);
 /// Modules that hold an object: 1, 2, 3 and the probe, which keeps estimating stiffness.
-pub const SECURE: Selection = Selection::of(&[
+pub const SECURE: Selection = Selection::from_modules(&[
     ModuleId::FIRST_TOUCH,
     ModuleId::PROBE,
     ModuleId::SLIP,
     ModuleId::FORCE_LIMIT,
 ]);
 /// Modules that hold with minimum force.
-const HOLD: Selection = SECURE.and(Selection::of(&[ModuleId::RELAX]));
-const LIFT: Selection = HOLD.and(Selection::of(&[ModuleId::CARRY, ModuleId::LOAD_TEST]));
+const HOLD: Selection = SECURE.union(Selection::from_modules(&[ModuleId::RELAX]));
+const LIFT: Selection = HOLD.union(Selection::from_modules(&[
+    ModuleId::CARRY,
+    ModuleId::LIFT_VERIFICATION,
+]));
 
 pub(super) const REACH: Step = Step::new(
     "reach",
@@ -48,7 +51,7 @@ pub(super) const APPROACH: Step = Step::new(
     Transition::AllTouched,
     20.0,
 );
-pub(super) const FEEL: Step = Step::new(
+pub(super) const PROBE_IT: Step = Step::new(
     "probe",
     Motion::Stay,
     PROBE,
@@ -81,25 +84,27 @@ pub(super) const GO_HOME: Step = Step::new(
 const HOLD_IT: Step = Step::new("hold", Motion::Stay, HOLD, Transition::Held, f64::INFINITY);
 
 /// Grasps, lifts and holds. The last step stays active after success.
-pub static GRASP: Task = Task::of(
+pub static GRASP: Task = Task::one_handed(
     "grasp",
-    &[REACH, DESCEND, APPROACH, FEEL, GRASP_IT, LIFT_IT, HOLD_IT],
+    &[
+        REACH, DESCEND, APPROACH, PROBE_IT, GRASP_IT, LIFT_IT, HOLD_IT,
+    ],
 );
 
 /// Holds the object when a goal ends.
-pub const STAND: Track = Track::of(&[HOLD_IT]);
+pub const HOLD_AFTER_GOAL: StepSequence = StepSequence::from_steps(&[HOLD_IT]);
 
 /// Holds an object found in the hand: modules 2 and 3, without grip relaxation.
-pub const KEEP: Track = Track::of(&[Step::new(
+pub const HOLD_FOUND: StepSequence = StepSequence::from_steps(&[Step::new(
     "keep grip",
     Motion::Stay,
-    Selection::of(&[ModuleId::SLIP, ModuleId::FORCE_LIMIT]),
+    Selection::from_modules(&[ModuleId::SLIP, ModuleId::FORCE_LIMIT]),
     Transition::Held,
     f64::INFINITY,
 )]);
 
 /// Puts back a rejected object: lower, open, leave.
-pub const BACK_OUT: Track = Track::of(&[
+pub const PUT_BACK: StepSequence = StepSequence::from_steps(&[
     Step::new(
         "lower",
         Motion::Carry(Waypoint::Source),
@@ -118,7 +123,7 @@ pub const BACK_OUT: Track = Track::of(&[
 ]);
 
 /// Puts back or releases the object and returns for a corrected grasp.
-pub const COME_AGAIN: Track = Track::of(&[
+pub const REGRASP: StepSequence = StepSequence::from_steps(&[
     Step::new(
         "put back",
         Motion::Carry(Waypoint::Source),
@@ -137,7 +142,7 @@ pub const COME_AGAIN: Track = Track::of(&[
 ]);
 
 /// Withdraws from an obstacle along the approach path.
-pub const WITHDRAW: Track = Track::of(&[Step::new(
+pub const WITHDRAW: StepSequence = StepSequence::from_steps(&[Step::new(
     "withdraw",
     Motion::Withdraw,
     CARRY,
@@ -146,4 +151,4 @@ pub const WITHDRAW: Track = Track::of(&[Step::new(
 )]);
 
 /// Opens the hand in place and moves it home.
-pub static RELEASE: Task = Task::of("release", &[OPEN, LEAVE, GO_HOME]);
+pub static RELEASE: Task = Task::one_handed("release", &[OPEN, LEAVE, GO_HOME]);

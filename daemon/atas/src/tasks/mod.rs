@@ -1,7 +1,7 @@
 //! Tasks as data: motion, modules and transition of each step.
 //!
-//! A [`Task`] has one [`Track`] of [`Step`]s per participating hand, run by the
-//! [task executor](crate::runner). User-defined tasks follow the same [rules](Rule) as built-in
+//! A [`Task`] has one [`StepSequence`] of [`Step`]s per participating hand, run by the
+//! [task executor](crate::executor). User-defined tasks follow the same [rules](Rule) as built-in
 //! ones.
 //!
 //! | task | modules (paper) | file |
@@ -17,35 +17,35 @@
 //! To add a built-in task, add a file here and a line in `built_in`; `atas task NAME` runs it.
 //! `CONTRIBUTING.md` explains new [goal kinds](shm_schemas::GoalKind) and commands.
 //!
-//! Internal sequences: [`BACK_OUT`], [`WITHDRAW`], [`COME_AGAIN`], [`RAISE`], [`STAND`] and
-//! [`KEEP`].
+//! Internal sequences: [`PUT_BACK`], [`WITHDRAW`], [`REGRASP`], [`RAISE`], [`HOLD_AFTER_GOAL`] and
+//! [`HOLD_FOUND`].
 
 mod assemble;
 mod built_in;
-mod demands;
 mod fetch;
-mod follow;
 mod grasp;
 mod name;
+mod names;
 mod pick_place;
+mod requirements;
 mod rules;
 mod screw;
 mod step;
+mod step_sequence;
 mod table;
-mod track;
-mod words;
+mod teleop;
 
 pub use assemble::ASSEMBLE;
-pub use built_in::{BUILT_IN, named, of};
-pub use demands::Demands;
+pub use built_in::{BUILT_IN, by_name, for_kind};
 pub use fetch::FETCH;
-pub use follow::{FOLLOW, FOLLOW_BOTH, STAND_LED};
-pub use grasp::{BACK_OUT, COME_AGAIN, GRASP, KEEP, RELEASE, SECURE, STAND, WITHDRAW};
+pub use grasp::{GRASP, HOLD_AFTER_GOAL, HOLD_FOUND, PUT_BACK, REGRASP, RELEASE, SECURE, WITHDRAW};
 pub use name::Name;
+pub use names::{MOTIONS, TRANSITIONS, WAYPOINTS};
 pub use pick_place::{PICK_PLACE, RAISE, SET_DOWN};
-pub use rules::{Fault, Part, Rule, TIMEOUT_MAX_S, checked_name};
+pub use requirements::TaskRequirements;
+pub use rules::{Part, Rule, RuleViolation, TIMEOUT_MAX_S, validated_step_name};
 pub use screw::SCREW;
 pub use step::{Motion, Step, Transition, Waypoint};
-pub use table::{Action, BehaviourTable, CLOSING_MAX_M_S, TableFault};
-pub use track::{STEPS_MAX, Task, Track};
-pub use words::{MOTIONS, TRANSITIONS, WAYPOINTS};
+pub use step_sequence::{STEPS_MAX, StepSequence, Task};
+pub use table::{Action, BehaviourTable, CLOSING_MAX_M_S, TableError};
+pub use teleop::{HOLD_AFTER_TELEOP, TELEOP, TELEOP_BOTH};

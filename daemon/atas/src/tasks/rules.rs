@@ -5,8 +5,8 @@
 
 use super::name::Name;
 use super::step::{Motion, Step, Transition};
+use super::step_sequence::{STEPS_MAX, StepSequence, Task};
 use super::table::BehaviourTable;
-use super::track::{STEPS_MAX, Task, Track};
 use crate::modules::{IDS, ROLES, Roles};
 use core::fmt;
 use shm_schemas::ModuleId;
@@ -25,7 +25,7 @@ pub enum Part {
 
 /// Rule violation and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fault {
+pub struct RuleViolation {
     /// Hand concerned.
     pub part: Part,
     /// Index of the step; `None` for the whole sequence.
@@ -66,17 +66,17 @@ pub enum Rule {
     /// Motion with an object that no earlier step gripped.
     NothingGripped,
     /// Free motion with an object in hand.
-    LetsGo,
+    ReleasesObject,
     /// Motion reserved for recovery.
-    OnlyInRetreat,
+    OnlyInRecovery,
     /// Motion or transition reserved for teleoperation.
-    OnlyLed,
+    OnlyTeleoperated,
     /// Wait for a hand without steps.
-    Alone,
+    NoOtherHand,
     /// Meeting points not counting up from 1.
-    PointsCountUp,
+    PointOrder,
     /// Deadlock of both hands.
-    NeverMet(u8),
+    Deadlock(u8),
     /// Step that reads a missing behaviour table.
     NoTable,
     /// Behaviour table that no step reads.
@@ -104,37 +104,61 @@ impl fmt::Display for Rule {
                 "timeout_s is {s}, needs more than 0 and at most {TIMEOUT_MAX_S}"
             ),
             Self::NoTimeout => {
-                f.write_str("has no timeout_s; only steps until held or met may do without")
+                f.write_str("has no timeout_s, needs one unless its transition is held or met")
             }
             Self::NoMover(id) => write!(f, "moves the hand, needs \"{id}\" among its modules"),
             Self::WrongMover(id) => {
-                write!(f, "has \"{id}\", which moves the hand otherwise; leave it out")
+                write!(
+                    f,
+                    "has \"{id}\", which conflicts with the motion of this step; remove it"
+                )
             }
             Self::NoForceLimit => write!(
                 f,
                 "presses an object, needs \"{}\" among its modules",
                 ModuleId::FORCE_LIMIT
             ),
-            Self::NoModule(id) => write!(f, "ends by what \"{id}\" says, needs it among its modules"),
-            Self::NoEnd(id) => write!(f, "needs \"{id}\" and transition = \"concluded\": it has no other end"),
-            Self::NeverArrives => f.write_str("stays where it is and cannot arrive; choose another until"),
-            Self::NothingGripped => {
-                f.write_str("moves an object, needs a step until gripped before it, or to be the first step")
-            }
-            Self::LetsGo => f.write_str(
-                "would let go of the object on the way; carry or convey it, or open the hand before",
-            ),
-            Self::OnlyInRetreat => f.write_str("is a motion that only the daemon itself begins"),
-            Self::OnlyLed => f.write_str("follows a client, which only the built-in tasks do; leave it out"),
-            Self::Alone => f.write_str("waits for the other hand, which has no steps"),
-            Self::PointsCountUp => f.write_str("needs a meeting point above the one before, from 1"),
-            Self::NeverMet(point) => write!(
+            Self::NoModule(id) => write!(
                 f,
-                "waits for the other hand at point {point}, which waits in turn, or never comes there"
+                "ends by a conclusion of \"{id}\", needs it among its \
+                modules"
+            ),
+            Self::NoEnd(id) => write!(
+                f,
+                "needs \"{id}\" and transition = \"concluded\": no other \
+                transition ends this motion"
+            ),
+            Self::NeverArrives => f.write_str(
+                "does not move and cannot arrive; choose another \
+                transition",
+            ),
+            Self::NothingGripped => f.write_str(
+                "moves an object, needs an earlier step with transition = \"gripped\", \
+                    or must be the first step",
+            ),
+            Self::ReleasesObject => f.write_str(
+                "would release the object on the way; use carry or convey, or open the hand before",
+            ),
+            Self::OnlyInRecovery => f.write_str(
+                "has a motion reserved for recovery; choose another \
+                motion",
+            ),
+            Self::OnlyTeleoperated => f.write_str(
+                "has a motion or transition reserved for teleoperation; \
+                choose another one",
+            ),
+            Self::NoOtherHand => f.write_str("waits for the other hand, which has no steps"),
+            Self::PointOrder => f.write_str(
+                "needs a meeting point above the previous one, \
+                starting from 1",
+            ),
+            Self::Deadlock(point) => write!(
+                f,
+                "waits at meeting point {point}, which the other hand never reaches"
             ),
             Self::NoTable => write!(
                 f,
-                "has \"{}\" among its modules, and the task has no table; give it one",
+                "has \"{}\" among its modules, but the task has no table; add a table",
                 ModuleId::BEHAVIOUR_TABLE
             ),
             Self::UnreadTable => write!(
@@ -150,30 +174,34 @@ impl Task {
     /// Validates a task without a behaviour table.
     ///
     /// # Errors
-    /// The first [`Fault`].
-    pub fn checked(name: &str, acting: &[Step], helping: Option<&[Step]>) -> Result<Self, Fault> {
-        Self::checked_with_table(name, acting, helping, None)
+    /// The first [`RuleViolation`].
+    pub fn validated(
+        name: &str,
+        acting: &[Step],
+        helping: Option<&[Step]>,
+    ) -> Result<Self, RuleViolation> {
+        Self::validated_with_table(name, acting, helping, None)
     }
 
     /// Validates a task.
     ///
     /// # Errors
-    /// The first [`Fault`].
-    pub fn checked_with_table(
+    /// The first [`RuleViolation`].
+    pub fn validated_with_table(
         name: &str,
         acting: &[Step],
         helping: Option<&[Step]>,
         table: Option<BehaviourTable>,
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, RuleViolation> {
         let task = Self {
-            name: checked_task_name(name).map_err(|rule| Fault {
+            name: validated_task_name(name).map_err(|rule| RuleViolation {
                 part: Part::Acting,
                 step: None,
                 rule,
             })?,
-            acting: checked_track(acting, Part::Acting)?,
+            acting: validated_sequence(acting, Part::Acting)?,
             helping: helping
-                .map(|steps| checked_track(steps, Part::Helping))
+                .map(|steps| validated_sequence(steps, Part::Helping))
                 .transpose()?,
             table,
         };
@@ -187,7 +215,7 @@ impl Task {
 ///
 /// # Errors
 /// [`Rule::StepName`].
-pub fn checked_name(name: &str) -> Result<Name, Rule> {
+pub fn validated_step_name(name: &str) -> Result<Name, Rule> {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == ' ';
     if (1..=Name::MAX).contains(&name.len()) && name.chars().all(plain) {
         Ok(Name::new(name))
@@ -197,8 +225,8 @@ pub fn checked_name(name: &str) -> Result<Name, Rule> {
 }
 
 /// Validates a task name: one word, not built in.
-fn checked_task_name(name: &str) -> Result<Name, Rule> {
-    let checked = checked_name(name).map_err(|_| Rule::TaskName)?;
+fn validated_task_name(name: &str) -> Result<Name, Rule> {
+    let checked = validated_step_name(name).map_err(|_| Rule::TaskName)?;
     if name.contains(' ') {
         return Err(Rule::TaskName);
     }
@@ -211,9 +239,9 @@ fn checked_task_name(name: &str) -> Result<Name, Rule> {
     Ok(checked)
 }
 
-fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
-    let fault = |step, rule| Fault { part, step, rule };
-    let track = Track::checked(steps).ok_or(fault(
+fn validated_sequence(steps: &[Step], part: Part) -> Result<StepSequence, RuleViolation> {
+    let fault = |step, rule| RuleViolation { part, step, rule };
+    let track = StepSequence::validated(steps).ok_or(fault(
         None,
         if steps.is_empty() {
             Rule::NoSteps
@@ -222,16 +250,16 @@ fn checked_track(steps: &[Step], part: Part) -> Result<Track, Fault> {
         },
     ))?;
     // The acting hand may start with an object in hand.
-    let mut grips = part == Part::Acting && steps.first().is_some_and(Step::takes_over);
+    let mut grips = part == Part::Acting && steps.first().is_some_and(Step::starts_with_object);
     for (index, step) in steps.iter().enumerate() {
-        let check = checked_name(&step.name)
+        let check = validated_step_name(&step.name)
             .and_then(|_| check_step(step))
             .and_then(|()| check_grip(step, grips));
         check.map_err(|rule| fault(Some(index), rule))?;
         grips = match (step.motion, step.transition) {
             (Motion::Open | Motion::LetGo, _) => false,
             (_, Transition::Gripped) => true,
-            _ if step.is_read_off() => true,
+            _ if step.uses_table() => true,
             _ => grips,
         };
     }
@@ -271,8 +299,8 @@ fn check_mover(step: &Step) -> Result<(), Rule> {
         Motion::Reach(_) | Motion::Carry(_) | Motion::Open | Motion::LetGo => Some(ModuleId::CARRY),
         Motion::Convey(_) | Motion::Lower => Some(ModuleId::TRANSFER),
         Motion::Square => Some(ModuleId::TRAJECTORY),
-        Motion::Withdraw => return Err(Rule::OnlyInRetreat),
-        Motion::Follow | Motion::Brake => return Err(Rule::OnlyLed),
+        Motion::Withdraw => return Err(Rule::OnlyInRecovery),
+        Motion::Teleop | Motion::Brake => return Err(Rule::OnlyTeleoperated),
     };
     let has = |id: &ModuleId| step.modules.contains(*id);
     if let Some(id) = needed.filter(|id| !has(id)) {
@@ -300,7 +328,9 @@ fn check_end(step: &Step) -> Result<(), Rule> {
             Err(Rule::NoEnd(ModuleId::TERMINATE_SCREW))
         }
         (Motion::Stay, Transition::Arrived) => Err(Rule::NeverArrives),
-        (_, Transition::GripWanted | Transition::OpeningWanted) => Err(Rule::OnlyLed),
+        (_, Transition::GripRequested | Transition::OpeningRequested) => {
+            Err(Rule::OnlyTeleoperated)
+        }
         (_, Transition::AllTouched | Transition::Gripped) => needs(ModuleId::FIRST_TOUCH),
         (_, Transition::StiffnessKnown) => needs(ModuleId::PROBE),
         (_, Transition::Concluded) if !has_end => Err(Rule::NoModule(ModuleId::RELEASE_PLACED)),
@@ -329,18 +359,18 @@ fn with_role(step: &Step, has: fn(&Roles) -> bool) -> impl Iterator<Item = Modul
 
 fn check_grip(step: &Step, grips: bool) -> Result<(), Rule> {
     match step.motion {
-        Motion::Reach(_) if grips => Err(Rule::LetsGo),
-        motion if motion.needs_grip() && !grips && !step.is_read_off() => Err(Rule::NothingGripped),
+        Motion::Reach(_) if grips => Err(Rule::ReleasesObject),
+        motion if motion.needs_grip() && !grips && !step.uses_table() => Err(Rule::NothingGripped),
         _ => Ok(()),
     }
 }
 
 /// Checks that a table exists exactly if a step reads it.
-fn check_table(task: &Task) -> Result<(), Fault> {
-    let acting = task.acting.iter().position(Step::is_read_off);
+fn check_table(task: &Task) -> Result<(), RuleViolation> {
+    let acting = task.acting.iter().position(Step::uses_table);
     let helping = task.helping.as_ref();
-    let helping = helping.and_then(|track| track.iter().position(Step::is_read_off));
-    let fault = |part, step, rule| Err(Fault { part, step, rule });
+    let helping = helping.and_then(|track| track.iter().position(Step::uses_table));
+    let fault = |part, step, rule| Err(RuleViolation { part, step, rule });
     match (task.table, acting, helping) {
         (None, Some(step), _) => fault(Part::Acting, Some(step), Rule::NoTable),
         (None, None, Some(step)) => fault(Part::Helping, Some(step), Rule::NoTable),
@@ -350,21 +380,21 @@ fn check_table(task: &Task) -> Result<(), Fault> {
 }
 
 /// Simulates both hands from meeting point to meeting point.
-fn check_meetings(task: &Task) -> Result<(), Fault> {
+fn check_meetings(task: &Task) -> Result<(), RuleViolation> {
     let tracks = [Some(&task.acting), task.helping.as_ref()];
     let parts = [Part::Acting, Part::Helping];
     for (track, part) in tracks.iter().zip(parts) {
         let mut last = 0;
         for (index, point) in track.iter().flat_map(|track| meetings(track)) {
             let rule = match task.helping {
-                None => Rule::Alone,
+                None => Rule::NoOtherHand,
                 Some(_) if point > last => {
                     last = point;
                     continue;
                 }
-                Some(_) => Rule::PointsCountUp,
+                Some(_) => Rule::PointOrder,
             };
-            return Err(Fault {
+            return Err(RuleViolation {
                 part,
                 step: Some(index),
                 rule,
@@ -374,18 +404,18 @@ fn check_meetings(task: &Task) -> Result<(), Fault> {
     let Some(helping) = &task.helping else {
         return Ok(());
     };
-    match stuck(meetings(&task.acting), meetings(helping)) {
+    match deadlock(meetings(&task.acting), meetings(helping)) {
         None => Ok(()),
-        Some((hand, step, point)) => Err(Fault {
+        Some((hand, step, point)) => Err(RuleViolation {
             part: parts[hand],
             step: Some(step),
-            rule: Rule::NeverMet(point),
+            rule: Rule::Deadlock(point),
         }),
     }
 }
 
 /// Returns the steps of a sequence that wait, with their points.
-fn meetings(track: &Track) -> impl Iterator<Item = (usize, u8)> + '_ {
+fn meetings(track: &StepSequence) -> impl Iterator<Item = (usize, u8)> + '_ {
     let point = |(index, step): (usize, &Step)| match step.transition {
         Transition::Met(point) => Some((index, point)),
         _ => None,
@@ -395,7 +425,7 @@ fn meetings(track: &Track) -> impl Iterator<Item = (usize, u8)> + '_ {
 
 /// Returns hand, step and point of a deadlock. A hand has reached its current waiting point and all
 /// earlier ones.
-fn stuck(
+fn deadlock(
     acting: impl Iterator<Item = (usize, u8)>,
     helping: impl Iterator<Item = (usize, u8)>,
 ) -> Option<(usize, usize, u8)> {

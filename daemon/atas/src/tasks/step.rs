@@ -41,18 +41,18 @@ impl Step {
 
     /// Returns true if a behaviour table controls the hand; it may grip on its way.
     #[must_use]
-    pub fn is_read_off(&self) -> bool {
+    pub fn uses_table(&self) -> bool {
         self.modules.contains(ModuleId::BEHAVIOUR_TABLE)
     }
 
     /// Returns true if a task that begins with this step requires an object in hand.
     #[must_use]
-    pub fn takes_over(&self) -> bool {
+    pub fn starts_with_object(&self) -> bool {
         let moves_object = matches!(
             self.motion,
             Motion::Carry(_) | Motion::Convey(_) | Motion::Lower
         );
-        moves_object && !self.is_read_off()
+        moves_object && !self.uses_table()
     }
 }
 
@@ -79,7 +79,7 @@ pub enum Motion {
     /// Free motion back to the start of the previous step.
     Withdraw,
     /// Tracking of the client's targets.
-    Follow,
+    Teleop,
     /// Braking from teleoperation.
     Brake,
 }
@@ -103,9 +103,9 @@ pub enum Transition {
     /// Meeting point reached by both hands; points count up along a sequence.
     Met(u8),
     /// Grip request of the client, or contact while closing.
-    GripWanted,
+    GripRequested,
     /// Client request for an opening wider than the object.
-    OpeningWanted,
+    OpeningRequested,
 }
 
 /// Named pose.

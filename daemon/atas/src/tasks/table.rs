@@ -38,47 +38,47 @@ pub struct Action {
 
 /// Error in a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TableFault {
+pub enum TableError {
     /// No bits, or too many.
-    Bits(usize),
+    BitCount(usize),
     /// Number without a sensor bit.
     UnknownBit(u32),
     /// Duplicate bit.
-    Twice(SensorBit),
+    DuplicateBit(SensorBit),
     /// Level count other than 1, 2 or 4.
-    Levels(&'static str, usize),
+    LevelCount(&'static str, usize),
     /// Level out of range.
-    Level(&'static str, f64, f64),
+    LevelRange(&'static str, f64, f64),
     /// Row count other than two to the power of the bits.
-    Rows(usize, usize),
+    RowCount(usize, usize),
     /// Row, from 0, with a level that its actuator lacks.
-    NoLevel(usize),
+    UnknownLevel(usize),
 }
 
-impl fmt::Display for TableFault {
+impl fmt::Display for TableError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Bits(count) => write!(f, "has {count} sensor bits, needs 1 to {SENSOR_BITS}"),
+            Self::BitCount(count) => write!(f, "has {count} sensor bits, needs 1 to {SENSOR_BITS}"),
             Self::UnknownBit(number) => {
-                write!(f, "names the sensor bit {number}, which does not exist")
+                write!(f, "names sensor bit {number}, which does not exist")
             }
-            Self::Twice(bit) => write!(f, "names the sensor bit \"{bit}\" twice"),
-            Self::Levels(actuator, count) => {
+            Self::DuplicateBit(bit) => write!(f, "names sensor bit \"{bit}\" twice"),
+            Self::LevelCount(actuator, count) => {
                 write!(
                     f,
                     "has {count} levels for {actuator}, needs 1, 2 or {LEVELS}"
                 )
             }
-            Self::Level(actuator, level, most) => write!(
+            Self::LevelRange(actuator, level, most) => write!(
                 f,
-                "has the level {level} for {actuator}, needs a number from {} to {most}",
+                "has level {level} for {actuator}, needs a number from {} to {most}",
                 -most
             ),
-            Self::Rows(rows, needed) => write!(
+            Self::RowCount(rows, needed) => write!(
                 f,
                 "has {rows} rows, needs {needed}: one per combination of its sensor bits"
             ),
-            Self::NoLevel(row) => write!(f, "names in row {row} a level that there is not"),
+            Self::UnknownLevel(row) => write!(f, "names an unknown level in row {row}"),
         }
     }
 }
@@ -88,27 +88,27 @@ impl BehaviourTable {
     /// first bit is the lowest of the row number.
     ///
     /// # Errors
-    /// The first [`TableFault`].
-    pub fn checked(
+    /// The first [`TableError`].
+    pub fn validated(
         bits: &[SensorBit],
         fingers_m_s: &[f64],
         hand: &[f64],
         rows: impl ExactSizeIterator<Item = [usize; 2]>,
-    ) -> Result<Self, TableFault> {
+    ) -> Result<Self, TableError> {
         let mut table = Self {
-            bits: checked_bits(bits)?,
+            bits: validated_bits(bits)?,
             count: bits.len(),
-            fingers_m_s: checked_levels("fingers_m_s", fingers_m_s, CLOSING_MAX_M_S)?,
-            hand: checked_levels("hand", hand, 1.0)?,
+            fingers_m_s: validated_levels("fingers_m_s", fingers_m_s, CLOSING_MAX_M_S)?,
+            hand: validated_levels("hand", hand, 1.0)?,
             rows: [0; TABLE_WORDS],
         };
         let needed = 1 << bits.len();
         if rows.len() != needed {
-            return Err(TableFault::Rows(rows.len(), needed));
+            return Err(TableError::RowCount(rows.len(), needed));
         }
         for (row, [fingers_level, hand_level]) in rows.enumerate() {
             if fingers_level >= fingers_m_s.len() || hand_level >= hand.len() {
-                return Err(TableFault::NoLevel(row));
+                return Err(TableError::UnknownLevel(row));
             }
             let levels = (fingers_level | hand_level << (ROW_BITS / 2)) as u64;
             table.rows[row / ROWS_PER_WORD] |= levels << (row % ROWS_PER_WORD * ROW_BITS);
@@ -183,8 +183,8 @@ impl BehaviourTable {
     /// Returns the table of a record, if it contains one.
     ///
     /// # Errors
-    /// [`TableFault`]; a wrong hash counts as a wrong number of bits.
-    pub fn of_record(record: &TableRecord) -> Result<Option<Self>, TableFault> {
+    /// [`TableError`]; a wrong hash counts as a wrong number of bits.
+    pub fn from_record(record: &TableRecord) -> Result<Option<Self>, TableError> {
         let count = record.count as usize;
         if count == 0 {
             return Ok(None);
@@ -192,12 +192,12 @@ impl BehaviourTable {
         let bits = record.bits.get(..count);
         let bits = bits
             .filter(|_| hash(record) == record.hash)
-            .ok_or(TableFault::Bits(count))?;
+            .ok_or(TableError::BitCount(count))?;
         let table = Self {
-            bits: checked_bits(bits)?,
+            bits: validated_bits(bits)?,
             count,
-            fingers_m_s: checked_levels("fingers_m_s", &record.fingers_m_s, CLOSING_MAX_M_S)?,
-            hand: checked_levels("hand", &record.hand, 1.0)?,
+            fingers_m_s: validated_levels("fingers_m_s", &record.fingers_m_s, CLOSING_MAX_M_S)?,
+            hand: validated_levels("hand", &record.hand, 1.0)?,
             rows: record.rows,
         };
         Ok(Some(table))
@@ -214,34 +214,34 @@ fn hash(record: &TableRecord) -> u64 {
         .fold(FNV_OFFSET, |hash, word| fnv1a(hash, &word.to_le_bytes()))
 }
 
-fn checked_bits(bits: &[SensorBit]) -> Result<[u32; SENSOR_BITS], TableFault> {
+fn validated_bits(bits: &[SensorBit]) -> Result<[u32; SENSOR_BITS], TableError> {
     if bits.is_empty() || bits.len() > SENSOR_BITS {
-        return Err(TableFault::Bits(bits.len()));
+        return Err(TableError::BitCount(bits.len()));
     }
     let mut checked = [SensorBit::NONE.0; SENSOR_BITS];
     for (index, bit) in bits.iter().enumerate() {
         if !bit.is_known() || *bit == SensorBit::NONE {
-            return Err(TableFault::UnknownBit(bit.0));
+            return Err(TableError::UnknownBit(bit.0));
         }
         if bits[..index].contains(bit) {
-            return Err(TableFault::Twice(*bit));
+            return Err(TableError::DuplicateBit(*bit));
         }
         checked[index] = bit.0;
     }
     Ok(checked)
 }
 
-fn checked_levels(
+fn validated_levels(
     actuator: &'static str,
     levels: &[f64],
     most: f64,
-) -> Result<[f64; LEVELS], TableFault> {
+) -> Result<[f64; LEVELS], TableError> {
     if !matches!(levels.len(), 1 | 2 | LEVELS) {
-        return Err(TableFault::Levels(actuator, levels.len()));
+        return Err(TableError::LevelCount(actuator, levels.len()));
     }
     // NaN is outside every range.
     if let Some(level) = levels.iter().find(|level| !(-most..=most).contains(*level)) {
-        return Err(TableFault::Level(actuator, *level, most));
+        return Err(TableError::LevelRange(actuator, *level, most));
     }
     Ok(core::array::from_fn(|level| {
         levels[level.min(levels.len() - 1)]

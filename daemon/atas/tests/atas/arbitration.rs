@@ -6,12 +6,12 @@ use atas_core::modules::{PoseCommand, Proposal, Verdict};
 use atas_core::perception::StiffnessFit;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::GraspFrame;
+use robot_model::GraspPose;
 use shm_schemas::{Cause, ModuleId, Reason};
 
 const STEP_S: f64 = 1e-3;
 
-fn wish(closing_m_s: f64) -> Proposal {
+fn closing_proposal(closing_m_s: f64) -> Proposal {
     Proposal {
         closing_m_s: [closing_m_s; 2],
         ..Proposal::default()
@@ -32,10 +32,10 @@ fn verdict(verdict: Verdict) -> Proposal {
     }
 }
 
-fn carried(with_fingers: bool) -> PoseCommand {
-    let frame = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+fn pose_command(with_fingers: bool) -> PoseCommand {
+    let frame = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
     PoseCommand {
-        frame,
+        pose: frame,
         with_fingers,
         arrived: false,
     }
@@ -51,53 +51,65 @@ fn settled(proposals: &[Proposal]) -> Intent {
 }
 
 #[test]
-fn speeds_follow_the_rules() {
+fn closing_speeds_merge_by_the_rules() {
     for (rule, proposals, expected_m_s) in [
-        ("nobody wishes", vec![], 0.0),
+        ("no proposal", vec![], 0.0),
         (
-            "the highest wish closes",
-            vec![wish(0.001), wish(0.002)],
+            "highest closing speed wins",
+            vec![closing_proposal(0.001), closing_proposal(0.002)],
             0.002,
         ),
         (
-            "closing outweighs opening",
-            vec![wish(-0.005), wish(0.002)],
+            "closing wins over opening",
+            vec![closing_proposal(-0.005), closing_proposal(0.002)],
             0.002,
         ),
         (
-            "nobody closes, the fastest opens",
-            vec![wish(-0.001), wish(-0.003), wish(0.0)],
+            "without closing, fastest opening wins",
+            vec![
+                closing_proposal(-0.001),
+                closing_proposal(-0.003),
+                closing_proposal(0.0),
+            ],
             -0.003,
         ),
-        ("a ceiling stops", vec![wish(0.002), ceiling(0.0)], 0.0),
         (
-            "a ceiling slows",
-            vec![wish(0.002), ceiling(0.0005)],
+            "zero ceiling stops",
+            vec![closing_proposal(0.002), ceiling(0.0)],
+            0.0,
+        ),
+        (
+            "ceiling limits",
+            vec![closing_proposal(0.002), ceiling(0.0005)],
             0.0005,
         ),
         (
-            "a ceiling above the wish does nothing",
-            vec![wish(0.002), ceiling(0.01)],
+            "ceiling above the proposed speed has no effect",
+            vec![closing_proposal(0.002), ceiling(0.01)],
             0.002,
         ),
         (
-            "an opening ceiling wins",
-            vec![wish(0.002), ceiling(0.0), ceiling(-0.001)],
+            "opening ceiling wins",
+            vec![closing_proposal(0.002), ceiling(0.0), ceiling(-0.001)],
             -0.001,
         ),
         (
-            "an opening ceiling opens alone",
+            "opening ceiling opens without a proposal",
             vec![ceiling(-0.001)],
             -0.001,
         ),
         (
-            "opening faster than the ceiling demands is fine",
-            vec![wish(-0.003), ceiling(-0.001)],
+            "opening faster than the ceiling is allowed",
+            vec![closing_proposal(-0.003), ceiling(-0.001)],
             -0.003,
         ),
         (
-            "what is not a number is no wish",
-            vec![wish(f64::NAN), ceiling(f64::NAN), wish(0.001)],
+            "NaN counts as no proposal",
+            vec![
+                closing_proposal(f64::NAN),
+                ceiling(f64::NAN),
+                closing_proposal(0.001),
+            ],
             0.001,
         ),
     ] {
@@ -106,7 +118,7 @@ fn speeds_follow_the_rules() {
 }
 
 #[test]
-fn fingers_are_merged_one_by_one() {
+fn grasp_sides_are_merged_separately() {
     let one = Proposal {
         closing_m_s: [0.002, 0.0],
         ..Proposal::default()
@@ -119,13 +131,13 @@ fn fingers_are_merged_one_by_one() {
 }
 
 #[test]
-fn a_refusal_outweighs_every_other_verdict() {
+fn refusal_outranks_every_other_verdict() {
     let stiffness = Verdict::Stiffness(StiffnessFit {
         object_n_m: 1000.0,
         confidence: 1.0,
-        settled: false,
+        new_contact: false,
     });
-    let refuse = Verdict::Refuse(Reason::of(Cause::TOO_HEAVY));
+    let refuse = Verdict::Refuse(Reason::new(Cause::TOO_HEAVY));
     for (proposals, expected) in [
         (vec![verdict(Verdict::None)], Verdict::None),
         (vec![verdict(Verdict::None), verdict(stiffness)], stiffness),
@@ -137,9 +149,9 @@ fn a_refusal_outweighs_every_other_verdict() {
 }
 
 #[test]
-fn the_hand_goes_where_it_is_carried_at_the_speed_that_all_tolerate() {
+fn hand_moves_at_the_lowest_carry_ceiling() {
     let carry = Proposal {
-        pose: Some(carried(true)),
+        pose: Some(pose_command(true)),
         ..Proposal::default()
     };
     let slow = Proposal {
@@ -162,19 +174,19 @@ fn the_hand_goes_where_it_is_carried_at_the_speed_that_all_tolerate() {
             .unwrap();
         assert_eq!(
             (intent.pose, arbiter.carry_scale()),
-            (Some(carried(true)), scale)
+            (Some(pose_command(true)), scale)
         );
     }
 }
 
 #[test]
-fn resting_forgets_the_closing_speed() {
+fn reset_clears_the_closing_speed() {
     let mut arbiter = Arbiter::default();
     for _ in 0..100 {
-        arbiter.merge(&[wish(0.002)], STEP_S);
+        arbiter.merge(&[closing_proposal(0.002)], STEP_S);
     }
-    arbiter.rest();
-    let intent = arbiter.merge(&[wish(0.002)], STEP_S);
+    arbiter.reset();
+    let intent = arbiter.merge(&[closing_proposal(0.002)], STEP_S);
     assert_eq!(intent.closing_m_s, [CLOSING_SPEED_UP_M_S2 * STEP_S; 2]);
 }
 
@@ -210,18 +222,18 @@ fn any_verdict() -> impl Strategy<Value = Verdict> {
     let few = || prop::sample::select(vec![7.0, 8.0, -8.0, f64::INFINITY]);
     let reason = (
         prop::sample::select(vec![Cause::TOO_HEAVY, Cause::TOO_SOFT, Cause::OBSTRUCTED]),
-        prop::sample::select(vec![ModuleId::FORCE_LIMIT, ModuleId::LOAD_TEST]),
+        prop::sample::select(vec![ModuleId::FORCE_LIMIT, ModuleId::LIFT_VERIFICATION]),
         few(),
         few(),
     );
     let refuse = reason.prop_map(|(cause, module, value, limit)| {
-        Verdict::Refuse(Reason::limit(cause, value, limit).by(module))
+        Verdict::Refuse(Reason::with_limit(cause, value, limit).with_module(module))
     });
     let fit = (few(), few()).prop_map(|(object_n_m, confidence)| {
         Verdict::Stiffness(StiffnessFit {
             object_n_m,
             confidence,
-            settled: false,
+            new_contact: false,
         })
     });
     prop_oneof![
@@ -240,14 +252,14 @@ fn any_proposals() -> impl Strategy<Value = Vec<Proposal>> {
     });
     let carries = prop::option::of(any::<bool>());
     (prop::collection::vec(with_verdict, 3..7), carries).prop_map(|(mut proposals, carries)| {
-        proposals[0].pose = carries.map(carried);
+        proposals[0].pose = carries.map(pose_command);
         proposals
     })
 }
 
 proptest! {
     #[test]
-    fn the_order_of_the_modules_means_nothing(
+    fn module_order_has_no_effect(
         (ordered, shuffled) in any_proposals().prop_flat_map(|p| (Just(p.clone()), Just(p).prop_shuffle())),
     ) {
         let (mut a, mut b) = (Arbiter::default(), Arbiter::default());
@@ -258,7 +270,7 @@ proptest! {
     }
 
     #[test]
-    fn speeds_are_slewed_slowly_up_and_quickly_down(series in prop::collection::vec(any_proposals(), 1..30)) {
+    fn speeds_rise_slowly_and_fall_fast(series in prop::collection::vec(any_proposals(), 1..30)) {
         let mut arbiter = Arbiter::default();
         let (mut before_m_s, mut before_scale) = ([0.0; 2], 1.0);
         for proposals in series {

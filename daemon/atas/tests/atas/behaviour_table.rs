@@ -1,8 +1,8 @@
 //! Behaviour table: validation and the module that reads it.
 
-use crate::bench::{Bench, pressed, sliding};
+use crate::bench::{Bench, pressed, with_utilisation};
 use atas_core::modules::Verdict;
-use atas_core::tasks::{BehaviourTable, GRASP, Rule, Step, TableFault, Task};
+use atas_core::tasks::{BehaviourTable, GRASP, Rule, Step, TableError, Task};
 use proptest::prelude::*;
 use shm_schemas::{ModuleId, SensorBit};
 
@@ -13,7 +13,7 @@ const HAND: [f64; 4] = [0.0, -0.1, 0.1, 1.0];
 /// Row 0 holds and continues; slip closes slowly; above F_2 opens and stops; both moves back.
 fn table() -> BehaviourTable {
     let rows = [[0, 3], [2, 2], [1, 0], [0, 1]];
-    BehaviourTable::checked(&BITS, &FINGERS, &HAND, rows.into_iter()).unwrap()
+    BehaviourTable::validated(&BITS, &FINGERS, &HAND, rows.into_iter()).unwrap()
 }
 
 fn bench() -> Bench {
@@ -23,13 +23,13 @@ fn bench() -> Bench {
 }
 
 #[test]
-fn the_row_that_the_bits_number_is_what_it_proposes() {
+fn condition_bits_select_the_proposed_row() {
     // F_2 on the bench is 4 N.
     let cases = [
         (pressed(2.0), 0.0, 1.0),
-        (sliding(2.0, 1.0), 0.002, 0.1),
+        (with_utilisation(2.0, 1.0), 0.002, 0.1),
         (pressed(4.5), -0.001, 0.0),
-        (sliding(4.5, 1.0), 0.0, -0.1),
+        (with_utilisation(4.5, 1.0), 0.0, -0.1),
     ];
     for (percept, closing_m_s, carry) in cases {
         let proposal = bench().evaluate(&percept);
@@ -40,84 +40,84 @@ fn the_row_that_the_bits_number_is_what_it_proposes() {
 }
 
 #[test]
-fn a_table_that_takes_the_hand_back_for_long_refuses() {
+fn long_backward_motion_is_refused() {
     let mut bench = bench();
-    let proposal = bench.evaluate_for(240, &sliding(4.5, 1.0));
+    let proposal = bench.evaluate_for(240, &with_utilisation(4.5, 1.0));
     assert_eq!(proposal.verdict, Verdict::None);
-    let proposal = bench.evaluate_for(20, &sliding(4.5, 1.0));
+    let proposal = bench.evaluate_for(20, &with_utilisation(4.5, 1.0));
     assert!(
         matches!(proposal.verdict, Verdict::Refuse(reason) if reason.module == ModuleId::BEHAVIOUR_TABLE)
     );
 }
 
 #[test]
-fn without_a_table_it_proposes_nothing() {
+fn module_without_table_proposes_nothing() {
     let mut bench = Bench::new(ModuleId::BEHAVIOUR_TABLE);
-    let proposal = bench.evaluate(&sliding(4.5, 1.0));
+    let proposal = bench.evaluate(&with_utilisation(4.5, 1.0));
     assert_eq!(proposal, atas_core::modules::Proposal::default());
 }
 
 #[test]
-fn what_is_no_table_is_refused_by_name() {
+fn invalid_table_is_rejected_with_its_fault() {
     let rows = |count: usize| vec![[0, 0]; count].into_iter();
-    let check = |bits: &[SensorBit], fingers: &[f64], hand: &[f64], count, fault: TableFault| {
-        let found = BehaviourTable::checked(bits, fingers, hand, rows(count));
+    let check = |bits: &[SensorBit], fingers: &[f64], hand: &[f64], count, fault: TableError| {
+        let found = BehaviourTable::validated(bits, fingers, hand, rows(count));
         assert_eq!(found, Err(fault));
     };
-    check(&[], &FINGERS, &HAND, 1, TableFault::Bits(0));
+    check(&[], &FINGERS, &HAND, 1, TableError::BitCount(0));
     check(
         &[SensorBit(99)],
         &FINGERS,
         &HAND,
         2,
-        TableFault::UnknownBit(99),
+        TableError::UnknownBit(99),
     );
     check(
         &[SensorBit::NONE],
         &FINGERS,
         &HAND,
         2,
-        TableFault::UnknownBit(0),
+        TableError::UnknownBit(0),
     );
     check(
         &[BITS[0]; 2],
         &FINGERS,
         &HAND,
         4,
-        TableFault::Twice(BITS[0]),
+        TableError::DuplicateBit(BITS[0]),
     );
-    check(&BITS, &FINGERS, &HAND, 3, TableFault::Rows(3, 4));
+    check(&BITS, &FINGERS, &HAND, 3, TableError::RowCount(3, 4));
     check(
         &BITS,
         &FINGERS[..3],
         &HAND,
         4,
-        TableFault::Levels("fingers_m_s", 3),
+        TableError::LevelCount("fingers_m_s", 3),
     );
     check(
         &BITS,
         &[0.5],
         &HAND,
         4,
-        TableFault::Level("fingers_m_s", 0.5, 0.02),
+        TableError::LevelRange("fingers_m_s", 0.5, 0.02),
     );
     check(
         &BITS,
         &FINGERS,
         &[-1.5],
         4,
-        TableFault::Level("hand", -1.5, 1.0),
+        TableError::LevelRange("hand", -1.5, 1.0),
     );
-    let nan = BehaviourTable::checked(&BITS, &FINGERS, &[f64::NAN], rows(4));
-    assert!(matches!(nan, Err(TableFault::Level("hand", ..))));
-    let level = BehaviourTable::checked(&BITS, &FINGERS, &HAND[..2], [[0, 2]; 4].into_iter());
-    assert_eq!(level, Err(TableFault::NoLevel(0)));
+    let nan = BehaviourTable::validated(&BITS, &FINGERS, &[f64::NAN], rows(4));
+    assert!(matches!(nan, Err(TableError::LevelRange("hand", ..))));
+    let level = BehaviourTable::validated(&BITS, &FINGERS, &HAND[..2], [[0, 2]; 4].into_iter());
+    assert_eq!(level, Err(TableError::UnknownLevel(0)));
 }
 
 #[test]
-fn a_table_and_the_step_that_reads_it_come_together() {
+fn table_requires_a_step_that_reads_it() {
     let lift = Step {
-        modules: atas_core::modules::Selection::of(&[
+        modules: atas_core::modules::Selection::from_modules(&[
             ModuleId::CARRY,
             ModuleId::FORCE_LIMIT,
             ModuleId::BEHAVIOUR_TABLE,
@@ -125,16 +125,19 @@ fn a_table_and_the_step_that_reads_it_come_together() {
         ..GRASP.acting[5]
     };
     let rule = |steps: &[Step], table| {
-        Task::checked_with_table("own", steps, None, table).map_err(|fault| fault.rule)
+        Task::validated_with_table("own", steps, None, table).map_err(|fault| fault.rule)
     };
     assert!(
         rule(&[lift], Some(table())).is_ok(),
-        "a table may grip on its way"
+        "a table is allowed in a moving step"
     );
     assert_eq!(rule(&[lift], None), Err(Rule::NoTable));
     assert_eq!(rule(&GRASP.acting, Some(table())), Err(Rule::UnreadTable));
     let alone = Step {
-        modules: atas_core::modules::Selection::of(&[ModuleId::CARRY, ModuleId::BEHAVIOUR_TABLE]),
+        modules: atas_core::modules::Selection::from_modules(&[
+            ModuleId::CARRY,
+            ModuleId::BEHAVIOUR_TABLE,
+        ]),
         ..lift
     };
     assert_eq!(rule(&[alone], Some(table())), Err(Rule::NoForceLimit));
@@ -142,20 +145,20 @@ fn a_table_and_the_step_that_reads_it_come_together() {
 
 proptest! {
     #[test]
-    fn a_recorded_table_reads_back_and_a_damaged_one_does_not(
+    fn recorded_table_round_trips_and_damage_is_detected(
         levels in prop::collection::vec((0_usize..4, 0_usize..4), 64),
         count in 1_usize..=6,
         damaged in 0_usize..64,
     ) {
         let bits: Vec<SensorBit> = (1..=count as u32).map(SensorBit).collect();
         let rows: Vec<[usize; 2]> = levels[..1 << count].iter().map(|(a, b)| [*a, *b]).collect();
-        let table = BehaviourTable::checked(&bits, &FINGERS, &HAND, rows.iter().copied()).unwrap();
+        let table = BehaviourTable::validated(&bits, &FINGERS, &HAND, rows.iter().copied()).unwrap();
         for (row, levels) in rows.iter().enumerate() {
             prop_assert_eq!(table.levels(row), *levels);
         }
         let mut record = table.record();
-        prop_assert_eq!(BehaviourTable::of_record(&record), Ok(Some(table)));
+        prop_assert_eq!(BehaviourTable::from_record(&record), Ok(Some(table)));
         record.rows[damaged / 16] ^= 1 << damaged;
-        prop_assert!(BehaviourTable::of_record(&record).is_err());
+        prop_assert!(BehaviourTable::from_record(&record).is_err());
     }
 }

@@ -1,20 +1,20 @@
 //! Test bench for one module.
 
 use atas_core::Settings;
-use atas_core::follow::Lead;
 use atas_core::modules::{Context, IDS, Modules, Proposal, Selection};
 use atas_core::path::{Path, Speeds};
-use atas_core::perception::{FingerPercept, Percept};
+use atas_core::perception::{ContactPercept, Percept};
 use atas_core::tasks::BehaviourTable;
-use atas_core::thresholds::{Bound, Thresholds};
+use atas_core::teleop::TeleopTarget;
+use atas_core::thresholds::{ForceLimitSource, Thresholds};
 use nalgebra::Vector3;
-use robot_model::GraspFrame;
+use robot_model::GraspPose;
 use shm_schemas::{GripOrder, ModuleId};
 
 /// Lift of 50 mm within 5 s.
 pub(crate) fn path() -> Path {
-    let from = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
-    let to = GraspFrame {
+    let from = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+    let to = GraspPose {
         centre_m: Vector3::new(0.3, 0.0, 0.15),
         ..from
     };
@@ -40,12 +40,12 @@ pub(crate) struct Bench {
     pub(crate) closing_m: f64,
     pub(crate) carried_m: f64,
     pub(crate) carry_scale: f64,
-    pub(crate) closing_m_s: [f64; robot_model::VIRTUAL_FINGERS],
-    pub(crate) frame: robot_model::GraspFrame,
+    pub(crate) closing_m_s: [f64; robot_model::GRASP_SIDES],
+    pub(crate) frame: robot_model::GraspPose,
     pub(crate) lowering_m: Option<f64>,
     pub(crate) hangs: bool,
     pub(crate) proved: bool,
-    pub(crate) lead: Option<Lead>,
+    pub(crate) lead: Option<TeleopTarget>,
 }
 
 impl Bench {
@@ -61,8 +61,8 @@ impl Bench {
             closing_m: 0.0,
             carried_m: 0.0,
             carry_scale: 1.0,
-            closing_m_s: [0.0; robot_model::VIRTUAL_FINGERS],
-            frame: path().at(0.0),
+            closing_m_s: [0.0; robot_model::GRASP_SIDES],
+            frame: path().pose_at(0.0),
             lowering_m: None,
             hangs: true,
             proved: false,
@@ -70,10 +70,10 @@ impl Bench {
         }
     }
 
-    pub(crate) fn led(id: ModuleId) -> Self {
+    pub(crate) fn teleoperated(id: ModuleId) -> Self {
         let bench = Self::new(id);
-        let lead = Lead {
-            frame: bench.frame,
+        let lead = TeleopTarget {
+            pose: bench.frame,
             grip: GripOrder::HOLD,
         };
         Self {
@@ -90,41 +90,41 @@ impl Bench {
             thresholds: Thresholds {
                 f1_n: 0.5,
                 f2_n: 4.0,
-                bound: if self.settings.grasp.f2_max_n > 4.0 {
-                    Bound::Object
+                source: if self.settings.grasp.f2_max_n > 4.0 {
+                    ForceLimitSource::Object
                 } else {
-                    Bound::Hand
+                    ForceLimitSource::Hand
                 },
             },
-            least_n: self.least_n,
+            min_force_n: self.least_n,
             all_touched: self.all_touched,
             closing_m: self.closing_m,
-            tips: robot_model::Skin::DOME_41.compression,
+            compression: robot_model::Skin::DOME_41.compression,
             carried_m: self.carried_m,
-            hangs: self.hangs,
-            tries: false,
-            proved: self.proved,
+            suspended: self.hangs,
+            minimises_grip: false,
+            verified: self.proved,
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: self.carry_scale,
             closing_m_s: self.closing_m_s,
-            frame: &self.frame,
+            pose: &self.frame,
             closing_axis: self.frame.closing_axis(),
             turning: -1.0,
             lowering_m: self.lowering_m,
-            lead: self.lead.as_ref(),
-            base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::VIRTUAL_FINGERS],
+            teleop_target: self.lead.as_ref(),
+            base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::GRASP_SIDES],
             turns_by_wrist: false,
-            overread: 1.0,
-            underread: 1.0,
+            tactile_over_torque: 1.0,
+            torque_over_tactile: 1.0,
         };
-        let proposals = self
-            .modules
-            .evaluate(Selection::of(&[self.id]), percept, &context);
+        let proposals =
+            self.modules
+                .evaluate(Selection::from_modules(&[self.id]), percept, &context);
         for (id, proposal) in IDS.iter().zip(&proposals) {
             assert!(
                 *id == self.id || *proposal == Proposal::default(),
-                "{id} was not asked"
+                "{id} was not evaluated"
             );
         }
         proposals[IDS.iter().position(|id| *id == self.id).unwrap()]
@@ -135,36 +135,36 @@ impl Bench {
     }
 }
 
-pub(crate) fn finger(normal_n: f64) -> FingerPercept {
-    FingerPercept {
+pub(crate) fn fingertip(normal_n: f64) -> ContactPercept {
+    ContactPercept {
         normal_n,
         in_contact: normal_n > 0.06,
-        ..FingerPercept::default()
+        ..ContactPercept::default()
     }
 }
 
-pub(crate) fn percept(fingers: [FingerPercept; 2]) -> Percept {
+pub(crate) fn percept(fingers: [ContactPercept; 2]) -> Percept {
     let [a, b] = fingers;
     Percept {
-        fingers: [a, b, FingerPercept::default(), FingerPercept::default()],
-        presses_from: [0, 1, 0, 0],
-        virtual_fingers: fingers,
+        fingertips: [a, b, ContactPercept::default(), ContactPercept::default()],
+        side_of_fingertip: [0, 1, 0, 0],
+        sides: fingers,
         captured_ns: 1,
         step_s: 1e-3,
     }
 }
 
 pub(crate) fn pressed(normal_n: f64) -> Percept {
-    percept([finger(normal_n); 2])
+    percept([fingertip(normal_n); 2])
 }
 
-pub(crate) fn sliding(normal_n: f64, utilisation: f64) -> Percept {
+pub(crate) fn with_utilisation(normal_n: f64, utilisation: f64) -> Percept {
     percept(
-        [FingerPercept {
+        [ContactPercept {
             utilisation,
             utilisation_now: utilisation,
             tangential_n: 0.5 * normal_n,
-            ..finger(normal_n)
+            ..fingertip(normal_n)
         }; 2],
     )
 }

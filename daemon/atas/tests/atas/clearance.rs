@@ -2,13 +2,13 @@
 
 use crate::support::{hand_of, robot};
 use crate::world::{World, grasp, start};
-use atas_core::check::{self, CLEARANCE_M, Circumstances};
+use atas_core::check::{self, CLEARANCE_M, GoalContext};
 use atas_core::limits::DISPLACED_MAX_M;
 use atas_core::planning;
 use atas_core::tasks::{GRASP, Motion, STEPS_MAX, Step, Task, Waypoint};
-use atas_core::{Order, Settings};
+use atas_core::{OperatorRequest, Settings};
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, RobotVector, Side, nearest};
+use robot_model::{GraspPose, HandSide, HandVector, RobotVector, nearest};
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
 
 fn tour() -> Task {
@@ -24,26 +24,31 @@ fn tour() -> Task {
         Waypoint::Above,
         Waypoint::Home,
     ];
-    Task::checked("tour", &waypoints.map(reach), None).unwrap()
+    Task::validated("tour", &waypoints.map(reach), None).unwrap()
 }
 
-fn posture(side: Side, centre_m: [f64; 3], opening_m: f64) -> HandVector {
+fn posture(side: HandSide, centre_m: [f64; 3], opening_m: f64) -> HandVector {
     let (hand, centre_m) = (robot().hand(side), Vector3::from(centre_m));
     let yaw_rad = hand.closing_yaw_rad(&centre_m, 0.5);
-    let frame = GraspFrame::from_above(centre_m, yaw_rad, opening_m);
+    let frame = GraspPose::from_above(centre_m, yaw_rad, opening_m);
     hand.posture_for(&frame).unwrap().q_rad
 }
 
-fn at_home(side: Side) -> HandVector {
+fn at_home(side: HandSide) -> HandVector {
     let hand = robot().hand(side);
-    let now = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 1.0, 0.05);
-    hand.posture_for(&planning::home(hand, &now)).unwrap().q_rad
+    let now = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.1), 1.0, 0.05);
+    hand.posture_for(&planning::home_pose(hand, &now))
+        .unwrap()
+        .q_rad
 }
 
 /// World in READY with the right arm at home and the left arm in this posture.
 fn world(left_rad: HandVector) -> World {
     let mut world = World::new();
-    for (side, q_rad) in [(Side::Left, left_rad), (Side::Right, at_home(Side::Right))] {
+    for (side, q_rad) in [
+        (HandSide::Left, left_rad),
+        (HandSide::Right, at_home(HandSide::Right)),
+    ] {
         world.q_rad[robot().joint_range(side)].copy_from_slice(&q_rad);
     }
     world.run(50);
@@ -56,11 +61,11 @@ fn gap_m(q_rad: &RobotVector) -> f64 {
         let hand = robot().hand(side);
         hand.capsules(&hand.forward(&hand_of(q_rad, side)))
     };
-    nearest(&bodies(Side::Right), &bodies(Side::Left)).gap_m
+    nearest(&bodies(HandSide::Right), &bodies(HandSide::Left)).gap_m
 }
 
 fn check(world: &World, request: &GoalRequest) -> Result<atas_core::Goal, Reason> {
-    check::check(request, &world.controller.circumstances(robot(), &[tour()]))
+    check::check(request, &world.controller.goal_context(robot(), &[tour()]))
 }
 
 /// Reproducible random numbers from 0 to 1.
@@ -82,7 +87,7 @@ impl Numbers {
 
 /// Random goals of both arms over the middle of the table.
 #[test]
-fn accepted_goals_keep_the_arms_apart_in_every_tick() {
+fn accepted_goals_keep_clearance_in_every_tick() {
     let mut numbers = Numbers(2026);
     let mut place = |y_m: [f64; 2]| {
         let [x, y, z] = [[0.23, 0.39], y_m, [0.03, 0.13]].map(|range| numbers.between(range));
@@ -90,7 +95,7 @@ fn accepted_goals_keep_the_arms_apart_in_every_tick() {
     };
     let (mut accepted, mut refused) = (0, 0);
     for _ in 0..30 {
-        let mut world = world(posture(Side::Left, place([-0.05, 0.15]), 0.06));
+        let mut world = world(posture(HandSide::Left, place([-0.05, 0.15]), 0.06));
         let request = GoalRequest {
             kind: GoalKind::CUSTOM,
             task: Text::new("tour"),
@@ -108,14 +113,17 @@ fn accepted_goals_keep_the_arms_apart_in_every_tick() {
             }
             Ok(goal) => {
                 accepted += 1;
-                world.order(Order::Start(goal));
+                world.request(OperatorRequest::Start(goal));
                 let mut least_m = f64::INFINITY;
                 while !world.controller.goal().unwrap().state.is_final() {
                     world.tick();
                     least_m = least_m.min(gap_m(&world.q_rad));
                 }
                 assert_eq!(world.controller.goal().unwrap().state, GoalState::SUCCEEDED);
-                assert!(least_m >= CLEARANCE_M, "{least_m} m in {request:?}");
+                assert!(
+                    least_m >= CLEARANCE_M,
+                    "clearance {least_m} m in {request:?}"
+                );
             }
         }
     }
@@ -127,7 +135,7 @@ fn accepted_goals_keep_the_arms_apart_in_every_tick() {
 
 /// The clearance margin must equal the lateral offset up to which the goal would be accepted.
 #[test]
-fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
+fn off_centre_grasp_within_margin_keeps_clearance() {
     let mut numbers = Numbers(77);
     let mut tried = 0;
     for _ in 0..120 {
@@ -135,7 +143,7 @@ fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
             let [x, y, z] = [[0.25, 0.37], y_m, [0.04, 0.12]].map(|range| numbers.between(range));
             [x, y, z]
         };
-        let world = world(posture(Side::Left, place([0.0, 0.15]), 0.06));
+        let world = world(posture(HandSide::Left, place([0.0, 0.15]), 0.06));
         let request = GoalRequest {
             kind: GoalKind::CUSTOM,
             task: Text::new("tour"),
@@ -147,7 +155,7 @@ fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
             continue;
         };
         // Larger than any accepted offset, so that more goals reach their bound.
-        let spare_m = goal.spare_m().min(2.0 * DISPLACED_MAX_M);
+        let spare_m = goal.clearance_margin_m().min(2.0 * DISPLACED_MAX_M);
         tried += usize::from(spare_m < 2.0 * DISPLACED_MAX_M);
         for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
             let mut beside = request;
@@ -156,16 +164,16 @@ fn what_a_hand_may_grasp_beside_its_place_keeps_the_arms_apart_too() {
             let collides = check(&world, &beside)
                 .err()
                 .filter(|r| r.cause == Cause::ARMS_COLLIDE);
-            assert_eq!(collides, None, "{spare_m} m beside {request:?}");
+            assert_eq!(collides, None, "{spare_m} m off-centre of {request:?}");
         }
     }
-    assert!(tried > 5, "only {tried} goals had little to spare");
+    assert!(tried > 5, "only {tried} goals had a small clearance margin");
 }
 
 /// The reason names the colliding bodies; nothing has moved.
 #[test]
-fn a_goal_into_the_other_arm_is_refused_and_names_what_collides() {
-    let world = world(posture(Side::Left, [0.30, -0.02, 0.06], 0.06));
+fn collision_with_other_arm_is_rejected_by_name() {
+    let world = world(posture(HandSide::Left, [0.30, -0.02, 0.06], 0.06));
     let before_rad = world.q_rad;
     let into = GoalRequest {
         from_m: [0.30, -0.04, 0.05],
@@ -173,10 +181,10 @@ fn a_goal_into_the_other_arm_is_refused_and_names_what_collides() {
     };
     let reason = check(&world, &into).unwrap_err();
     assert_eq!(reason.cause, Cause::ARMS_COLLIDE);
-    let said = reason.to_string();
+    let message = reason.to_string();
     assert!(
-        said.starts_with("the right ") && said.contains(" mm of the left "),
-        "{said}"
+        message.starts_with("the right ") && message.contains(" mm of the left "),
+        "{message}"
     );
     let beside = GoalRequest {
         from_m: [0.30, -0.20, 0.05],
@@ -196,24 +204,24 @@ fn a_goal_into_the_other_arm_is_refused_and_names_what_collides() {
 
 /// Arms that are already too close may move apart.
 #[test]
-fn a_release_is_possible_with_arms_that_touch() {
+fn release_is_accepted_with_touching_arms() {
     let mut world = World::ready();
     assert!(
         gap_m(&world.q_rad) < 0.0,
-        "the scripted start crosses the fingers"
+        "the initial posture crosses the fingers"
     );
     let release = GoalRequest {
         kind: GoalKind::RELEASE,
         ..grasp()
     };
     assert!(check(&world, &release).is_ok());
-    let outputs = world.order(start(release));
+    let outputs = world.request(start(release));
     assert_eq!(outputs.goal_update.unwrap().state, GoalState::ACCEPTED);
 }
 
 #[test]
-fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
-    let world = world(at_home(Side::Left));
+fn unreachable_openings_and_heights_are_rejected() {
+    let world = world(at_home(HandSide::Left));
     let clearance_m = Settings::default().motion.clearance_m;
     let cause = |change: fn(&mut GoalRequest)| {
         let mut request = GoalRequest {
@@ -240,9 +248,9 @@ fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
     assert!(check(&world, &far).is_ok());
     let mut settings = Settings::default();
     settings.motion.descend_m = 0.6;
-    let now = Circumstances {
+    let now = GoalContext {
         settings: &settings,
-        ..world.controller.circumstances(robot(), &[])
+        ..world.controller.goal_context(robot(), &[])
     };
     let reason = check::check(&far, &now).unwrap_err();
     assert_eq!(
@@ -253,15 +261,15 @@ fn openings_and_heights_that_the_hand_cannot_do_are_refused_by_name() {
 
 /// Hands that do not wait for each other may be anywhere on their paths at the same time.
 #[test]
-fn hands_that_move_at_the_same_time_are_compared_everywhere() {
+fn simultaneous_paths_are_compared_at_all_times() {
     let reach = |waypoint| Step {
         motion: Motion::Reach(waypoint),
         ..GRASP.acting[0]
     };
     let acting = [Waypoint::BeforeSource, Waypoint::Home].map(reach);
     let helping = [Waypoint::BeforeSource, Waypoint::Source, Waypoint::Home].map(reach);
-    let own = Task::checked("both", &acting, Some(&helping)).unwrap();
-    let world = world(at_home(Side::Left));
+    let own = Task::validated("both", &acting, Some(&helping)).unwrap();
+    let world = world(at_home(HandSide::Left));
     let cause = |from_m: [f64; 3]| {
         let request = GoalRequest {
             kind: GoalKind::CUSTOM,
@@ -272,27 +280,27 @@ fn hands_that_move_at_the_same_time_are_compared_everywhere() {
             ..grasp()
         };
         let tasks = [own];
-        let now = world.controller.circumstances(robot(), &tasks);
+        let now = world.controller.goal_context(robot(), &tasks);
         check::check(&request, &now)
             .err()
             .map(|reason| reason.cause)
     };
-    assert_eq!(cause([0.30, -0.28, 0.05]), None, "far from each other");
+    assert_eq!(cause([0.30, -0.28, 0.05]), None, "far apart");
     let near = [0.30, -0.04, 0.05];
-    assert_eq!(cause(near), Some(Cause::ARMS_COLLIDE), "at the same place");
+    assert_eq!(cause(near), Some(Cause::ARMS_COLLIDE), "same place");
 }
 
 /// Independent hands need a check of every pair of postures, which is bounded in time.
 #[test]
-fn a_task_whose_check_would_take_for_ever_is_refused() {
+fn task_with_unbounded_check_is_rejected() {
     let reach = |waypoint| Step {
         motion: Motion::Reach(waypoint),
         ..GRASP.acting[0]
     };
     let there_and_back = |step| [Waypoint::BeforeSource, Waypoint::Home][step % 2];
     let steps: [Step; STEPS_MAX - 1] = core::array::from_fn(|step| reach(there_and_back(step)));
-    let own = Task::checked("endless", &steps, Some(&steps)).unwrap();
-    let world = world(at_home(Side::Left));
+    let own = Task::validated("endless", &steps, Some(&steps)).unwrap();
+    let world = world(at_home(HandSide::Left));
     let request = GoalRequest {
         kind: GoalKind::CUSTOM,
         task: Text::new("endless"),
@@ -302,7 +310,7 @@ fn a_task_whose_check_would_take_for_ever_is_refused() {
         ..grasp()
     };
     let tasks = [own];
-    let now = world.controller.circumstances(robot(), &tasks);
+    let now = world.controller.goal_context(robot(), &tasks);
     let reason = check::check(&request, &now).unwrap_err();
     assert_eq!(reason.cause, Cause::TASK_TOO_LONG, "{reason}");
 }

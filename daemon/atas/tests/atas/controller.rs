@@ -3,7 +3,7 @@
 use crate::support::JOINTS;
 use crate::support::home_rad;
 use crate::world::{World, commanded_gap_m, grasp, start};
-use atas_core::Order;
+use atas_core::OperatorRequest;
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, Mode, ModuleEvent, Reason,
 };
@@ -13,7 +13,7 @@ fn kinds(events: &[ModuleEvent], kind: EventKind) -> usize {
 }
 
 #[test]
-fn init_becomes_ready_when_everything_is_believed() {
+fn init_becomes_ready_with_valid_inputs() {
     let mut world = World::new();
     let first = world.tick();
     assert_eq!(
@@ -36,14 +36,14 @@ fn init_becomes_ready_when_everything_is_believed() {
 }
 
 #[test]
-fn init_waits_for_what_is_missing_and_says_so() {
+fn init_reports_the_missing_input() {
     for (mute, cause, index) in [
         ([true, false, false], Cause::FRAMES_STOPPED, 0),
         ([false, true, false], Cause::FRAMES_STOPPED, 1),
         ([false, false, true], Cause::JOINTS_STOPPED, 0),
     ] {
         let mut world = World::new();
-        world.mute = mute;
+        world.silent = mute;
         let outputs = world.run(200);
         let (mode, reason) = world.controller.mode();
         assert_eq!(
@@ -54,17 +54,17 @@ fn init_waits_for_what_is_missing_and_says_so() {
             (outputs.command.joint_count, outputs.command.mode),
             (0, Mode::INIT)
         );
-        world.mute = [false; 3];
+        world.silent = [false; 3];
         world.run(30);
         assert_eq!(world.mode(), Mode::READY);
     }
 }
 
 #[test]
-fn goals_that_cannot_begin_are_rejected_with_the_reason() {
+fn unstartable_goals_are_rejected_with_reason() {
     let rejected = |world: &mut World, goal: GoalRequest| {
-        let outputs = world.order(start(goal));
-        let update = outputs.goal_update.expect("an answer in the same tick");
+        let outputs = world.request(start(goal));
+        let update = outputs.goal_update.expect("update in the same tick");
         assert_eq!(
             (update.state, update.goal_id),
             (GoalState::REJECTED, goal.goal_id)
@@ -73,7 +73,7 @@ fn goals_that_cannot_begin_are_rejected_with_the_reason() {
     };
     assert_eq!(rejected(&mut World::new(), grasp()), Cause::NOT_READY);
     let mut stopped = World::ready();
-    stopped.order(Order::Stop(Reason::of(Cause::ESTOP)));
+    stopped.request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
     assert_eq!(rejected(&mut stopped, grasp()), Cause::NOT_READY);
     let mut reaching = World::reaching();
     assert_eq!(
@@ -89,7 +89,7 @@ fn goals_that_cannot_begin_are_rejected_with_the_reason() {
     assert_eq!(
         reaching.controller.goal().unwrap().request.goal_id,
         7,
-        "the first goal goes on"
+        "the first goal continues"
     );
     assert_eq!(
         rejected(
@@ -104,10 +104,10 @@ fn goals_that_cannot_begin_are_rejected_with_the_reason() {
 }
 
 #[test]
-fn a_grasp_tells_its_story_in_order() {
+fn grasp_reports_its_steps_in_order() {
     let mut world = World::ready();
     world.has_object = true;
-    let mut updates = vec![world.order(start(grasp())).goal_update.unwrap()];
+    let mut updates = vec![world.request(start(grasp())).goal_update.unwrap()];
     let (mut steps, mut sequence) = (Vec::<String>::new(), None);
     while !updates.last().unwrap().state.is_final() {
         let outputs = world.tick();
@@ -158,10 +158,10 @@ fn a_grasp_tells_its_story_in_order() {
 }
 
 #[test]
-fn the_report_shows_the_closing_speed() {
+fn report_contains_the_closing_speed() {
     let mut world = World::ready();
     world.has_object = true;
-    world.order(start(grasp()));
+    world.request(start(grasp()));
     world.run_until(30_000, |w| w.controller.step_name() == "approach");
     let report = world.run(40).report;
     assert!(
@@ -174,10 +174,10 @@ fn the_report_shows_the_closing_speed() {
 
 /// The hand must not push over an obstacle: it goes back and reports the touch.
 #[test]
-fn a_touch_on_the_way_turns_the_hand_back() {
+fn touch_on_the_way_triggers_return() {
     let mut world = World::ready();
     let home = world.run(1).report.hands[1].centre_m;
-    world.order(start(grasp()));
+    world.request(start(grasp()));
     world.run(400);
     let met = world.run(1).report.hands[1].centre_m;
     world.obstructed = true;
@@ -202,9 +202,9 @@ fn a_touch_on_the_way_turns_the_hand_back() {
 }
 
 #[test]
-fn an_empty_place_is_reported_and_the_hand_stays() {
+fn missing_object_is_reported_and_hand_stays() {
     let mut world = World::ready();
-    world.order(start(grasp()));
+    world.request(start(grasp()));
     let (outputs, _) = world.run_until(60_000, |w| w.controller.goal().unwrap().state.is_final());
     let update = outputs.goal_update.unwrap();
     assert_eq!(
@@ -218,9 +218,9 @@ fn an_empty_place_is_reported_and_the_hand_stays() {
 
 /// The fingertips must not mistake each other for the missing narrow object.
 #[test]
-fn the_search_for_a_narrow_object_ends_before_the_fingers_meet() {
+fn narrow_object_search_stops_before_fingertips_meet() {
     let mut world = World::ready();
-    world.order(start(GoalRequest {
+    world.request(start(GoalRequest {
         width_m: 0.02,
         ..grasp()
     }));
@@ -231,17 +231,17 @@ fn the_search_for_a_narrow_object_ends_before_the_fingers_meet() {
 }
 
 #[test]
-fn a_cancelled_goal_ends_where_the_hand_is() {
+fn cancel_stops_the_hand_in_place() {
     let mut world = World::reaching();
     assert!(
         world
-            .order(Order::Cancel { goal_id: 99 })
+            .request(OperatorRequest::Cancel { goal_id: 99 })
             .goal_update
             .is_none(),
-        "not this goal"
+        "other goal"
     );
     let update = world
-        .order(Order::Cancel { goal_id: 7 })
+        .request(OperatorRequest::Cancel { goal_id: 7 })
         .goal_update
         .unwrap();
     assert_eq!(
@@ -254,19 +254,19 @@ fn a_cancelled_goal_ends_where_the_hand_is() {
         (Mode::READY, rest)
     );
     assert_eq!(
-        world.order(start(grasp())).goal_update.unwrap().state,
+        world.request(start(grasp())).goal_update.unwrap().state,
         GoalState::ACCEPTED
     );
 }
 
 #[test]
-fn a_cancelled_goal_keeps_its_object() {
+fn cancel_keeps_the_grip() {
     let mut world = World::ready();
     world.has_object = true;
-    world.order(start(grasp()));
+    world.request(start(grasp()));
     world.run_until(30_000, |w| w.controller.step_name() == "lift");
     world.run(500);
-    let gap_m = commanded_gap_m(&world.order(Order::Cancel { goal_id: 7 }));
+    let gap_m = commanded_gap_m(&world.request(OperatorRequest::Cancel { goal_id: 7 }));
     let outputs = world.run(2000);
     assert_eq!(
         (world.mode(), world.controller.step_name()),
@@ -284,7 +284,7 @@ fn a_cancelled_goal_keeps_its_object() {
         ..grasp()
     };
     assert_eq!(
-        world.order(start(release)).goal_update.unwrap().state,
+        world.request(start(release)).goal_update.unwrap().state,
         GoalState::ACCEPTED
     );
     let (outputs, _) = world.run_until(30_000, |w| w.controller.step_name() == "leave");
@@ -294,7 +294,7 @@ fn a_cancelled_goal_keeps_its_object() {
 }
 
 #[test]
-fn only_attached_goals_end_with_their_client() {
+fn disconnect_ends_only_attached_goals() {
     for (policy, expected) in [
         (GoalPolicy::DETACHED, None),
         (
@@ -303,45 +303,47 @@ fn only_attached_goals_end_with_their_client() {
         ),
     ] {
         let mut world = World::ready();
-        world.order(start(GoalRequest { policy, ..grasp() }));
+        world.request(start(GoalRequest { policy, ..grasp() }));
         world.run(20);
-        let update = world.order(Order::ClientGone { goal_id: 7 }).goal_update;
+        let update = world
+            .request(OperatorRequest::ClientDisconnected { goal_id: 7 })
+            .goal_update;
         assert_eq!(update.map(|u| (u.state, u.reason.cause)), expected);
     }
 }
 
 #[test]
-fn parameters_take_effect_and_wrong_ones_do_not() {
+fn valid_parameters_apply_and_invalid_do_not() {
     let mut world = World::ready();
     let index = atas_core::settings::PARAMETERS
         .iter()
         .position(|p| p.name == "motion.reach_m_s")
         .unwrap();
     for (value, kept) in [(0.2, 0.2), (f64::NAN, 0.2), (1e9, 0.2), (0.05, 0.05)] {
-        world.order(Order::SetParameter { index, value });
+        world.request(OperatorRequest::SetParameter { index, value });
         assert_eq!(world.controller.settings().motion.reach_m_s, kept);
     }
-    world.order(Order::SetParameter {
+    world.request(OperatorRequest::SetParameter {
         index: usize::MAX,
         value: 0.1,
     });
-    world.order(Order::Bias { hand: usize::MAX });
+    world.request(OperatorRequest::Bias { hand: usize::MAX });
     assert_eq!(world.mode(), Mode::READY);
 }
 
 #[test]
-fn bias_takes_the_present_reading_as_zero() {
+fn bias_zeroes_the_present_reading() {
     let mut world = World::ready();
     world.obstructed = true;
     let before = world.run(100).report.hands[1].fingers[1];
     assert!(before.normal_n > 0.4, "{before:?}");
-    world.order(Order::Bias { hand: 1 });
+    world.request(OperatorRequest::Bias { hand: 1 });
     let after = world.tick().report.hands[1].fingers[1];
     assert!(after.normal_n.abs() < 0.05, "{after:?}");
 }
 
 #[test]
-fn holding_goes_on_after_the_goal_is_reached() {
+fn grip_continues_after_success() {
     let mut world = World::holding();
     let outputs = world.run(3000);
     assert_eq!(
@@ -353,12 +355,12 @@ fn holding_goes_on_after_the_goal_is_reached() {
             .iter()
             .all(|f| f.normal_n > 0.2)
     );
-    assert_eq!(outputs.report.goal_id, 0, "the goal itself is over");
+    assert_eq!(outputs.report.goal_id, 0, "the goal has ended");
 }
 
 /// A controller is large, and its user seldom chooses the stack size.
 #[test]
-fn half_the_stack_that_threads_have_is_enough() {
+fn controller_fits_half_the_default_stack() {
     const HALF_BYTES: usize = 1 << 20;
     let thread = std::thread::Builder::new().stack_size(HALF_BYTES);
     let reached = thread.spawn(|| World::new().clone().run(50).command.mode);

@@ -2,26 +2,26 @@
 
 use crate::support::{MS_NS, frame, joints, robot};
 use crate::world::{Logged, World, grasp, start};
-use atas_core::{Inputs, Order, Outputs, Tick};
+use atas_core::{Inputs, OperatorRequest, Outputs, Tick};
 use proptest::prelude::*;
 use shm_schemas::{Cause, GoalKind, GoalRequest, Hand, HandFrame, JointState, Reason, Stamp};
 use zerocopy::IntoBytes;
 
 #[derive(Clone, Debug)]
-struct Heard {
-    frames: [Vec<Twist>; 2],
-    joints: Option<Twist>,
-    order: Option<Order>,
+struct TickData {
+    frames: [Vec<Corruption>; 2],
+    joints: Option<Corruption>,
+    order: Option<OperatorRequest>,
     pause_ms: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Twist {
-    Sound,
+enum Corruption {
+    Intact,
     Value(usize, f64),
     Stamp(u64, u64, u64),
     Unsealed,
-    Loud(f32),
+    Force(f32),
 }
 
 fn any_value() -> impl Strategy<Value = f64> {
@@ -39,7 +39,7 @@ fn any_value() -> impl Strategy<Value = f64> {
     ]
 }
 
-fn any_twist() -> impl Strategy<Value = Twist> {
+fn any_corruption() -> impl Strategy<Value = Corruption> {
     let any_number = || {
         prop_oneof![
             0..5_u64,
@@ -49,40 +49,40 @@ fn any_twist() -> impl Strategy<Value = Twist> {
         ]
     };
     prop_oneof![
-        12 => Just(Twist::Sound),
-        3 => (any::<usize>(), any_value()).prop_map(|(i, v)| Twist::Value(i, v)),
-        1 => (any_number(), any_number(), any_number()).prop_map(|(a, b, c)| Twist::Stamp(a, b, c)),
-        1 => Just(Twist::Unsealed),
-        2 => (-0.5..2.0_f32).prop_map(Twist::Loud),
+        12 => Just(Corruption::Intact),
+        3 => (any::<usize>(), any_value()).prop_map(|(i, v)| Corruption::Value(i, v)),
+        1 => (any_number(), any_number(), any_number()).prop_map(|(a, b, c)| Corruption::Stamp(a, b, c)),
+        1 => Just(Corruption::Unsealed),
+        2 => (-0.5..2.0_f32).prop_map(Corruption::Force),
     ]
 }
 
-fn any_order() -> impl Strategy<Value = Order> {
+fn any_request() -> impl Strategy<Value = OperatorRequest> {
     prop_oneof![
         4 => Just(start(grasp())),
         1 => Just(start(GoalRequest { kind: GoalKind::RELEASE, ..grasp() })),
-        1 => (5..9_u64).prop_map(|goal_id| Order::Cancel { goal_id }),
-        1 => (5..9_u64).prop_map(|goal_id| Order::ClientGone { goal_id }),
-        1 => Just(Order::Stop(Reason::of(Cause::ESTOP))),
-        1 => Just(Order::Hold(Reason::limit(Cause::SUPERVISOR_SILENT, 0.8, 0.5))),
-        3 => Just(Order::Recover),
-        1 => (any::<usize>(), any_value()).prop_map(|(i, value)| Order::SetParameter { index: i % 80, value }),
-        1 => (0..4_usize).prop_map(|hand| Order::Bias { hand }),
+        1 => (5..9_u64).prop_map(|goal_id| OperatorRequest::Cancel { goal_id }),
+        1 => (5..9_u64).prop_map(|goal_id| OperatorRequest::ClientDisconnected { goal_id }),
+        1 => Just(OperatorRequest::Stop(Reason::new(Cause::ESTOP))),
+        1 => Just(OperatorRequest::Hold(Reason::with_limit(Cause::SUPERVISOR_SILENT, 0.8, 0.5))),
+        3 => Just(OperatorRequest::Recover),
+        1 => (any::<usize>(), any_value()).prop_map(|(i, value)| OperatorRequest::SetParameter { index: i % 80, value }),
+        1 => (0..4_usize).prop_map(|hand| OperatorRequest::Bias { hand }),
     ]
 }
 
-fn any_tick() -> impl Strategy<Value = Heard> {
+fn any_tick() -> impl Strategy<Value = TickData> {
     let count = || prop_oneof![8 => Just(1_usize), 1 => Just(0), 1 => Just(3)];
-    let frames = || count().prop_flat_map(|n| prop::collection::vec(any_twist(), n));
-    let joints = prop_oneof![12 => Just(Some(Twist::Sound)), 1 => any_twist().prop_map(Some), 1 => Just(None)];
+    let frames = || count().prop_flat_map(|n| prop::collection::vec(any_corruption(), n));
+    let joints = prop_oneof![12 => Just(Some(Corruption::Intact)), 1 => any_corruption().prop_map(Some), 1 => Just(None)];
     let pause_ms = prop_oneof![30 => Just(0_u64), 1 => 1..50_u64];
     (
         [frames(), frames()],
         joints,
-        prop::option::weighted(0.1, any_order()),
+        prop::option::weighted(0.1, any_request()),
         pause_ms,
     )
-        .prop_map(|(frames, joints, order, pause_ms)| Heard {
+        .prop_map(|(frames, joints, order, pause_ms)| TickData {
             frames,
             joints,
             order,
@@ -90,40 +90,40 @@ fn any_tick() -> impl Strategy<Value = Heard> {
         })
 }
 
-fn twisted_frame(twist: Twist, mut frame: HandFrame) -> HandFrame {
+fn corrupted_frame(twist: Corruption, mut frame: HandFrame) -> HandFrame {
     match twist {
-        Twist::Sound => {}
-        Twist::Value(i, value) => frame.force_n[i % 2][i / 2 % 64][i / 128 % 3] = value as f32,
-        Twist::Stamp(sequence, captured_ns, writer_epoch) => {
+        Corruption::Intact => {}
+        Corruption::Value(i, value) => frame.force_n[i % 2][i / 2 % 64][i / 128 % 3] = value as f32,
+        Corruption::Stamp(sequence, captured_ns, writer_epoch) => {
             frame.stamp = Stamp {
                 sequence,
                 captured_ns,
                 writer_epoch,
             }
         }
-        Twist::Unsealed => frame.pad = 1,
-        Twist::Loud(force_n) => frame.force_n = [[[force_n; 3]; 64]; 4],
+        Corruption::Unsealed => frame.pad = 1,
+        Corruption::Force(force_n) => frame.force_n = [[[force_n; 3]; 64]; 4],
     }
-    if !matches!(twist, Twist::Unsealed) {
+    if !matches!(twist, Corruption::Unsealed) {
         frame.seal();
     }
     frame
 }
 
-fn twisted_joints(twist: Twist, mut state: JointState) -> JointState {
+fn corrupted_joints(twist: Corruption, mut state: JointState) -> JointState {
     match twist {
-        Twist::Sound | Twist::Loud(_) => {}
-        Twist::Value(i, value) => state.position_rad[i % 22] = value,
-        Twist::Stamp(sequence, captured_ns, writer_epoch) => {
+        Corruption::Intact | Corruption::Force(_) => {}
+        Corruption::Value(i, value) => state.position_rad[i % 22] = value,
+        Corruption::Stamp(sequence, captured_ns, writer_epoch) => {
             state.stamp = Stamp {
                 sequence,
                 captured_ns,
                 writer_epoch,
             }
         }
-        Twist::Unsealed => state.joint_count = 3,
+        Corruption::Unsealed => state.joint_count = 3,
     }
-    if !matches!(twist, Twist::Unsealed) {
+    if !matches!(twist, Corruption::Unsealed) {
         state.seal();
     }
     state
@@ -163,7 +163,7 @@ fn check(outputs: &Outputs) -> Result<(), TestCaseError> {
     for hand in &outputs.report.hands {
         prop_assert!(hand.centre_m.iter().all(|m| m.is_finite()));
         for f in &hand.fingers {
-            let felt = [
+            let measured = [
                 f.normal_n,
                 f.tangential_n,
                 f.tangential_increment_n,
@@ -172,7 +172,7 @@ fn check(outputs: &Outputs) -> Result<(), TestCaseError> {
                 f.friction,
                 f.closing_m_s,
             ];
-            prop_assert!(felt.iter().all(|v| v.is_finite()), "{f:?}");
+            prop_assert!(measured.iter().all(|v| v.is_finite()), "{f:?}");
         }
     }
     Ok(())
@@ -182,25 +182,25 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn the_same_inputs_give_the_same_bits_and_garbage_gives_nothing_unsafe(
+    fn equal_inputs_give_equal_and_safe_outputs(
         ticks in prop::collection::vec(any_tick(), 1..150), start in 0..3_usize,
     ) {
         let mut world = [World::ready, World::reaching, World::holding][start]();
         let mut twin = world.controller.clone();
-        for heard in ticks {
-            world.ms += 1 + heard.pause_ms;
+        for received in ticks {
+            world.ms += 1 + received.pause_ms;
             let now_ns = world.ms * MS_NS;
             let frames = [Hand::LEFT, Hand::RIGHT].map(|hand| {
-                let twists = &heard.frames[hand.index().unwrap()];
-                (1..).zip(twists).map(|(i, t)| twisted_frame(*t, frame(hand, world.ms, now_ns - 1000 + i))).collect::<Vec<_>>()
+                let twists = &received.frames[hand.index().unwrap()];
+                (1..).zip(twists).map(|(i, t)| corrupted_frame(*t, frame(hand, world.ms, now_ns - 1000 + i))).collect::<Vec<_>>()
             });
-            let state = heard.joints.map(|twist| twisted_joints(twist, joints(world.ms, now_ns, &world.q_rad)));
+            let state = received.joints.map(|twist| corrupted_joints(twist, joints(world.ms, now_ns, &world.q_rad)));
             let inputs = Inputs {
                 tick: Tick { index: world.ms, now_ns },
                 frames: [&frames[0], &frames[1]],
                 joints: state.as_ref(),
                 targets: &[],
-                order: heard.order.as_ref(),
+                request: received.order.as_ref(),
             };
             let outputs = *world.controller.step(&inputs);
             prop_assert_eq!(bytes(&outputs), bytes(twin.step(&inputs)));
@@ -215,24 +215,24 @@ proptest! {
 /// Replays a recorded grasp in a fresh controller: every byte of every tick is equal, up to the
 /// tick with a changed input.
 #[test]
-fn a_recorded_grasp_replays_byte_for_byte_and_a_changed_one_does_not() {
+fn recorded_grasp_replays_until_an_input_changes() {
     let mut world = World::ready();
     let fresh = world.controller.clone();
     (world.has_object, world.log) = (true, Some(Vec::new()));
-    let mut recorded = vec![bytes(&world.order(start(grasp())))];
+    let mut recorded = vec![bytes(&world.request(start(grasp())))];
     recorded.extend((0..4000).map(|_| bytes(&world.tick())));
     let log = world.log.take().unwrap();
-    let felt = |heard: &Logged| {
-        heard.frames[1]
+    let measured = |received: &Logged| {
+        received.frames[1]
             .iter()
             .any(|f| f.force_n[0] != [[0.0; 3]; 64])
     };
-    assert!(log.iter().any(felt), "the object is felt");
+    assert!(log.iter().any(measured), "the object is in contact");
     let first_difference = |log: &[Logged]| {
         let mut controller = fresh.clone();
         let mut replayed = log
             .iter()
-            .map(|heard| bytes(controller.step(&heard.inputs())));
+            .map(|received| bytes(controller.step(&received.inputs())));
         recorded
             .iter()
             .position(|bytes| Some(bytes) != replayed.next().as_ref())

@@ -2,48 +2,44 @@
 
 use crate::support::JOINTS;
 use crate::world::{World, commanded_gap_m};
-use atas_core::{Inputs, Order, Tick};
+use atas_core::{Inputs, OperatorRequest, Tick};
 use shm_schemas::{Cause, GoalState, Mode, Reason};
 
 /// F01, F40: silence of either sensor or of the joints.
 #[test]
-fn silence_holds_within_the_bounds_and_ends_by_itself() {
+fn silence_holds_in_time_and_recovers() {
     for (mute, cause, bound) in [
         ([true, false, false], Cause::FRAMES_STOPPED, 6),
         ([false, true, false], Cause::FRAMES_STOPPED, 6),
         ([false, false, true], Cause::JOINTS_STOPPED, 6),
     ] {
         let mut world = World::reaching();
-        world.mute = mute;
+        world.silent = mute;
         let (_, ticks) = world.run_until(50, |w| w.mode() == Mode::HOLD);
         // The last message is one tick old when the silence shows: five more ticks make six.
         assert_eq!(ticks, bound, "{cause}");
         assert_eq!(world.controller.mode().1.cause, cause);
         let rest = world.run(150).command.position_rad;
-        assert_eq!(
-            world.run(50).command.position_rad,
-            rest,
-            "HOLD stands still"
-        );
-        world.mute = [false; 3];
+        assert_eq!(world.run(50).command.position_rad, rest, "HOLD keeps still");
+        world.silent = [false; 3];
         let (_, ticks) = world.run_until(100, |w| w.mode() == Mode::RUN);
-        assert!(ticks <= 50, "re-armed after {ticks}");
+        assert!(ticks <= 50, "re-armed after {ticks} ticks");
         assert_eq!(world.controller.goal().unwrap().state, GoalState::RUNNING);
         world.run_until(20_000, |w| w.controller.step_name() == "approach");
     }
 }
 
 #[test]
-fn a_grip_survives_silence() {
+fn grip_is_kept_during_silence() {
     let mut world = World::holding();
     let gap_m = commanded_gap_m(&world.tick());
-    world.mute = [false, true, false];
+    world.silent = [false, true, false];
     for _ in 0..3000 {
         let outputs = world.tick();
         assert!(commanded_gap_m(&outputs) < gap_m + 1e-4);
     }
     assert_eq!(world.mode(), Mode::HOLD);
-    world.mute = [false; 3];
+    world.silent = [false; 3];
     world.run(100);
     assert_eq!(
         (world.mode(), world.controller.step_name()),
@@ -52,9 +48,9 @@ fn a_grip_survives_silence() {
 }
 
 #[test]
-fn a_pause_that_lasts_too_long_fails_the_goal() {
+fn long_pause_fails_the_goal() {
     let mut world = World::reaching();
-    world.mute = [false, true, false];
+    world.silent = [false, true, false];
     let (outputs, ticks) = world.run_until(2000, |w| w.controller.goal().unwrap().state.is_final());
     let update = outputs.goal_update.unwrap();
     assert_eq!(
@@ -65,7 +61,7 @@ fn a_pause_that_lasts_too_long_fails_the_goal() {
         (500..520).contains(&ticks),
         "safety.pause_s is 0.5 s, failed after {ticks} ticks"
     );
-    world.mute = [false; 3];
+    world.silent = [false; 3];
     let rest = world.run(100).command.position_rad;
     assert_eq!(
         (world.mode(), world.run(100).command.position_rad),
@@ -76,7 +72,7 @@ fn a_pause_that_lasts_too_long_fails_the_goal() {
 
 /// F41.
 #[test]
-fn wrong_joint_feedback_stops_in_the_same_tick_and_latches() {
+fn invalid_joint_feedback_stops_and_latches() {
     for fault in [
         (|s| s.position_rad[3] = f64::NAN) as fn(&mut shm_schemas::JointState),
         |s| s.position_rad[20] += 0.2,
@@ -99,7 +95,7 @@ fn wrong_joint_feedback_stops_in_the_same_tick_and_latches() {
             (Mode::SAFE_STOP, rest),
             "latched"
         );
-        world.order(Order::Recover);
+        world.request(OperatorRequest::Recover);
         assert_eq!(world.mode(), Mode::HOLD);
         world.run(30);
         assert_eq!(world.mode(), Mode::READY);
@@ -108,7 +104,7 @@ fn wrong_joint_feedback_stops_in_the_same_tick_and_latches() {
 
 /// F44.
 #[test]
-fn a_joint_that_ignores_its_command_stops_the_robot() {
+fn following_error_stops_the_robot() {
     let mut world = World::reaching();
     let stuck_rad = world.q_rad;
     for ticks in 0.. {
@@ -120,7 +116,7 @@ fn a_joint_that_ignores_its_command_stops_the_robot() {
     }
     assert_eq!(world.controller.mode().1.cause, Cause::FOLLOWING_ERROR);
     world.q_rad = stuck_rad;
-    world.order(Order::Recover);
+    world.request(OperatorRequest::Recover);
     let outputs = world.run(30);
     assert_eq!(world.mode(), Mode::READY);
     // A limb that did not track its command restarts from its measured position; a limb that nearly
@@ -131,9 +127,9 @@ fn a_joint_that_ignores_its_command_stops_the_robot() {
 }
 
 #[test]
-fn an_estop_latches_until_it_is_recovered() {
+fn estop_latches_until_recovery() {
     let mut world = World::reaching();
-    let outputs = world.order(Order::Stop(Reason::of(Cause::ESTOP)));
+    let outputs = world.request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
     assert_eq!(outputs.command.mode, Mode::SAFE_STOP);
     assert_eq!(outputs.goal_update.unwrap().reason.cause, Cause::ESTOP);
     let rest = world.run(1000).command.position_rad;
@@ -141,34 +137,34 @@ fn an_estop_latches_until_it_is_recovered() {
         (world.mode(), world.run(1).command.position_rad),
         (Mode::SAFE_STOP, rest)
     );
-    world.order(Order::Recover);
+    world.request(OperatorRequest::Recover);
     world.run(30);
     assert_eq!(world.mode(), Mode::READY);
 }
 
 /// Outside SAFE_STOP, recovery must release neither grip nor goal.
 #[test]
-fn recover_outside_a_stop_changes_nothing() {
+fn recover_outside_safe_stop_has_no_effect() {
     let mut reaching = World::reaching();
-    reaching.order(Order::Recover);
+    reaching.request(OperatorRequest::Recover);
     reaching.run_until(20_000, |w| w.controller.step_name() == "descend");
     let mut holding = World::holding();
-    holding.order(Order::Recover);
+    holding.request(OperatorRequest::Recover);
     holding.run(100);
     assert_eq!(
         (holding.mode(), holding.controller.step_name()),
         (Mode::RUN, "hold")
     );
     let mut silent = World::holding();
-    silent.mute = [false, true, false];
+    silent.silent = [false, true, false];
     silent.run(50);
-    silent.order(Order::Recover);
-    assert_eq!(silent.mode(), Mode::HOLD, "the doubt is still there");
+    silent.request(OperatorRequest::Recover);
+    assert_eq!(silent.mode(), Mode::HOLD, "the hold reason persists");
 }
 
 /// F23, F24: after a stall the first tick holds, and missed motion is not made up.
 #[test]
-fn a_standstill_holds_and_is_not_caught_up() {
+fn stall_holds_and_motion_is_not_made_up() {
     let mut world = World::reaching();
     let before = world.tick().command.position_rad;
     world.ms += 300;
@@ -183,7 +179,7 @@ fn a_standstill_holds_and_is_not_caught_up() {
 
 /// The newest of several frames in one tick counts.
 #[test]
-fn bursts_of_frames_are_taken_in_order() {
+fn frame_bursts_are_processed_in_order() {
     let mut world = World::ready();
     let mut sequence = world.ms;
     for burst in [0, 5, 1, 0, 0, 3, 2] {
@@ -204,7 +200,7 @@ fn bursts_of_frames_are_taken_in_order() {
             frames: [&frames[0], &frames[1]],
             joints: Some(&state),
             targets: &[],
-            order: None,
+            request: None,
         });
         let report = &outputs.report.hands[0];
         assert_eq!(

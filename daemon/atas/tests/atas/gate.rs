@@ -1,6 +1,6 @@
 //! Safety gate: every output is finite, within all limits and sealed, for any input.
 
-use crate::rig::{Judge, LOOSE, Rig, positions, velocities};
+use crate::gate_bench::{GateBench, LimitChecker, NO_GRIP, positions, velocities};
 use crate::support::JOINTS;
 use crate::support::{MS_NS, hand_of, home_rad, robot};
 use atas_core::Tick;
@@ -9,7 +9,7 @@ use atas_core::limits::JOINT_ACCELERATION_RAD_S2;
 use atas_core::safety::{Gate, GateContext, Grip};
 use atas_core::settings::Settings;
 use proptest::prelude::*;
-use robot_model::{RobotVector, Side};
+use robot_model::{HandSide, RobotVector};
 use shm_schemas::{Cause, Mode};
 
 fn any_position() -> impl Strategy<Value = f64> {
@@ -46,12 +46,12 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
     #[test]
-    fn arbitrary_commands_leave_within_every_limit(
+    fn arbitrary_commands_stay_within_limits(
         ticks in prop::collection::vec(
             (prop::collection::vec(any_position(), JOINTS), any_mode(), [any_grip(), any_grip()]), 1..60),
     ) {
-        let mut rig = Rig::new();
-        let mut judge = Judge::new(&rig);
+        let mut rig = GateBench::new();
+        let mut judge = LimitChecker::new(&rig);
         rig.closing_m_s = [[0.002; 2]; 2];
         for (wanted, mode, grips) in ticks {
             rig.grips = grips;
@@ -61,12 +61,12 @@ proptest! {
 
     /// Random walks within the step check: full speed, reversals, position limits, stops.
     #[test]
-    fn random_walks_leave_within_every_limit(
+    fn random_walks_stay_within_limits(
         legs in prop::collection::vec(any_leg(), 1..12), rate_hz in any_rate_hz(),
     ) {
-        let mut rig = Rig::new();
+        let mut rig = GateBench::new();
         rig.step_s = 1.0 / rate_hz;
-        let mut judge = Judge::new(&rig);
+        let mut judge = LimitChecker::new(&rig);
         let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
         for (factors, ticks, mode) in legs {
             for _ in 0..ticks * rig.ticks_per_ms() {
@@ -78,8 +78,8 @@ proptest! {
     }
 
     #[test]
-    fn a_standing_target_within_the_step_is_reached(legs in prop::collection::vec(any_leg(), 1..4)) {
-        let mut rig = Rig::new();
+    fn constant_target_is_reached(legs in prop::collection::vec(any_leg(), 1..4)) {
+        let mut rig = GateBench::new();
         let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
         for (factors, ticks, _) in legs {
             for _ in 0..ticks {
@@ -100,17 +100,17 @@ proptest! {
             last = positions(&rig.pass(Mode::RUN, &target)).to_vec();
         }
         for (reached, wanted) in last.iter().zip(target.iter()) {
-            prop_assert!((reached - wanted).abs() < 1e-6, "{reached} is not {wanted}");
+            prop_assert!((reached - wanted).abs() < 1e-6, "reached {reached}, expected {wanted}");
         }
     }
 
     /// HOLD brakes, then keeps the position bit for bit, for any request and grip force.
     #[test]
-    fn hold_comes_to_rest_and_never_moves_on(
+    fn hold_brakes_and_keeps_still(
         factors in prop::collection::vec(-1.0..1.0, JOINTS), ticks in 1_usize..150, garbage in any_position(),
         rate_hz in any_rate_hz(),
     ) {
-        let mut rig = Rig::new();
+        let mut rig = GateBench::new();
         rig.step_s = 1.0 / rate_hz;
         let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
         let mut moving = RobotVector::repeat(JOINTS, 0.0);
@@ -129,7 +129,7 @@ proptest! {
         for i in 0..JOINTS {
             let speed = moving[i].abs();
             let braking_rad = speed * speed / JOINT_ACCELERATION_RAD_S2 + 5e-3 * speed + 1e-3;
-            prop_assert!((rest[i] - from[i]).abs() <= braking_rad, "joint {i} went {} rad", rest[i] - from[i]);
+            prop_assert!((rest[i] - from[i]).abs() <= braking_rad, "joint {i} moved {} rad", rest[i] - from[i]);
         }
         for _ in 0..50 {
             let safe = rig.pass(Mode::HOLD, &RobotVector::repeat(JOINTS, garbage));
@@ -139,10 +139,10 @@ proptest! {
     }
 
     #[test]
-    fn a_motion_within_the_limits_is_followed_without_lag(
+    fn motion_within_limits_is_tracked_without_lag(
         amplitude in 0.01..0.12_f64, duration_s in 0.4..2.0_f64, joint in 0..JOINTS,
     ) {
-        let mut rig = Rig::new();
+        let mut rig = GateBench::new();
         for i in 0..=2000_u32 {
             let tau: f64 = (f64::from(i) * 1e-3 / duration_s).min(1.0);
             let mut wanted = home_rad();
@@ -154,40 +154,40 @@ proptest! {
 }
 
 #[test]
-fn what_is_not_finite_moves_nothing_at_all() {
+fn gate_rejects_non_finite_vectors_as_a_whole() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let mut rig = Rig::new();
+        let mut rig = GateBench::new();
         let mut wanted = home_rad().map(|q| q + 1e-4);
         wanted[13] = bad;
         let safe = rig.pass(Mode::RUN, &wanted);
         assert_eq!(positions(&safe), home_rad());
         assert_eq!(
-            (rig.gate.finding().cause, rig.gate.finding().index),
+            (rig.gate.refusal().cause, rig.gate.refusal().index),
             (Cause::COMMAND_NOT_FINITE, 13)
         );
         rig.pass(Mode::RUN, &home_rad());
         assert!(
-            !rig.gate.finding().is_some(),
-            "the finding lasts as long as its cause"
+            !rig.gate.refusal().is_some(),
+            "the refusal ends with its cause"
         );
     }
 }
 
 #[test]
-fn a_jump_is_refused_as_a_whole() {
-    let mut rig = Rig::new();
+fn gate_rejects_jumps_as_a_whole() {
+    let mut rig = GateBench::new();
     let mut wanted = home_rad().map(|q| q + 1e-4);
     wanted[4] += 0.5;
     assert_eq!(positions(&rig.pass(Mode::RUN, &wanted)), home_rad());
-    let finding = rig.gate.finding();
+    let finding = rig.gate.refusal();
     assert_eq!((finding.cause, finding.index), (Cause::COMMAND_STEP, 4));
     assert!(finding.value > finding.limit);
 }
 
 #[test]
-fn only_run_moves() {
+fn only_run_allows_motion() {
     for mode in Mode::ALL {
-        let mut rig = Rig::new();
+        let mut rig = GateBench::new();
         let wanted = home_rad().map(|q| q + 1e-4);
         let moved = positions(&rig.pass(*mode, &wanted)) != home_rad();
         assert_eq!(moved, *mode == Mode::RUN, "{mode}");
@@ -196,7 +196,7 @@ fn only_run_moves() {
 
 /// Right hand, side 0: joints 16 to 18 of an arm with joints 11 to 15.
 #[test]
-fn above_the_grip_ceiling_a_finger_may_only_open() {
+fn side_above_grip_ceiling_may_only_open() {
     let ceilings = [
         (15.1, None, true),
         (14.9, None, false),
@@ -206,7 +206,7 @@ fn above_the_grip_ceiling_a_finger_may_only_open() {
     ];
     for (normal_n, f2_n, over) in ceilings {
         for closing_m_s in [0.002, -0.002, 0.0] {
-            let mut rig = Rig::new();
+            let mut rig = GateBench::new();
             rig.grips[1] = Grip {
                 normal_n: [normal_n, 0.0],
                 f2_n,
@@ -223,7 +223,7 @@ fn above_the_grip_ceiling_a_finger_may_only_open() {
             assert!(moved[16..19].iter().all(|m| *m != frozen), "{case}");
             assert!(moved[11..16].iter().all(|m| *m != over), "arm, {case}");
             assert!(moved[..11].iter().chain(&moved[19..]).all(|m| *m), "{case}");
-            let finding = rig.gate.finding();
+            let finding = rig.gate.refusal();
             assert_eq!(
                 (finding.cause, finding.index),
                 if over {
@@ -239,9 +239,9 @@ fn above_the_grip_ceiling_a_finger_may_only_open() {
 
 /// The jerk limit is in seconds, so the time constant of the catch-up must be as well.
 #[test]
-fn a_lag_is_made_good_without_swinging_at_every_rate() {
+fn lag_is_caught_up_without_oscillation() {
     for rate_hz in [100.0, 1000.0, 2000.0, 4000.0, 10_000.0] {
-        let mut rig = Rig::new();
+        let mut rig = GateBench::new();
         rig.step_s = 1.0 / rate_hz;
         let (mut wanted, mut overshoot_rad) = (home_rad(), 0.0_f64);
         wanted[6] += 1e-3;
@@ -250,24 +250,24 @@ fn a_lag_is_made_good_without_swinging_at_every_rate() {
             overshoot_rad = overshoot_rad.max(positions(&safe)[6] - wanted[6]);
         }
         let left_rad = (rig.gate.position_rad()[6] - wanted[6]).abs();
-        assert!(left_rad < 1e-6, "{rate_hz} Hz: {left_rad} rad are left");
+        assert!(left_rad < 1e-6, "{rate_hz} Hz: {left_rad} rad remain");
         assert!(
             overshoot_rad < 2e-4,
-            "{rate_hz} Hz: overshoots by {overshoot_rad} rad"
+            "{rate_hz} Hz: overshoot of {overshoot_rad} rad"
         );
     }
 }
 
 /// F42, F44.
 #[test]
-fn a_joint_that_does_not_follow_is_found_after_ten_ticks_in_a_row() {
-    let mut rig = Rig::new();
+fn following_error_is_reported_after_ten_ticks() {
+    let mut rig = GateBench::new();
     let mut measured = home_rad();
     measured[6] -= 0.1;
     rig.measured_rad = Some(measured);
     for _ in 0..9 {
         rig.pass(Mode::RUN, &home_rad());
-        assert!(!rig.gate.finding().is_some());
+        assert!(!rig.gate.refusal().is_some());
     }
     rig.measured_rad = Some(home_rad());
     rig.pass(Mode::RUN, &home_rad());
@@ -275,19 +275,19 @@ fn a_joint_that_does_not_follow_is_found_after_ten_ticks_in_a_row() {
     for _ in 0..9 {
         rig.pass(Mode::HOLD, &home_rad());
         assert!(
-            !rig.gate.finding().is_some(),
-            "one good tick begins the count anew"
+            !rig.gate.refusal().is_some(),
+            "one good tick restarts the count"
         );
     }
     rig.pass(Mode::HOLD, &home_rad());
-    let finding = rig.gate.finding();
+    let finding = rig.gate.refusal();
     assert_eq!((finding.cause, finding.index), (Cause::FOLLOWING_ERROR, 6));
     assert!((finding.value - 0.1).abs() < 1e-12 && (finding.limit - 0.08).abs() < 1e-12);
 }
 
 #[test]
-fn a_fast_joint_may_lag_further() {
-    let mut rig = Rig::new();
+fn fast_joint_has_larger_following_limit() {
+    let mut rig = GateBench::new();
     for _ in 0..200 {
         let at = *rig.gate.position_rad();
         let mut wanted = at;
@@ -296,18 +296,18 @@ fn a_fast_joint_may_lag_further() {
         measured[1] -= 0.09;
         let fast = rig.pass(Mode::RUN, &wanted).command().velocity_rad_s[1] > 1.0;
         rig.measured_rad = fast.then_some(measured);
-        assert!(!rig.gate.finding().is_some());
+        assert!(!rig.gate.refusal().is_some());
     }
 }
 
 #[test]
-fn every_command_is_stamped_sealed_and_short_lived() {
+fn every_command_is_stamped_sealed_and_expires() {
     let mut gate = Gate::new(robot(), 77);
     let settings = Settings::default().safety;
-    let raw = Side::BOTH.map(|side| HandCommand::new(hand_of(&home_rad(), side), [0.0; 2]));
+    let raw = HandSide::BOTH.map(|side| HandCommand::new(hand_of(&home_rad(), side), [0.0; 2]));
     for index in 0..20 {
         if index == 10 {
-            gate.anchor(&home_rad());
+            gate.synchronise(&home_rad());
         }
         let mode = Mode::ALL[index as usize % Mode::ALL.len()];
         let tick = Tick {
@@ -323,7 +323,7 @@ fn every_command_is_stamped_sealed_and_short_lived() {
             grip_limit_n: [0.0, 2.5],
             settings: &settings,
         };
-        let command = *gate.pass(&raw, &[LOOSE; 2], &ctx).command();
+        let command = *gate.pass(&raw, &[NO_GRIP; 2], &ctx).command();
         assert!(command.is_intact());
         assert_eq!(
             (
@@ -347,12 +347,12 @@ fn every_command_is_stamped_sealed_and_short_lived() {
 }
 
 #[test]
-fn a_joint_measured_beyond_its_limit_is_commanded_at_the_limit() {
-    let mut rig = Rig::new();
+fn joint_beyond_limit_is_commanded_at_limit() {
+    let mut rig = GateBench::new();
     let mut measured = home_rad();
     let upper_rad = robot().joint(2).unwrap().upper_rad;
     measured[2] = upper_rad + 0.04;
-    rig.gate.anchor(&measured);
+    rig.gate.synchronise(&measured);
     let safe = rig.pass(Mode::HOLD, &home_rad());
     assert_eq!(
         (positions(&safe)[2], velocities(&safe)[2]),

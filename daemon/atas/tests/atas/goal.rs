@@ -1,11 +1,11 @@
 //! Goal validation: every invalid field has its cause and name.
 
 use crate::support::robot;
-use atas_core::check::{self, Circumstances};
+use atas_core::check::{self, GoalContext};
 use atas_core::goal::ActiveGoal;
 use atas_core::tasks::{GRASP, RELEASE, Task};
-use atas_core::{Goal, Settings, Wiring};
-use robot_model::{RobotModel, Side};
+use atas_core::{Goal, SensorSetup, Settings};
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, Text};
 
 fn goal() -> GoalRequest {
@@ -22,8 +22,8 @@ fn goal() -> GoalRequest {
     }
 }
 
-fn check_with(goal: &GoalRequest, wiring: &Wiring, tasks: &[Task]) -> Result<Goal, Reason> {
-    let now = Circumstances {
+fn check_with(goal: &GoalRequest, wiring: &SensorSetup, tasks: &[Task]) -> Result<Goal, Reason> {
+    let now = GoalContext {
         robot: robot(),
         wiring,
         settings: &Settings::default(),
@@ -33,19 +33,19 @@ fn check_with(goal: &GoalRequest, wiring: &Wiring, tasks: &[Task]) -> Result<Goa
     check::check(goal, &now)
 }
 
-fn check(goal: &GoalRequest, wiring: &Wiring) -> Result<Side, Reason> {
+fn check(goal: &GoalRequest, wiring: &SensorSetup) -> Result<HandSide, Reason> {
     check_with(goal, wiring, &[]).map(|goal| goal.side())
 }
 
 #[test]
-fn a_good_goal_names_its_hand() {
-    assert_eq!(check(&goal(), &Wiring::default()), Ok(Side::Right));
+fn valid_goal_resolves_its_hand() {
+    assert_eq!(check(&goal(), &SensorSetup::default()), Ok(HandSide::Right));
     let left = GoalRequest {
         hand: Hand::LEFT,
         from_m: [0.3, 0.1, 0.05],
         ..goal()
     };
-    assert_eq!(check(&left, &Wiring::default()), Ok(Side::Left));
+    assert_eq!(check(&left, &SensorSetup::default()), Ok(HandSide::Left));
     let attached = GoalRequest {
         policy: GoalPolicy::ATTACHED,
         ..goal()
@@ -59,11 +59,14 @@ fn a_good_goal_names_its_hand() {
         width_m: 0.0,
         ..goal()
     };
-    assert_eq!(check(&release, &Wiring::default()), Ok(Side::Right));
+    assert_eq!(
+        check(&release, &SensorSetup::default()),
+        Ok(HandSide::Right)
+    );
 }
 
 #[test]
-fn every_bad_field_is_named() {
+fn every_invalid_field_is_named() {
     type Change = fn(&mut GoalRequest);
     let rows: [(Change, Cause, u32); 32] = [
         (|g| g.kind = GoalKind(0), Cause::UNKNOWN_GOAL, 0),
@@ -107,15 +110,15 @@ fn every_bad_field_is_named() {
     for (change, cause, index) in rows {
         let mut goal = goal();
         change(&mut goal);
-        let reason = check(&goal, &Wiring::default()).unwrap_err();
+        let reason = check(&goal, &SensorSetup::default()).unwrap_err();
         assert_eq!((reason.cause, reason.index), (cause, index), "{goal:?}");
     }
 }
 
 /// A user task is found by its exact name and requires what its steps need.
 #[test]
-fn own_tasks_are_found_by_name() {
-    let own = |name: &str, task: &Task| Task::checked(name, &task.acting, None).unwrap();
+fn user_tasks_are_found_by_name() {
+    let own = |name: &str, task: &Task| Task::validated(name, &task.acting, None).unwrap();
     let tasks = [own("hold-it", &GRASP), own("let-go", &RELEASE)];
     let ask = |name: &str, change: fn(&mut GoalRequest)| {
         let mut goal = GoalRequest {
@@ -124,7 +127,7 @@ fn own_tasks_are_found_by_name() {
             ..goal()
         };
         change(&mut goal);
-        check_with(&goal, &Wiring::default(), &tasks)
+        check_with(&goal, &SensorSetup::default(), &tasks)
             .map(|goal| goal.task().name.to_string())
             .map_err(|reason| reason.cause)
     };
@@ -139,8 +142,8 @@ fn own_tasks_are_found_by_name() {
 }
 
 #[test]
-fn a_hand_without_a_sensor_takes_no_goals() {
-    let mut wiring = Wiring::default();
+fn hand_without_sensor_accepts_no_goals() {
+    let mut wiring = SensorSetup::default();
     wiring.hands[1].required = false;
     let reason = check(&goal(), &wiring).unwrap_err();
     assert_eq!((reason.cause, reason.index), (Cause::NO_SENSOR, 1));
@@ -153,7 +156,7 @@ fn a_hand_without_a_sensor_takes_no_goals() {
 }
 
 #[test]
-fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
+fn hand_workspaces_mirror_each_other() {
     for y in [-0.35, -0.3, -0.1, 0.0, 0.06, 0.1] {
         let right = GoalRequest {
             from_m: [0.3, y, 0.05],
@@ -164,7 +167,7 @@ fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
             from_m: [0.3, -y, 0.05],
             ..goal()
         };
-        let reached = [right, left].map(|g| check(&g, &Wiring::default()).is_ok());
+        let reached = [right, left].map(|g| check(&g, &SensorSetup::default()).is_ok());
         assert_eq!(reached[0], reached[1], "y = {y}");
     }
 }
@@ -172,13 +175,13 @@ fn the_left_hand_reaches_what_the_right_one_reaches_in_the_mirror() {
 /// 5-DOF arm with one fixed and one rotating jaw. The reason for an impossible yaw names the
 /// nearest possible one; for an impossible width it names the misalignment of the fingertips.
 #[test]
-fn what_an_angular_jaw_cannot_do_is_refused_by_name() {
+fn angular_jaw_rejects_impossible_yaw_and_width() {
     let robot = RobotModel::load(
         include_str!("../../../robot/tests/robots/angular-jaw.urdf"),
         include_str!("../../../robot/tests/robots/angular-jaw.toml"),
     )
-    .expect("it fits");
-    let wiring = Wiring::of(&robot);
+    .expect("the robot loads");
+    let wiring = SensorSetup::from_robot(&robot);
     let refused = |yaw_deg: f64, width_m: f64| {
         let goal = GoalRequest {
             from_m: [0.21, 0.0, 0.035],
@@ -187,7 +190,7 @@ fn what_an_angular_jaw_cannot_do_is_refused_by_name() {
             lift_m: 0.04,
             ..goal()
         };
-        let now = Circumstances {
+        let now = GoalContext {
             robot: &robot,
             wiring: &wiring,
             settings: &Settings::default(),
@@ -198,11 +201,11 @@ fn what_an_angular_jaw_cannot_do_is_refused_by_name() {
     };
     assert_eq!(refused(0.0, 0.05), None);
     assert_eq!(refused(180.0, 0.05), None);
-    let yaw = refused(90.0, 0.05).expect("it tilts in the plane of its arm");
+    let yaw = refused(90.0, 0.05).expect("the hand tilts only in the plane of its arm");
     assert_eq!((yaw.cause, yaw.index), (Cause::UNREACHABLE, 3), "{yaw}");
     assert!(yaw.to_string().contains("from yaw is 90.0°"), "{yaw}");
     let nearest = refused(yaw.limit.to_degrees(), 0.05);
     assert_eq!(nearest, None, "{yaw}");
     let narrow = refused(0.0, 0.015).expect("too narrow");
-    assert_eq!(narrow.cause, Cause::DOMES_ASKEW, "{narrow}");
+    assert_eq!(narrow.cause, Cause::FINGERTIPS_MISALIGNED, "{narrow}");
 }

@@ -3,7 +3,7 @@
 use crate::support::{EPOCH, MS_NS, frame};
 use atas_core::intake::{FrameCounts, FrameIntake};
 use atas_core::settings::{Intake as Limits, Settings};
-use atas_core::{HandWiring, Tick};
+use atas_core::{HandSensorSetup, Tick};
 use shm_schemas::{Cause, Hand, HandFrame};
 
 /// Time of tick 0, ns.
@@ -34,9 +34,9 @@ pub(crate) fn limits() -> Limits {
 pub(crate) fn intake(rate_hz: f64) -> FrameIntake {
     FrameIntake::new(
         Hand::LEFT,
-        &HandWiring {
+        &HandSensorSetup {
             rate_hz,
-            ..HandWiring::default()
+            ..HandSensorSetup::default()
         },
     )
 }
@@ -44,7 +44,7 @@ pub(crate) fn intake(rate_hz: f64) -> FrameIntake {
 /// Runs one tick with one frame; returns whether it was accepted.
 pub(crate) fn feed(intake: &mut FrameIntake, frame: &HandFrame, tick: Tick) -> bool {
     intake.begin();
-    intake.check(frame, tick, &limits()).is_some()
+    intake.validate(frame, tick, &limits()).is_some()
 }
 
 /// Intake that has accepted frames 0 to 9.
@@ -59,7 +59,7 @@ pub(crate) fn warm() -> FrameIntake {
 struct Row {
     fault: &'static str,
     frame: HandFrame,
-    believed: bool,
+    accepted: bool,
     hold_reason: Cause,
     warning: Cause,
     counts: fn(&mut FrameCounts),
@@ -69,21 +69,21 @@ fn row(fault: &'static str, frame: HandFrame) -> Row {
     Row {
         fault,
         frame,
-        believed: true,
+        accepted: true,
         hold_reason: Cause::NONE,
         warning: Cause::NONE,
         counts: |_| {},
     }
 }
 
-fn refused(
+fn rejected(
     fault: &'static str,
     frame: HandFrame,
     warning: Cause,
     counts: fn(&mut FrameCounts),
 ) -> Row {
     Row {
-        believed: false,
+        accepted: false,
         warning,
         counts,
         ..row(fault, frame)
@@ -115,38 +115,38 @@ fn order_rows() -> Vec<Row> {
             ..row("F06 gap of 6", at(16))
         }
         .captured(10),
-        refused("F07 duplicate", at(9), Cause::NONE, |c| c.duplicates += 1),
-        refused("F08 reordered", at(7), Cause::NONE, |c| c.reordered += 1),
+        rejected("F07 duplicate", at(9), Cause::NONE, |c| c.duplicates += 1),
+        rejected("F08 reordered", at(7), Cause::NONE, |c| c.reordered += 1),
     ]
 }
 
 fn time_rows() -> Vec<Row> {
     vec![
-        refused(
+        rejected(
             "F03 stale",
             altered(at(10), |f| f.stamp.captured_ns -= 101 * MS_NS),
             Cause::FRAME_STALE,
             |c| c.mistimed += 1,
         ),
-        refused(
+        rejected(
             "F04 future",
             altered(at(10), |f| f.stamp.captured_ns += 2 * MS_NS),
             Cause::FRAME_FUTURE,
             |c| c.mistimed += 1,
         ),
-        refused(
+        rejected(
             "F22 another clock",
             altered(at(10), |f| f.stamp.captured_ns = 5),
             Cause::FRAME_STALE,
             |c| c.mistimed += 1,
         ),
-        refused(
+        rejected(
             "F22 end of time",
             altered(at(10), |f| f.stamp.captured_ns = u64::MAX),
             Cause::FRAME_FUTURE,
             |c| c.mistimed += 1,
         ),
-        refused(
+        rejected(
             "older than the last",
             altered(at(10), |f| f.stamp.captured_ns = START_NS),
             Cause::FRAME_STALE,
@@ -157,55 +157,55 @@ fn time_rows() -> Vec<Row> {
 
 fn origin_rows() -> Vec<Row> {
     vec![
-        refused(
+        rejected(
             "F10 flipped force",
             flipped(|f| f.force_n[1][7][0] += 1.0),
             Cause::FRAME_CORRUPT,
             |c| c.corrupt += 1,
         ),
-        refused(
+        rejected(
             "F10 flipped sequence",
             flipped(|f| f.stamp.sequence += 1),
             Cause::FRAME_CORRUPT,
             |c| c.corrupt += 1,
         ),
-        refused(
+        rejected(
             "F10 flipped seal",
             flipped(|f| f.crc32 ^= 1),
             Cause::FRAME_CORRUPT,
             |c| c.corrupt += 1,
         ),
-        refused(
+        rejected(
             "F11 other hand",
             altered(at(10), |f| f.hand = Hand::RIGHT),
             Cause::FRAME_FOREIGN,
             |c| c.foreign += 1,
         ),
-        refused(
+        rejected(
             "F11 no hand",
             altered(at(10), |f| f.hand = Hand(7)),
             Cause::FRAME_FOREIGN,
             |c| c.foreign += 1,
         ),
-        refused(
+        rejected(
             "F11 other layout",
             altered(at(10), |f| f.layout_hash ^= 1),
             Cause::FRAME_FOREIGN,
             |c| c.foreign += 1,
         ),
-        refused(
+        rejected(
             "F11 other writer",
             altered(at(10), |f| f.stamp.writer_epoch += 1),
             Cause::FRAME_FOREIGN,
             |c| c.foreign += 1,
         ),
-        refused(
+        rejected(
             "too few fingers",
             altered(at(10), |f| f.finger_count = 1),
             Cause::FRAME_FOREIGN,
             |c| c.foreign += 1,
         ),
-        refused(
+        rejected(
             "too many fingers",
             altered(at(10), |f| f.finger_count = u32::MAX),
             Cause::FRAME_FOREIGN,
@@ -222,7 +222,7 @@ fn element_rows() -> Vec<Row> {
         masked("F14 1e9 N", 1e9, 1),
         masked("F14 −1e9 N", -1e9, 1),
         masked("F13 denormal", f32::from_bits(1), 0),
-        masked("strong but believable", 49.0, 0),
+        masked("large but valid", 49.0, 0),
         Row {
             counts: |c| c.masked_elements += 8,
             ..row(
@@ -262,14 +262,14 @@ fn masked(fault: &'static str, value: f32, count: u64) -> Row {
 }
 
 #[test]
-fn every_fault_is_counted_and_answered_as_catalogued() {
+fn faults_are_counted_and_handled_as_catalogued() {
     let rows = [order_rows(), time_rows(), origin_rows(), element_rows()]
         .into_iter()
         .flatten();
     for Row {
         fault,
         frame,
-        believed,
+        accepted,
         hold_reason,
         warning,
         counts,
@@ -277,8 +277,8 @@ fn every_fault_is_counted_and_answered_as_catalogued() {
     {
         let mut intake = warm();
         let mut expected = *intake.counts();
-        assert_eq!(feed(&mut intake, &frame, tick(10)), believed, "{fault}");
-        expected.frames += u64::from(believed);
+        assert_eq!(feed(&mut intake, &frame, tick(10)), accepted, "{fault}");
+        expected.frames += u64::from(accepted);
         counts(&mut expected);
         assert_eq!(*intake.counts(), expected, "{fault}");
         assert_eq!(
@@ -292,7 +292,7 @@ fn every_fault_is_counted_and_answered_as_catalogued() {
 }
 
 #[test]
-fn masked_elements_are_not_read() {
+fn masked_elements_are_ignored() {
     let mut intake = warm();
     let frame = altered(at(10), |f| {
         f.force_n[0][5] = [f32::NAN, 1.0, 1.0];
@@ -300,7 +300,7 @@ fn masked_elements_are_not_read() {
         f.valid_mask[1] &= !1;
     });
     intake.begin();
-    let checked = intake.check(&frame, tick(10), &limits()).unwrap();
+    let checked = intake.validate(&frame, tick(10), &limits()).unwrap();
     assert_eq!(checked.element_n(0, 5), None);
     assert_eq!(checked.element_n(0, 6), Some([1.0, 2.0, 3.0]));
     assert_eq!(checked.element_n(1, 0), None);

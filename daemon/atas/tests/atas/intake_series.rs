@@ -3,13 +3,13 @@
 
 use crate::intake::{altered, at, feed, intake, limits, tick, warm};
 use crate::support::{EPOCH, MS_NS};
-use atas_core::HandWiring;
+use atas_core::HandSensorSetup;
 use atas_core::intake::{FrameCounts, FrameIntake};
 use shm_schemas::{Cause, Hand, HandFrame};
 
 /// F01, F03: silence or age beyond `hold_age_s` holds until the next frame.
 #[test]
-fn silence_is_doubted_after_five_milliseconds() {
+fn silence_holds_after_five_milliseconds() {
     let mut intake = warm();
     for (ms, cause) in [
         (10, Cause::NONE),
@@ -48,11 +48,11 @@ fn silence_is_doubted_after_five_milliseconds() {
 }
 
 #[test]
-fn before_the_first_frame_only_a_required_hand_is_doubted() {
+fn only_required_hand_holds_before_first_frame() {
     let doubt = |required| {
-        let wiring = HandWiring {
+        let wiring = HandSensorSetup {
             required,
-            ..HandWiring::default()
+            ..HandSensorSetup::default()
         };
         FrameIntake::new(Hand::LEFT, &wiring)
             .hold_reason(tick(0), &limits())
@@ -64,7 +64,7 @@ fn before_the_first_frame_only_a_required_hand_is_doubted() {
 
 /// F18: a 100 Hz sensor has gaps of 10 ms.
 #[test]
-fn a_slow_sensor_may_be_silent_for_three_and_a_half_periods() {
+fn slow_sensor_may_pause_for_three_periods() {
     let mut intake = intake(100.0);
     assert!(feed(&mut intake, &at(0), tick(0)));
     for (ms, cause) in [
@@ -83,7 +83,7 @@ fn a_slow_sensor_may_be_silent_for_three_and_a_half_periods() {
 
 /// F09.
 #[test]
-fn a_counter_that_wraps_is_no_fault() {
+fn counter_overflow_is_accepted() {
     let mut intake = intake(1000.0);
     for ms in 0..20 {
         let wrapping = altered(at(ms), |f| {
@@ -103,7 +103,7 @@ fn a_counter_that_wraps_is_no_fault() {
 
 /// Regression: one frame with a counter far ahead blocked all following frames until a restart.
 #[test]
-fn a_counter_far_ahead_shuts_nobody_out() {
+fn counter_far_ahead_blocks_no_later_frames() {
     for sequence in [20_000, u64::MAX / 2, u64::MAX - 5] {
         let mut intake = intake(1000.0);
         assert!(feed(&mut intake, &at(0), tick(0)));
@@ -116,11 +116,11 @@ fn a_counter_far_ahead_shuts_nobody_out() {
 
 /// A restarted counter is accepted after a silence, like another writer.
 #[test]
-fn a_counter_that_begins_anew_is_believed_after_a_silence() {
+fn restarted_counter_is_accepted_after_silence() {
     let mut intake = intake(1000.0);
     assert!(feed(&mut intake, &at(50_000), tick(50_000)));
-    let anew = |ms| altered(at(ms), |f| f.stamp.sequence = ms - 50_001);
-    let believed = (50_001..50_100).find(|ms| feed(&mut intake, &anew(*ms), tick(*ms)));
+    let repeated = |ms| altered(at(ms), |f| f.stamp.sequence = ms - 50_001);
+    let believed = (50_001..50_100).find(|ms| feed(&mut intake, &repeated(*ms), tick(*ms)));
     assert!(
         believed.is_some_and(|ms| (50_020..50_060).contains(&ms)),
         "{believed:?}"
@@ -129,7 +129,7 @@ fn a_counter_that_begins_anew_is_believed_after_a_silence() {
 
 /// F02: data repeats bit for bit while the counter advances.
 #[test]
-fn frozen_readings_are_doubted_after_forty_frames() {
+fn frozen_readings_hold_after_forty_frames() {
     for reading in [0.0, 0.5, f32::NAN] {
         let mut intake = intake(1000.0);
         let mut doubted = None;
@@ -152,7 +152,7 @@ fn frozen_readings_are_doubted_after_forty_frames() {
 /// F20: a restarted sensor is accepted after a silence and twenty good frames; the robot holds
 /// meanwhile.
 #[test]
-fn a_restarted_writer_is_believed_after_silence_and_a_run_of_good_frames() {
+fn restarted_writer_is_accepted_after_good_frames() {
     let mut intake = warm();
     let restarted = |ms: u64| {
         altered(at(ms), |f| {
@@ -191,7 +191,7 @@ fn a_restarted_writer_is_believed_after_silence_and_a_run_of_good_frames() {
 
 /// F11: a second writer between the frames of a slow sensor is never accepted.
 #[test]
-fn a_second_writer_cannot_take_over_from_a_living_one() {
+fn second_writer_cannot_replace_a_live_one() {
     for rate_hz in [1000.0, 100.0, 30.0] {
         let mut intake = intake(rate_hz);
         let period_ms = (1000.0 / rate_hz) as u64;

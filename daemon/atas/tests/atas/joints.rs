@@ -27,7 +27,7 @@ fn limits() -> Limits {
 fn warm() -> JointIntake {
     let mut intake = JointIntake::new(robot(), true);
     for ms in 0..10 {
-        intake.take(Some(&at(ms)), tick(ms), &limits());
+        intake.update(Some(&at(ms)), tick(ms), &limits());
         assert!(!intake.fault().is_some());
     }
     intake
@@ -44,7 +44,7 @@ struct Row {
     joint: Option<u32>,
 }
 
-fn believed(name: &'static str, lost: u64, change: Change) -> Row {
+fn accepted(name: &'static str, lost: u64, change: Change) -> Row {
     Row {
         name,
         change,
@@ -73,20 +73,20 @@ fn faulty(name: &'static str, joint: u32, change: Change) -> Row {
 
 fn rows() -> Vec<Row> {
     vec![
-        believed("in order", 0, |_| {}),
-        believed("lost states", 4, |s| s.stamp.sequence += 4),
-        believed("fast", 0, |s| s.position_rad[3] += 0.01),
-        believed("NaN beyond the robot", 0, |s| {
+        accepted("in order", 0, |_| {}),
+        accepted("lost states", 4, |s| s.stamp.sequence += 4),
+        accepted("fast", 0, |s| s.position_rad[3] += 0.01),
+        accepted("NaN beyond the robot", 0, |s| {
             s.position_rad[JOINTS] = f64::NAN
         }),
-        believed("NaN velocity, not read", 0, |s| {
+        accepted("NaN velocity, not read", 0, |s| {
             s.velocity_rad_s[0] = f64::NAN
         }),
         ignored("duplicate", |s| s.stamp.sequence = 9),
         ignored("reordered", |s| s.stamp.sequence = 3),
         ignored("older than the last", |s| s.stamp.captured_ns -= MS_NS),
         ignored("stale", |s| s.stamp.captured_ns -= 200 * MS_NS),
-        ignored("another robot beside the living one", |s| {
+        ignored("other writer beside a live one", |s| {
             s.stamp.writer_epoch += 1
         }),
         ignored("future", |s| s.stamp.captured_ns += 5 * MS_NS),
@@ -100,7 +100,7 @@ fn rows() -> Vec<Row> {
 }
 
 #[test]
-fn every_fault_is_answered_as_catalogued() {
+fn faults_are_handled_as_catalogued() {
     for Row {
         name,
         change,
@@ -112,7 +112,7 @@ fn every_fault_is_answered_as_catalogued() {
         let mut state = at(10);
         change(&mut state);
         state.seal();
-        intake.take(Some(&state), tick(10), &limits());
+        intake.update(Some(&state), tick(10), &limits());
         let status = intake.status(tick(10));
         let taken = u64::from(lost.is_some());
         assert_eq!(
@@ -135,16 +135,16 @@ fn every_fault_is_answered_as_catalogued() {
         assert_eq!(
             intake.sequence(),
             state.stamp.sequence,
-            "lock-step waits for what was seen: {name}"
+            "lock-step uses the latest sequence: {name}"
         );
-        intake.take(Some(&at(16)), tick(16), &limits());
+        intake.update(Some(&at(16)), tick(16), &limits());
         assert_eq!(intake.fault(), Reason::default(), "after {name}");
     }
 }
 
 /// A writer's first state has no predecessor but must be within range.
 #[test]
-fn a_first_state_out_of_range_is_refused() {
+fn first_state_out_of_range_is_rejected() {
     let home_3_rad = home_rad()[3];
     let lower_4_rad = robot().joint(4).unwrap().lower_rad;
     for (joint, value_rad) in [(0, 1e9), (3, home_3_rad + 10.0), (4, lower_4_rad - 0.1)] {
@@ -152,7 +152,7 @@ fn a_first_state_out_of_range_is_refused() {
         let mut state = at(0);
         state.position_rad[joint] = value_rad;
         state.seal();
-        intake.take(Some(&state), tick(0), &limits());
+        intake.update(Some(&state), tick(0), &limits());
         assert_eq!(
             (intake.fault().cause, intake.fault().index),
             (Cause::JOINTS_INVALID, joint as u32)
@@ -162,7 +162,7 @@ fn a_first_state_out_of_range_is_refused() {
 }
 
 #[test]
-fn silence_is_doubted_after_five_milliseconds() {
+fn silence_holds_after_five_milliseconds() {
     let mut intake = warm();
     for (ms, cause) in [
         (10, Cause::NONE),
@@ -170,7 +170,7 @@ fn silence_is_doubted_after_five_milliseconds() {
         (15, Cause::JOINTS_STOPPED),
         (900, Cause::JOINTS_STOPPED),
     ] {
-        intake.take(None, tick(ms), &limits());
+        intake.update(None, tick(ms), &limits());
         assert_eq!(
             intake.hold_reason(tick(ms), &limits()).cause,
             cause,
@@ -181,7 +181,7 @@ fn silence_is_doubted_after_five_milliseconds() {
 }
 
 #[test]
-fn nothing_is_missed_where_nothing_is_required() {
+fn missing_optional_feedback_causes_no_hold() {
     let intake = JointIntake::new(robot(), false);
     assert_eq!(intake.hold_reason(tick(0), &limits()), Reason::default());
     let intake = JointIntake::new(robot(), true);
@@ -193,7 +193,7 @@ fn nothing_is_missed_where_nothing_is_required() {
 }
 
 #[test]
-fn a_restarted_writer_may_begin_anew() {
+fn restarted_writer_is_accepted_after_silence() {
     let mut intake = warm();
     let other = |ms| {
         let mut state = at(ms);
@@ -201,37 +201,41 @@ fn a_restarted_writer_may_begin_anew() {
         state.seal();
         state
     };
-    intake.take(Some(&other(15)), tick(15), &limits());
-    assert_eq!(intake.status(tick(15)).states, 10, "the first one lives");
+    intake.update(Some(&other(15)), tick(15), &limits());
+    assert_eq!(
+        intake.status(tick(15)).states,
+        10,
+        "the first writer is live"
+    );
     assert!(!intake.restarted());
-    intake.take(Some(&other(40)), tick(40), &limits());
+    intake.update(Some(&other(40)), tick(40), &limits());
     assert_eq!(
         (intake.fault(), intake.status(tick(40)).states),
         (Reason::default(), 11)
     );
-    assert!(intake.restarted(), "and says so once");
-    intake.take(Some(&other(41)), tick(41), &limits());
+    assert!(intake.restarted(), "reported once");
+    intake.update(Some(&other(41)), tick(41), &limits());
     assert!(!intake.restarted());
 }
 
 /// Regression: one state with a counter far ahead blocked all others for the lifetime of the
 /// process.
 #[test]
-fn a_counter_far_ahead_shuts_nobody_out() {
+fn counter_far_ahead_blocks_no_later_states() {
     let mut intake = warm();
     let mut far = at(10);
     far.stamp.sequence = u64::MAX / 2;
     far.seal();
-    intake.take(Some(&far), tick(10), &limits());
+    intake.update(Some(&far), tick(10), &limits());
     for ms in 11..40 {
-        intake.take(Some(&at(ms)), tick(ms), &limits());
+        intake.update(Some(&at(ms)), tick(ms), &limits());
     }
     assert_eq!(intake.hold_reason(tick(40), &limits()), Reason::default());
 }
 
 #[test]
-fn what_the_robot_is_told_is_believed_where_it_can_be() {
-    let check = |told: bool, change: Change| {
+fn valid_commanded_positions_are_accepted() {
+    let check = |output: bool, change: Change| {
         let mut intake = warm();
         let mut state = at(10);
         state.commanded_count = JOINTS as u32;
@@ -239,8 +243,8 @@ fn what_the_robot_is_told_is_believed_where_it_can_be() {
         state.command_epoch = 5;
         change(&mut state);
         state.seal();
-        intake.take(Some(&state), tick(10), &limits());
-        assert_eq!(intake.commanded_rad().is_some(), told);
+        intake.update(Some(&state), tick(10), &limits());
+        assert_eq!(intake.commanded_rad().is_some(), output);
     };
     check(true, |_| {});
     check(false, |s| s.commanded_count = 0);

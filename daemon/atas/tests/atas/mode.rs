@@ -8,10 +8,10 @@ const STEP_S: f64 = 1e-3;
 const REARM_TICKS: u32 = 20;
 
 fn hold_reason() -> Reason {
-    Reason::of(Cause::FRAMES_STOPPED)
+    Reason::new(Cause::FRAMES_STOPPED)
 }
 
-fn calm(machine: &mut ModeMachine, ticks: u32, has_goal: bool) {
+fn fault_free(machine: &mut ModeMachine, ticks: u32, has_goal: bool) {
     for _ in 0..ticks {
         machine.update(Reason::default(), has_goal, STEP_S);
     }
@@ -23,12 +23,12 @@ fn machine_in(mode: Mode) -> ModeMachine {
     if mode == Mode::INIT {
         return machine;
     }
-    calm(&mut machine, REARM_TICKS, false);
+    fault_free(&mut machine, REARM_TICKS, false);
     match mode {
         Mode::RUN => machine.update(Reason::default(), true, STEP_S),
         Mode::HOLD => machine.update(hold_reason(), false, STEP_S),
-        Mode::SAFE_STOP => machine.stop(Reason::of(Cause::ESTOP)),
-        Mode::FAULT => machine.fail(Reason::of(Cause::MODULE_PANICKED)),
+        Mode::SAFE_STOP => machine.stop(Reason::new(Cause::ESTOP)),
+        Mode::FAULT => machine.fail(Reason::new(Cause::MODULE_PANICKED)),
         _ => {}
     }
     assert_eq!(machine.mode(), mode);
@@ -36,17 +36,19 @@ fn machine_in(mode: Mode) -> ModeMachine {
 }
 
 #[test]
-fn every_transition_is_as_drawn() {
+fn transitions_match_the_diagram() {
     type Act = fn(&mut ModeMachine);
     let acts: [(&str, Act); 7] = [
-        ("doubt", |m| m.update(hold_reason(), false, STEP_S)),
-        ("calm tick", |m| m.update(Reason::default(), false, STEP_S)),
-        ("calm tick with a goal", |m| {
+        ("fault", |m| m.update(hold_reason(), false, STEP_S)),
+        ("fault-free tick", |m| {
+            m.update(Reason::default(), false, STEP_S)
+        }),
+        ("fault-free tick with a goal", |m| {
             m.update(Reason::default(), true, STEP_S)
         }),
-        ("calm spell", |m| calm(m, REARM_TICKS + 1, false)),
-        ("stop", |m| m.stop(Reason::of(Cause::ESTOP))),
-        ("fail", |m| m.fail(Reason::of(Cause::MODULE_PANICKED))),
+        ("fault-free time", |m| fault_free(m, REARM_TICKS + 1, false)),
+        ("stop", |m| m.stop(Reason::new(Cause::ESTOP))),
+        ("fail", |m| m.fail(Reason::new(Cause::MODULE_PANICKED))),
         ("recover", ModeMachine::recover),
     ];
     const I: Mode = Mode::INIT;
@@ -72,18 +74,14 @@ fn every_transition_is_as_drawn() {
 }
 
 #[test]
-fn hold_ends_after_an_unbroken_calm_spell_where_it_began() {
+fn hold_ends_after_uninterrupted_fault_free_time() {
     for has_goal in [false, true] {
         let mut machine = machine_in(Mode::HOLD);
-        calm(&mut machine, REARM_TICKS - 1, has_goal);
+        fault_free(&mut machine, REARM_TICKS - 1, has_goal);
         machine.update(hold_reason(), has_goal, STEP_S);
-        calm(&mut machine, REARM_TICKS - 1, has_goal);
-        assert_eq!(
-            machine.mode(),
-            Mode::HOLD,
-            "the doubt begins the spell anew"
-        );
-        calm(&mut machine, 1, has_goal);
+        fault_free(&mut machine, REARM_TICKS - 1, has_goal);
+        assert_eq!(machine.mode(), Mode::HOLD, "a fault restarts the time");
+        fault_free(&mut machine, 1, has_goal);
         assert_eq!(
             machine.mode(),
             if has_goal { Mode::RUN } else { Mode::READY }
@@ -93,29 +91,29 @@ fn hold_ends_after_an_unbroken_calm_spell_where_it_began() {
 }
 
 #[test]
-fn the_first_reason_of_an_episode_stays() {
+fn first_hold_reason_is_kept() {
     let mut machine = machine_in(Mode::RUN);
     machine.update(hold_reason(), true, STEP_S);
-    machine.update(Reason::of(Cause::JOINTS_STOPPED), true, STEP_S);
+    machine.update(Reason::new(Cause::JOINTS_STOPPED), true, STEP_S);
     assert_eq!(machine.reason().cause, Cause::FRAMES_STOPPED);
-    machine.stop(Reason::of(Cause::FOLLOWING_ERROR));
-    machine.stop(Reason::of(Cause::ESTOP));
+    machine.stop(Reason::new(Cause::FOLLOWING_ERROR));
+    machine.stop(Reason::new(Cause::ESTOP));
     assert_eq!(machine.reason().cause, Cause::FOLLOWING_ERROR);
     machine.recover();
     assert_eq!(
         (machine.mode(), machine.reason().cause),
         (Mode::HOLD, Cause::FOLLOWING_ERROR)
     );
-    machine.fail(Reason::of(Cause::MODULE_PANICKED));
-    machine.stop(Reason::of(Cause::ESTOP));
+    machine.fail(Reason::new(Cause::MODULE_PANICKED));
+    machine.stop(Reason::new(Cause::ESTOP));
     assert_eq!(machine.reason().cause, Cause::MODULE_PANICKED);
 }
 
 #[test]
-fn init_says_what_it_waits_for() {
+fn init_reports_the_present_reason() {
     let mut machine = ModeMachine::default();
     for cause in [Cause::FRAMES_STOPPED, Cause::JOINTS_STOPPED] {
-        machine.update(Reason::of(cause), false, STEP_S);
+        machine.update(Reason::new(cause), false, STEP_S);
         assert_eq!(
             (machine.mode(), machine.reason().cause),
             (Mode::INIT, cause)
@@ -124,18 +122,18 @@ fn init_says_what_it_waits_for() {
 }
 
 #[test]
-fn a_stop_that_is_recovered_waits_in_hold_for_calm() {
+fn recovery_waits_in_hold_for_fault_free_time() {
     let mut machine = machine_in(Mode::SAFE_STOP);
-    calm(&mut machine, 10 * REARM_TICKS, false);
+    fault_free(&mut machine, 10 * REARM_TICKS, false);
     machine.recover();
-    calm(&mut machine, REARM_TICKS - 1, false);
+    fault_free(&mut machine, REARM_TICKS - 1, false);
     assert_eq!(machine.mode(), Mode::HOLD);
-    calm(&mut machine, 1, false);
+    fault_free(&mut machine, 1, false);
     assert_eq!(machine.mode(), Mode::READY);
 }
 
 #[test]
-fn the_calm_spell_is_a_time() {
+fn fault_free_time_is_independent_of_tick_rate() {
     for rate_hz in [100, 1000, 4000, 10_000] {
         let mut machine = machine_in(Mode::HOLD);
         let mut ticks = 0;

@@ -4,8 +4,8 @@ use crate::support::{MS_NS, frame, robot};
 use atas_core::intake::FrameIntake;
 use atas_core::perception::{MotionPercept, Perception};
 use atas_core::settings::Settings;
-use atas_core::{HandWiring, Tick};
-use robot_model::Side;
+use atas_core::{HandSensorSetup, Tick};
+use robot_model::HandSide;
 use shm_schemas::Hand;
 
 /// Stateless uniform noise from −1 to 1: SplitMix64 of the index.
@@ -18,11 +18,17 @@ fn noise(index: u64) -> f64 {
 
 /// All comparisons over three seconds of 41 elements that move at `speed` per second, in units of
 /// `unit_n`, N.
-fn felt(rate_hz: u64, speed: f64, noise_n: f64, unit_n: f64, masked: u64) -> Vec<MotionPercept> {
-    let wiring = HandWiring::default();
+fn percepts(
+    rate_hz: u64,
+    speed: f64,
+    noise_n: f64,
+    unit_n: f64,
+    masked: u64,
+) -> Vec<MotionPercept> {
+    let wiring = HandSensorSetup::default();
     let settings = Settings::default();
     let mut intake = FrameIntake::new(Hand::LEFT, &wiring);
-    let mut perception = Perception::new(&wiring, robot().hand(Side::Right));
+    let mut perception = Perception::new(&wiring, robot().hand(HandSide::Right));
     let mut found = Vec::new();
     for index in 0..3 * rate_hz {
         let now_ns = 1_000 * MS_NS + index * 1_000_000_000 / rate_hz;
@@ -43,10 +49,10 @@ fn felt(rate_hz: u64, speed: f64, noise_n: f64, unit_n: f64, masked: u64) -> Vec
         let tick = Tick { index, now_ns };
         perception.begin();
         let checked = intake
-            .check(&frame, tick, &settings.intake)
-            .expect("a good frame");
+            .validate(&frame, tick, &settings.intake)
+            .expect("a valid frame");
         perception.update(&checked, false, &settings.perception);
-        let motion = perception.percept().fingers[0].motion;
+        let motion = perception.percept().fingertips[0].motion;
         if motion.comparisons as usize > found.len() {
             found.push(motion);
         }
@@ -55,9 +61,9 @@ fn felt(rate_hz: u64, speed: f64, noise_n: f64, unit_n: f64, masked: u64) -> Vec
 }
 
 #[test]
-fn noise_alone_does_not_move_and_a_slow_drift_of_all_elements_does() {
+fn common_drift_is_motion_and_noise_is_not() {
     for rate_hz in [30, 100, 1000] {
-        let still = felt(rate_hz, 0.0, 0.01, 1.0, 0);
+        let still = percepts(rate_hz, 0.0, 0.01, 1.0, 0);
         assert!(still.len() > 25, "{rate_hz} Hz: {}", still.len());
         for motion in &still[2..] {
             assert!(
@@ -66,16 +72,16 @@ fn noise_alone_does_not_move_and_a_slow_drift_of_all_elements_does() {
             );
         }
         // On one element, a fifth of the noise per 0.15 s window would be undetectable.
-        let moving = felt(rate_hz, 0.1, 0.01, 1.0, 0);
+        let moving = percepts(rate_hz, 0.1, 0.01, 1.0, 0);
         let last = moving.last().expect("comparisons");
         assert!(last.share == 1.0, "{rate_hz} Hz: {last:?}");
     }
 }
 
 #[test]
-fn the_unit_does_not_matter() {
-    let newtons = felt(100, 0.05, 0.01, 1.0, 0);
-    let counts = felt(100, 0.05, 0.01, 8.0, 0);
+fn motion_is_independent_of_the_unit() {
+    let newtons = percepts(100, 0.05, 0.01, 1.0, 0);
+    let counts = percepts(100, 0.05, 0.01, 8.0, 0);
     assert_eq!(newtons.len(), counts.len());
     for (a, b) in newtons.iter().zip(&counts) {
         assert!((a.level - b.level).abs() < 0.01 * a.level, "{a:?} {b:?}");
@@ -83,16 +89,16 @@ fn the_unit_does_not_matter() {
 }
 
 #[test]
-fn a_sensor_without_noise_says_nothing() {
-    for motion in felt(1000, 0.0, 0.0, 1.0, 0) {
+fn noise_free_sensor_reports_no_motion() {
+    for motion in percepts(1000, 0.0, 0.0, 1.0, 0) {
         assert_eq!((motion.level, motion.share), (0.0, 0.0));
     }
 }
 
 /// Regression: a silent element must not look like a common motion to zero.
 #[test]
-fn an_element_that_says_nothing_does_not_move() {
-    for motion in &felt(1000, 0.0, 0.01, 1.0, 1)[2..] {
+fn silent_element_is_not_motion() {
+    for motion in &percepts(1000, 0.0, 0.01, 1.0, 1)[2..] {
         assert!(
             motion.level.is_finite() && motion.share == 0.0,
             "{motion:?}"

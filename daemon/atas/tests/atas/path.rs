@@ -4,7 +4,7 @@ use crate::support::robot;
 use atas_core::path::{Path, Speeds, reachable_yaw_rad};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{GraspFrame, Side};
+use robot_model::{GraspPose, HandSide};
 
 const SPEEDS: Speeds = Speeds {
     move_m_s: 0.12,
@@ -14,14 +14,14 @@ const SPEEDS: Speeds = Speeds {
 /// Ratio of peak to mean speed of a minimum-jerk profile.
 const PEAK: f64 = 1.875;
 
-fn any_frame() -> impl Strategy<Value = GraspFrame> {
+fn any_frame() -> impl Strategy<Value = GraspPose> {
     (
         prop::array::uniform3(-0.3..0.3),
         prop::array::uniform4(-2.0..2.0),
         prop::array::uniform6(-0.05..0.05),
     )
         .prop_map(
-            |(centre, [yaw, azimuth, pitch, root], [h1, h2, t1, t2, u1, u2])| GraspFrame {
+            |(centre, [yaw, azimuth, pitch, root], [h1, h2, t1, t2, u1, u2])| GraspPose {
                 centre_m: Vector3::from(centre),
                 closing_yaw_rad: yaw,
                 hand_azimuth_rad: azimuth,
@@ -35,7 +35,7 @@ fn any_frame() -> impl Strategy<Value = GraspFrame> {
 }
 
 /// Coordinates with their largest mean speeds.
-fn coordinates(f: &GraspFrame) -> [(f64, f64); 8] {
+fn coordinates(f: &GraspPose) -> [(f64, f64); 8] {
     let (turn, open) = (SPEEDS.turn_rad_s, SPEEDS.open_m_s);
     [
         (f.closing_yaw_rad, turn),
@@ -51,13 +51,13 @@ fn coordinates(f: &GraspFrame) -> [(f64, f64); 8] {
 
 proptest! {
     #[test]
-    fn a_path_leads_from_rest_to_rest_within_every_speed(from in any_frame(), to in any_frame()) {
+    fn path_is_rest_to_rest_within_speed_limits(from in any_frame(), to in any_frame()) {
         let path = Path::free(from, to, &SPEEDS);
-        prop_assert_eq!((path.at(0.0), path.at(path.duration_s()), path.at(1e9)), (from, to, to));
+        prop_assert_eq!((path.pose_at(0.0), path.pose_at(path.duration_s()), path.pose_at(1e9)), (from, to, to));
         prop_assert_eq!(*path.end(), to);
         let step_s = path.duration_s() / 200.0;
         for i in 0..200 {
-            let (a, b) = (path.at(f64::from(i) * step_s), path.at(f64::from(i + 1) * step_s));
+            let (a, b) = (path.pose_at(f64::from(i) * step_s), path.pose_at(f64::from(i + 1) * step_s));
             let at_rest = if i == 0 || i == 199 { 0.01 } else { 1.0 };
             prop_assert!((b.centre_m - a.centre_m).norm() <= PEAK * SPEEDS.move_m_s * step_s * at_rest * 1.001 + 1e-12);
             for ((before, speed), (after, _)) in coordinates(&a).into_iter().zip(coordinates(&b)) {
@@ -67,9 +67,9 @@ proptest! {
     }
 
     #[test]
-    fn every_coordinate_goes_one_way(from in any_frame(), to in any_frame()) {
+    fn every_coordinate_is_monotonic(from in any_frame(), to in any_frame()) {
         let path = Path::free(from, to, &SPEEDS);
-        let rows: Vec<_> = (0..=100).map(|i| coordinates(&path.at(path.duration_s() * f64::from(i) / 100.0))).collect();
+        let rows: Vec<_> = (0..=100).map(|i| coordinates(&path.pose_at(path.duration_s() * f64::from(i) / 100.0))).collect();
         for c in 0..8 {
             let upwards = rows[100][c].0 >= rows[0][c].0;
             for pair in rows.windows(2) {
@@ -82,14 +82,14 @@ proptest! {
 
     /// Obstacles below the higher end of the path are not touched.
     #[test]
-    fn a_path_over_crosses_at_the_height_of_its_higher_end(from in any_frame(), to in any_frame()) {
-        let path = Path::over(from, to, &SPEEDS);
-        prop_assert_eq!((path.at(0.0), path.at(path.duration_s()), *path.end()), (from, to, to));
+    fn path_over_obstacles_crosses_at_higher_end(from in any_frame(), to in any_frame()) {
+        let path = Path::over_obstacles(from, to, &SPEEDS);
+        prop_assert_eq!((path.pose_at(0.0), path.pose_at(path.duration_s()), *path.end()), (from, to, to));
         let highest_m = from.centre_m.z.max(to.centre_m.z);
-        let across_m = |a: &GraspFrame, b: &GraspFrame| (a.centre_m - b.centre_m).xy().norm();
+        let across_m = |a: &GraspPose, b: &GraspPose| (a.centre_m - b.centre_m).xy().norm();
         let step_s = path.duration_s() / 400.0;
         for i in 0..400 {
-            let (a, b) = (path.at(f64::from(i) * step_s), path.at(f64::from(i + 1) * step_s));
+            let (a, b) = (path.pose_at(f64::from(i) * step_s), path.pose_at(f64::from(i + 1) * step_s));
             prop_assert!((b.centre_m - a.centre_m).norm() <= PEAK * SPEEDS.move_m_s * step_s * 1.001 + 1e-12);
             let stands_over = across_m(&b, &from).min(across_m(&b, &to)) < 1e-12;
             prop_assert!(stands_over || b.centre_m.z > highest_m - 0.001, "{} m below", highest_m - b.centre_m.z);
@@ -97,50 +97,50 @@ proptest! {
     }
 
     #[test]
-    fn a_gripping_path_leaves_the_fingers_alone(from in any_frame(), to in any_frame()) {
+    fn gripping_path_keeps_the_opening(from in any_frame(), to in any_frame()) {
         let path = Path::gripping(from, to, &SPEEDS);
         prop_assert!(!path.moves_fingers() && Path::free(from, to, &SPEEDS).moves_fingers());
-        prop_assert_eq!(path.at(path.duration_s() / 3.0).half_opening_m, from.half_opening_m);
+        prop_assert_eq!(path.pose_at(path.duration_s() / 3.0).half_opening_m, from.half_opening_m);
         prop_assert_eq!(path.end().centre_m, to.centre_m);
     }
 
     /// The chosen yaw gives an equivalent grasp, needs at most a quarter turn of the wrist, and
     /// does not wind up.
     #[test]
-    fn the_reachable_yaw_is_an_equivalent_one(
+    fn reachable_yaw_is_equivalent(
         yaw_rad in -6.3..6.3, from_yaw_rad in -1.5..1.5, x in 0.22..0.4, y in -0.3..0.06, from_y in -0.3..0.06,
     ) {
-        let hand = robot().hand(Side::Right);
+        let hand = robot().hand(HandSide::Right);
         let centre_m = Vector3::new(x, y, 0.1);
         let from_m = Vector3::new(0.3, from_y, 0.1);
         let from_yaw_rad = hand.closing_yaw_rad(&from_m, from_yaw_rad);
-        let from = GraspFrame::from_above(from_m, from_yaw_rad, 0.05);
+        let from = GraspPose::from_above(from_m, from_yaw_rad, 0.05);
         let chosen_rad = reachable_yaw_rad(hand, &from, &centre_m, yaw_rad);
         let half_turns = (chosen_rad - yaw_rad) / std::f64::consts::PI;
         prop_assert!((half_turns - half_turns.round()).abs() < 1e-9);
         let roll_rad = |yaw_rad: f64, at_m: &Vector3<f64>| hand.bearing_rad(at_m) + std::f64::consts::FRAC_PI_2 - yaw_rad;
         let turn_rad = roll_rad(chosen_rad, &centre_m) - roll_rad(from_yaw_rad, &from_m);
-        prop_assert!(turn_rad.abs() <= std::f64::consts::PI + 1e-9, "the wrist turns by {turn_rad}");
+        prop_assert!(turn_rad.abs() <= std::f64::consts::PI + 1e-9, "wrist rotation {turn_rad} rad");
     }
 }
 
 #[test]
-fn the_duration_is_what_the_slowest_coordinate_needs() {
-    let from = GraspFrame::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
-    let far = GraspFrame {
+fn slowest_coordinate_determines_the_duration() {
+    let from = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+    let far = GraspPose {
         centre_m: Vector3::new(0.3, 0.24, 0.1),
         ..from
     };
-    let turned = GraspFrame {
+    let turned = GraspPose {
         closing_yaw_rad: -1.6,
         ..from
     };
-    let open = GraspFrame {
+    let open = GraspPose {
         half_opening_m: [0.05, 0.025],
         ..from
     };
     for (to, duration_s) in [(from, 0.05), (far, 2.0), (turned, 2.0), (open, 0.5)] {
         assert!((Path::free(from, to, &SPEEDS).duration_s() - duration_s).abs() < 1e-12);
     }
-    assert_eq!(Path::stay(from).at(0.0), from);
+    assert_eq!(Path::stationary(from).pose_at(0.0), from);
 }

@@ -2,11 +2,11 @@
 
 use crate::support::{MS_NS, dome, frame, press, robot, spread};
 use atas_core::intake::FrameIntake;
-use atas_core::perception::{FingerPercept, Perception};
+use atas_core::perception::{ContactPercept, Perception};
 use atas_core::settings::Settings;
-use atas_core::{HandWiring, Tick};
+use atas_core::{HandSensorSetup, Tick};
 use nalgebra::Vector3;
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_schemas::{Hand, HandFrame, Layout};
 
 /// Half angle of a contact over the whole fingertip, degrees.
@@ -26,14 +26,14 @@ struct Skin {
 
 impl Skin {
     fn new() -> Self {
-        Self::of(HandWiring::default())
+        Self::of(HandSensorSetup::default())
     }
 
-    fn of(wiring: HandWiring) -> Self {
+    fn of(wiring: HandSensorSetup) -> Self {
         Self {
             slides: false,
             intake: FrameIntake::new(Hand::LEFT, &wiring),
-            perception: Perception::new(&wiring, robot().hand(Side::Right)),
+            perception: Perception::new(&wiring, robot().hand(HandSide::Right)),
             settings: Settings::default(),
             sequence: 0,
             now_ns: 1_000 * MS_NS,
@@ -41,9 +41,9 @@ impl Skin {
     }
 
     fn of_layout(layout: &Layout) -> Self {
-        Self::of(HandWiring {
+        Self::of(HandSensorSetup {
             layout: *layout,
-            ..HandWiring::default()
+            ..HandSensorSetup::default()
         })
     }
 
@@ -58,13 +58,13 @@ impl Skin {
         &mut self,
         after_ns: u64,
         force_n: impl Fn(Vector3<f64>) -> Vector3<f64>,
-    ) -> FingerPercept {
+    ) -> ContactPercept {
         self.now_ns += after_ns;
         let mut frame = frame(Hand::LEFT, self.sequence, self.now_ns);
         self.sequence += 1;
         press(&mut frame, 0, force_n);
         self.take(&frame);
-        self.perception.percept().fingers[0]
+        self.perception.percept().fingertips[0]
     }
 
     /// Advances by 1 ms with a frame of a skin with this layout; fingertip 0 has this force per
@@ -73,7 +73,7 @@ impl Skin {
         &mut self,
         layout: &Layout,
         felt_n: impl Fn(usize) -> [f32; 3],
-    ) -> FingerPercept {
+    ) -> ContactPercept {
         self.now_ns += MS_NS;
         let mut frame = frame(Hand::LEFT, self.sequence, self.now_ns);
         self.sequence += 1;
@@ -83,7 +83,7 @@ impl Skin {
         elements.for_each(|(element, force_n)| *force_n = felt_n(element));
         frame.seal();
         self.take(&frame);
-        self.perception.percept().fingers[0]
+        self.perception.percept().fingertips[0]
     }
 
     fn take(&mut self, frame: &HandFrame) {
@@ -95,16 +95,16 @@ impl Skin {
         self.perception.begin();
         let checked = self
             .intake
-            .check(frame, tick, &self.settings.intake)
+            .validate(frame, tick, &self.settings.intake)
             .unwrap();
         self.perception
             .update(&checked, self.slides, &self.settings.perception);
     }
 
     /// Constant total force on a round contact at the pole, for frames of 1 ms.
-    fn hold(&mut self, frames: u64, force_n: Vector3<f64>) -> FingerPercept {
+    fn hold(&mut self, frames: u64, force_n: Vector3<f64>) -> ContactPercept {
         let share = spread(Vector3::z(), NARROW);
-        let mut percept = FingerPercept::default();
+        let mut percept = ContactPercept::default();
         for _ in 0..frames {
             percept = self.feel(MS_NS, |d| force_n * share(d));
         }
@@ -115,12 +115,12 @@ impl Skin {
 /// On flat and cylindrical faces and single elements, uniform shear does not imply slip. After an
 /// observed slip its force ratio is the friction.
 #[test]
-fn a_face_that_is_not_round_both_ways_knows_friction_only_from_slides() {
+fn flat_face_learns_friction_only_from_slip() {
     for name in ["dome-1", "pad-16", "flat-4x4-4.5", "cylinder-4x4-4.5-12"] {
-        let layout = Layout::named(name).expect("a layout");
+        let layout = Layout::from_name(name).expect("a known layout");
         let mut skin = Skin::of_layout(&layout);
         let hold = |skin: &mut Skin, tangential_n: f32| {
-            let mut percept = FingerPercept::default();
+            let mut percept = ContactPercept::default();
             for _ in 0..400 {
                 let share = 1.0 / layout.count as f32;
                 let noise_n = ((skin.sequence + 1) % 7) as f32 * 1e-5;
@@ -131,7 +131,7 @@ fn a_face_that_is_not_round_both_ways_knows_friction_only_from_slides() {
         };
         let loaded = hold(&mut skin, 0.8);
         assert!(
-            !loaded.shows_slip && loaded.tangential_n > 0.7,
+            !loaded.shows_incipient_slip && loaded.tangential_n > 0.7,
             "{name}: {loaded:?}"
         );
         assert_eq!((loaded.utilisation, loaded.friction), (0.0, 0.0), "{name}");
@@ -152,68 +152,71 @@ fn tilted(degrees: f64, towards_rad: f64) -> Vector3<f64> {
 /// The fingertip's geometry must not leak into F_t: along the fingertip axis these forces would
 /// have F_t = 0.36 F_n.
 #[test]
-fn a_pure_normal_force_off_the_pole_has_no_tangential_part() {
+fn normal_force_off_pole_has_no_tangential_part() {
     for towards_rad in [0.0, 0.8, 2.0, 3.9, 5.5] {
         for degrees in [0.0, 10.0, 20.0] {
             let centre = tilted(degrees, towards_rad);
             let share = spread(centre, NARROW);
-            let felt = Skin::unfiltered().feel(MS_NS, |d| -centre * (3.0 * share(d)));
+            let measured = Skin::unfiltered().feel(MS_NS, |d| -centre * (3.0 * share(d)));
             assert!(
-                (felt.normal_n - 3.0).abs() < 0.03,
-                "{degrees}° {towards_rad} rad: {felt:?}"
+                (measured.normal_n - 3.0).abs() < 0.03,
+                "{degrees}° {towards_rad} rad: {measured:?}"
             );
             assert!(
-                felt.tangential_n < 0.05 * 3.0,
-                "{degrees}° {towards_rad} rad: {felt:?}"
+                measured.tangential_n < 0.05 * 3.0,
+                "{degrees}° {towards_rad} rad: {measured:?}"
             );
             assert!(
-                felt.patch_normal.dot(&centre) > 3_f64.to_radians().cos(),
-                "{felt:?}"
+                measured.patch_normal.dot(&centre) > 3_f64.to_radians().cos(),
+                "{measured:?}"
             );
-            assert!((felt.force_tip_n + centre * 3.0).norm() < 1e-5, "{felt:?}");
+            assert!(
+                (measured.force_tip_n + centre * 3.0).norm() < 1e-5,
+                "{measured:?}"
+            );
         }
     }
 }
 
 #[test]
-fn shear_is_tangential_force() {
+fn shear_is_reported_as_tangential_force() {
     for centre in [Vector3::z(), tilted(15.0, 1.0)] {
         let share = spread(centre, NARROW);
         let across = centre.cross(&Vector3::x()).normalize();
-        let felt = Skin::unfiltered().feel(MS_NS, |d| (across * 0.8 - centre * 2.0) * share(d));
-        assert!((felt.normal_n - 2.0).abs() < 0.1, "{felt:?}");
-        assert!((felt.tangential_n - 0.8).abs() < 0.1, "{felt:?}");
+        let measured = Skin::unfiltered().feel(MS_NS, |d| (across * 0.8 - centre * 2.0) * share(d));
+        assert!((measured.normal_n - 2.0).abs() < 0.1, "{measured:?}");
+        assert!((measured.tangential_n - 0.8).abs() < 0.1, "{measured:?}");
     }
 }
 
 #[test]
-fn a_patch_too_weak_to_tell_looks_along_the_dome_axis() {
+fn weak_patch_uses_the_fingertip_axis() {
     let share = spread(tilted(20.0, 0.0), NARROW);
-    let felt = Skin::unfiltered().feel(MS_NS, |d| -d * (0.05 * share(d)));
-    assert_eq!(felt.patch_normal, Vector3::z());
+    let measured = Skin::unfiltered().feel(MS_NS, |d| -d * (0.05 * share(d)));
+    assert_eq!(measured.patch_normal, Vector3::z());
 }
 
 /// 63 % after one time constant of sensor time, at any frame rate.
 #[test]
-fn the_filter_counts_sensor_time() {
+fn low_pass_uses_sensor_time() {
     for (step_ns, frames) in [(MS_NS / 4, 20), (MS_NS, 5)] {
         let mut skin = Skin::new();
         let share = spread(Vector3::z(), NARROW);
         skin.feel(step_ns, |_| Vector3::zeros());
-        let mut felt = FingerPercept::default();
+        let mut measured = ContactPercept::default();
         for _ in 0..frames {
-            felt = skin.feel(step_ns, |d| -Vector3::z() * share(d));
+            measured = skin.feel(step_ns, |d| -Vector3::z() * share(d));
         }
         assert!(
-            (felt.normal_n - 0.62).abs() < 0.03,
+            (measured.normal_n - 0.62).abs() < 0.03,
             "{step_ns} ns: {}",
-            felt.normal_n
+            measured.normal_n
         );
     }
 }
 
 #[test]
-fn touch_has_hysteresis() {
+fn contact_has_hysteresis() {
     let mut skin = Skin::unfiltered();
     for (normal_n, in_contact, touches) in [
         (0.0, false, 0),
@@ -227,9 +230,9 @@ fn touch_has_hysteresis() {
         (0.065, true, 2),
         (-1.0, false, 2),
     ] {
-        let felt = skin.hold(1, Vector3::z() * -normal_n);
+        let measured = skin.hold(1, Vector3::z() * -normal_n);
         assert_eq!(
-            (felt.in_contact, felt.touches),
+            (measured.in_contact, measured.touches),
             (in_contact, touches),
             "at {normal_n} N"
         );
@@ -237,46 +240,46 @@ fn touch_has_hysteresis() {
 }
 
 #[test]
-fn bias_takes_the_present_reading_as_zero() {
+fn bias_zeroes_the_present_reading() {
     let mut skin = Skin::new();
     let offset_n = Vector3::new(0.2, -0.1, -0.5);
     assert!(skin.hold(100, offset_n).in_contact);
     skin.perception.bias();
-    let felt = skin.hold(100, offset_n);
+    let measured = skin.hold(100, offset_n);
     assert!(
-        felt.normal_n.abs() < 1e-3 && felt.tangential_n < 2e-3 && !felt.in_contact,
-        "{felt:?}"
+        measured.normal_n.abs() < 1e-3 && measured.tangential_n < 2e-3 && !measured.in_contact,
+        "{measured:?}"
     );
-    let felt = skin.hold(100, offset_n - Vector3::z());
-    assert!((felt.normal_n - 1.0).abs() < 1e-2, "{felt:?}");
+    let measured = skin.hold(100, offset_n - Vector3::z());
+    assert!((measured.normal_n - 1.0).abs() < 1e-2, "{measured:?}");
 }
 
 /// Force at 2 N/s: the increment over the 100 ms window is 0.2 N, from a fast and from a slow
 /// sensor.
 #[test]
-fn the_increment_spans_its_window_at_any_rate() {
+fn increment_spans_its_window_at_any_rate() {
     for step_ns in [MS_NS / 4, MS_NS, 10 * MS_NS, 33 * MS_NS] {
         let mut skin = Skin::unfiltered();
         let share = spread(Vector3::z(), NARROW);
         let mut time_s = 0.0;
-        let mut felt = FingerPercept::default();
+        let mut measured = ContactPercept::default();
         while time_s < 0.5 {
             time_s += step_ns as f64 * 1e-9;
-            felt = skin.feel(step_ns, |d| {
+            measured = skin.feel(step_ns, |d| {
                 Vector3::new(2.0 * time_s, 0.0, -3.0) * share(d)
             });
         }
         let within = 0.2 * (1.0 - 1e-9 * step_ns as f64 / 0.1) - 0.01..0.205;
         assert!(
-            within.contains(&felt.increment_n),
+            within.contains(&measured.increment_n),
             "{step_ns} ns: {}",
-            felt.increment_n
+            measured.increment_n
         );
     }
 }
 
 #[test]
-fn a_step_shows_for_one_window_and_a_steady_force_not_at_all() {
+fn force_step_shows_for_one_window() {
     let mut skin = Skin::unfiltered();
     let steady = skin.hold(300, Vector3::new(0.5, 0.0, -3.0));
     assert!(steady.increment_n < 1e-3, "{}", steady.increment_n);
@@ -294,13 +297,13 @@ fn a_step_shows_for_one_window_and_a_steady_force_not_at_all() {
 /// A tick without a frame changes nothing: differences of held samples would spike at every new
 /// frame.
 #[test]
-fn held_samples_are_not_felt_twice() {
+fn held_samples_count_once() {
     let mut skin = Skin::unfiltered();
     skin.hold(50, Vector3::new(0.3, 0.0, -1.0));
     let before = *skin.perception.percept();
     assert!(before.step_s > 0.0);
     skin.perception.begin();
-    assert_eq!(skin.perception.percept().fingers, before.fingers);
+    assert_eq!(skin.perception.percept().fingertips, before.fingertips);
     assert_eq!(skin.perception.percept().step_s, 0.0);
 }
 
@@ -328,11 +331,11 @@ fn utilisation_rises_to_one_in_gross_slip() {
         .fold(0.0, f64::max);
     let mut seen = Vec::new();
     for step in 1..=30 {
-        let mut felt = FingerPercept::default();
+        let mut measured = ContactPercept::default();
         for _ in 0..40 {
-            felt = skin.feel(MS_NS, sheared(largest * f64::from(step) / 20.0));
+            measured = skin.feel(MS_NS, sheared(largest * f64::from(step) / 20.0));
         }
-        seen.push(felt);
+        seen.push(measured);
     }
     // Low utilisation half way; from step 20 all elements slip.
     assert!(seen[7].utilisation < 0.9, "{:?}", seen[7]);
@@ -353,16 +356,16 @@ fn utilisation_rises_to_one_in_gross_slip() {
 /// After a slip that sticks again at less shear, the patch stays uniformly sheared; only the force
 /// ratio shows the stick.
 #[test]
-fn gross_slip_is_over_when_what_slid_bears_less_for_its_pressing() {
+fn gross_slip_ends_when_friction_ratio_falls() {
     let slide = |skin: &mut Skin, friction: f64| {
         let share = spread(Vector3::z(), WIDE);
-        let mut felt = FingerPercept::default();
+        let mut measured = ContactPercept::default();
         for _ in 0..200 {
-            felt = skin.feel(MS_NS, |d| {
+            measured = skin.feel(MS_NS, |d| {
                 Vector3::new(friction, 0.0, -1.0) * (4.0 * share(d))
             });
         }
-        felt
+        measured
     };
     let mut skin = Skin::unfiltered();
     for (friction, slips) in [
@@ -372,51 +375,66 @@ fn gross_slip_is_over_when_what_slid_bears_less_for_its_pressing() {
         (0.5, true),
         (0.6, true),
     ] {
-        let felt = slide(&mut skin, friction);
-        assert!(felt.utilisation_now > 0.955, "{friction}: {felt:?}");
-        assert_eq!(felt.gross_slip_s > 0.0, slips, "{friction}: {felt:?}");
+        let measured = slide(&mut skin, friction);
+        assert!(measured.utilisation_now > 0.955, "{friction}: {measured:?}");
+        assert_eq!(
+            measured.gross_slip_s > 0.0,
+            slips,
+            "{friction}: {measured:?}"
+        );
     }
 }
 
 #[test]
-fn letting_go_forgets_the_friction() {
+fn release_resets_the_friction() {
     let mut skin = Skin::unfiltered();
     assert!(skin.hold(200, Vector3::new(1.0, 0.0, -2.0)).friction > 0.3);
-    let felt = skin.hold(10, Vector3::zeros());
+    let measured = skin.hold(10, Vector3::zeros());
     assert_eq!(
-        (felt.friction, felt.utilisation, felt.gross_slip_s),
+        (
+            measured.friction,
+            measured.utilisation,
+            measured.gross_slip_s
+        ),
         (0.0, 0.0, 0.0)
     );
 }
 
 #[test]
-fn no_contact_means_no_utilisation() {
-    let felt = Skin::new().hold(100, Vector3::zeros());
+fn no_contact_gives_no_utilisation() {
+    let measured = Skin::new().hold(100, Vector3::zeros());
     assert_eq!(
-        (felt.utilisation, felt.utilisation_now, felt.in_contact),
+        (
+            measured.utilisation,
+            measured.utilisation_now,
+            measured.in_contact
+        ),
         (0.0, 0.0, false)
     );
 }
 
 /// Pressure distribution over a flat face, and the share in contact.
 #[test]
-fn how_evenly_a_flat_face_presses_tells_how_much_of_it_does() {
-    let layout = Layout::named("flat-4x4-4.5").expect("a layout");
+fn pressure_distribution_gives_contact_share() {
+    let layout = Layout::from_name("flat-4x4-4.5").expect("a layout");
     for (name, weights, expected) in [
         ("even", [1.0, 1.0, 1.0, 1.0], 1.0),
-        ("all of it, more at one edge", [1.0, 2.0, 3.0, 4.0], 1.0),
-        ("a wedge over three rows", [5.0, 3.0, 1.0, 0.0], 0.77),
-        ("a wedge over two rows", [3.0, 1.0, 0.0, 0.0], 0.53),
+        ("whole face, more at one edge", [1.0, 2.0, 3.0, 4.0], 1.0),
+        ("wedge over three rows", [5.0, 3.0, 1.0, 0.0], 0.77),
+        ("wedge over two rows", [3.0, 1.0, 0.0, 0.0], 0.53),
         ("one row", [1.0, 0.0, 0.0, 0.0], 0.33),
     ] {
         let mut skin = Skin::of_layout(&layout);
         let row_n = weights.map(|weight: f32| weight / 10.0);
         let mut feel = || skin.feel_elements(&layout, |element| [row_n[element / 4], 0.0, 0.0]);
-        let share = (0..100).map(|_| feel().pressed_share).last().unwrap();
+        let share = (0..100).map(|_| feel().loaded_share).last().unwrap();
         assert!((share - expected).abs() < 0.01, "{name}: {share}");
     }
     let share = Skin::new()
         .hold(100, Vector3::new(0.0, 0.0, -1.0))
-        .pressed_share;
-    assert_eq!(share, 1.0, "a dome's compression has its contact in it");
+        .loaded_share;
+    assert_eq!(
+        share, 1.0,
+        "a dome's compression model includes its contact area"
+    );
 }

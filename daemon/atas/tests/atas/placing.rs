@@ -1,8 +1,8 @@
 //! Modules 0' and 4 of pick and place.
 
-use crate::bench::{Bench, finger, path, percept, pressed};
+use crate::bench::{Bench, fingertip, path, percept, pressed};
 use atas_core::modules::Verdict;
-use atas_core::perception::{FingerPercept, Percept};
+use atas_core::perception::{ContactPercept, Percept};
 use nalgebra::Vector3;
 use shm_schemas::ModuleId;
 
@@ -18,15 +18,15 @@ fn lowering(id: ModuleId) -> Bench {
 /// Percept of an object whose load both sides share, N.
 fn hanging(load_n: f64) -> Percept {
     percept(
-        [FingerPercept {
+        [ContactPercept {
             force_tip_n: Vector3::new(0.0, 0.0, -load_n / 2.0),
-            ..finger(3.0)
+            ..fingertip(3.0)
         }; 2],
     )
 }
 
 #[test]
-fn the_load_must_rise_by_enough_and_for_long_enough() {
+fn support_requires_rise_and_duration() {
     let check = |load_n: f64, rise_n: f64, frames: usize, expected: Verdict| {
         let mut bench = lowering(ModuleId::RELEASE_PLACED);
         bench.evaluate_for(1000, &hanging(load_n));
@@ -44,7 +44,7 @@ fn the_load_must_rise_by_enough_and_for_long_enough() {
 }
 
 #[test]
-fn nothing_is_concluded_while_the_descent_settles_or_elsewhere() {
+fn support_is_ignored_during_settling_and_elsewhere() {
     let mut bench = lowering(ModuleId::RELEASE_PLACED);
     bench.evaluate(&hanging(2.0));
     assert_eq!(
@@ -60,10 +60,10 @@ fn nothing_is_concluded_while_the_descent_settles_or_elsewhere() {
 }
 
 #[test]
-fn what_swings_after_a_stop_is_waited_for_and_neither_heard_nor_learnt() {
+fn oscillation_after_stop_is_ignored() {
     let mut bench = lowering(ModuleId::RELEASE_PLACED);
     bench.evaluate_for(1000, &hanging(2.0));
-    bench.modules.halt();
+    bench.modules.stop();
     let waits = bench.evaluate_for(150, &hanging(1.0));
     assert_eq!((waits.verdict, waits.carry_ceiling), (Verdict::None, 0.0));
     // The oscillation did not change the weight reference: a lasting support is detected at once.
@@ -72,7 +72,7 @@ fn what_swings_after_a_stop_is_waited_for_and_neither_heard_nor_learnt() {
 }
 
 #[test]
-fn a_held_sample_counts_once() {
+fn held_samples_count_once() {
     let mut bench = lowering(ModuleId::RELEASE_PLACED);
     bench.evaluate_for(1000, &hanging(2.0));
     let held = Percept {
@@ -83,12 +83,12 @@ fn a_held_sample_counts_once() {
 }
 
 #[test]
-fn conveys_along_the_path_and_then_lowers_to_its_bound() {
+fn transfer_conveys_then_lowers_to_search_depth() {
     let mut bench = lowering(ModuleId::TRANSFER);
     let over_m = path().end().centre_m.z;
     let height_m = |bench: &mut Bench, ticks| {
         let carried = bench.evaluate_for(ticks, &pressed(3.0)).pose.unwrap();
-        (carried.frame.centre_m.z, carried.arrived)
+        (carried.pose.centre_m.z, carried.arrived)
     };
     let conveyed = (path().duration_s() * 1e3) as usize;
     let (start_m, _) = height_m(&mut bench, conveyed + 200);

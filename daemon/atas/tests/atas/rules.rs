@@ -2,30 +2,33 @@
 
 use atas_core::modules::Selection;
 use atas_core::tasks::{
-    BUILT_IN, Fault, GRASP, Motion, Name, PICK_PLACE, Part, Rule, SCREW, STEPS_MAX, Step, Task,
-    Transition, Waypoint,
+    BUILT_IN, GRASP, Motion, Name, PICK_PLACE, Part, Rule, RuleViolation, SCREW, STEPS_MAX, Step,
+    Task, Transition, Waypoint,
 };
 use shm_schemas::ModuleId;
 
 type Change = fn(&mut Vec<Step>);
 
-fn fault(task: &Task, change: Change) -> Result<Task, Fault> {
+fn fault(task: &Task, change: Change) -> Result<Task, RuleViolation> {
     let mut acting = task.acting.to_vec();
     change(&mut acting);
-    Task::checked("own", &acting, None)
+    Task::validated("own", &acting, None)
 }
 
 fn modules(ids: &[ModuleId]) -> Selection {
-    Selection::of(ids)
+    Selection::from_modules(ids)
 }
 
 #[test]
 fn built_in_tasks_keep_every_rule() {
     for task in BUILT_IN {
-        let checked = Task::checked("own", &task.acting, task.helping.as_deref());
-        if task.name == "follow" || task.name == "follow-both" {
+        let checked = Task::validated("own", &task.acting, task.helping.as_deref());
+        if task.name == "teleop" || task.name == "teleop-both" {
             // Teleoperation steps are not allowed in a user's task.
-            assert_eq!(checked.map_err(|fault| fault.rule), Err(Rule::OnlyLed));
+            assert_eq!(
+                checked.map_err(|fault| fault.rule),
+                Err(Rule::OnlyTeleoperated)
+            );
             continue;
         }
         let own = checked.unwrap_or_else(|fault| panic!("{}: {fault:?}", task.name));
@@ -34,9 +37,9 @@ fn built_in_tasks_keep_every_rule() {
 }
 
 #[test]
-fn names_are_plain_and_not_taken() {
+fn task_names_are_plain_and_unique() {
     let check = |name: &str, rule: Option<Rule>| {
-        let checked = Task::checked(name, &GRASP.acting, None);
+        let checked = Task::validated(name, &GRASP.acting, None);
         assert_eq!(checked.err().map(|fault| fault.rule), rule, "{name:?}");
     };
     check("own", None);
@@ -58,9 +61,9 @@ fn names_are_plain_and_not_taken() {
 }
 
 #[test]
-fn every_broken_rule_is_named_with_its_step() {
+fn every_violation_names_rule_and_step() {
     let check = |task: &Task, change: Change, step: usize, rule: Rule| {
-        let expected = Fault {
+        let expected = RuleViolation {
             part: Part::Acting,
             step: Some(step),
             rule,
@@ -98,7 +101,7 @@ fn every_broken_rule_is_named_with_its_step() {
     );
     check(
         &GRASP,
-        |s| s[2].modules = s[2].modules.and(modules(&[ModuleId::CARRY])),
+        |s| s[2].modules = s[2].modules.union(modules(&[ModuleId::CARRY])),
         2,
         Rule::WrongMover(ModuleId::CARRY),
     );
@@ -174,26 +177,26 @@ fn every_broken_rule_is_named_with_its_step() {
             s[5].motion = Motion::Reach(Waypoint::Home);
         },
         5,
-        Rule::LetsGo,
+        Rule::ReleasesObject,
     );
     check(
         &GRASP,
         |s| s[0].motion = Motion::Withdraw,
         0,
-        Rule::OnlyInRetreat,
+        Rule::OnlyInRecovery,
     );
     check(
         &GRASP,
         |s| s[6].transition = Transition::Met(1),
         6,
-        Rule::Alone,
+        Rule::NoOtherHand,
     );
 }
 
 #[test]
-fn tracks_are_neither_empty_nor_too_long() {
+fn sequences_are_neither_empty_nor_too_long() {
     let rule = |steps: &[Step]| {
-        let fault = Task::checked("own", steps, None).unwrap_err();
+        let fault = Task::validated("own", steps, None).unwrap_err();
         (fault.step, fault.rule)
     };
     assert_eq!(rule(&[]), (None, Rule::NoSteps));
@@ -202,7 +205,7 @@ fn tracks_are_neither_empty_nor_too_long() {
 }
 
 #[test]
-fn hands_that_would_wait_for_ever_are_refused() {
+fn deadlocked_hands_are_rejected() {
     let track = |points: &[u8]| -> Vec<Step> {
         let meet = |point: &u8| {
             let until = Transition::Met(*point);
@@ -211,7 +214,7 @@ fn hands_that_would_wait_for_ever_are_refused() {
         points.iter().map(meet).chain([GRASP.acting[0]]).collect()
     };
     let check = |acting: &[u8], helping: &[u8], expected: Option<(Part, usize, Rule)>| {
-        let found = Task::checked("own", &track(acting), Some(&track(helping)));
+        let found = Task::validated("own", &track(acting), Some(&track(helping)));
         let found = found
             .err()
             .map(|fault| (fault.part, fault.step.unwrap(), fault.rule));
@@ -221,11 +224,11 @@ fn hands_that_would_wait_for_ever_are_refused() {
     check(&[1], &[1], None);
     check(&[1, 2], &[2], None);
     check(&[1, 3], &[2, 3], None);
-    check(&[1], &[], Some((Part::Acting, 0, Rule::NeverMet(1))));
-    check(&[], &[1, 2], Some((Part::Helping, 0, Rule::NeverMet(1))));
-    check(&[1, 2], &[1], Some((Part::Acting, 1, Rule::NeverMet(2))));
-    check(&[2], &[1, 3], Some((Part::Helping, 1, Rule::NeverMet(3))));
-    check(&[2, 1], &[2], Some((Part::Acting, 1, Rule::PointsCountUp)));
-    check(&[1, 1], &[1], Some((Part::Acting, 1, Rule::PointsCountUp)));
-    check(&[0], &[1], Some((Part::Acting, 0, Rule::PointsCountUp)));
+    check(&[1], &[], Some((Part::Acting, 0, Rule::Deadlock(1))));
+    check(&[], &[1, 2], Some((Part::Helping, 0, Rule::Deadlock(1))));
+    check(&[1, 2], &[1], Some((Part::Acting, 1, Rule::Deadlock(2))));
+    check(&[2], &[1, 3], Some((Part::Helping, 1, Rule::Deadlock(3))));
+    check(&[2, 1], &[2], Some((Part::Acting, 1, Rule::PointOrder)));
+    check(&[1, 1], &[1], Some((Part::Acting, 1, Rule::PointOrder)));
+    check(&[0], &[1], Some((Part::Acting, 0, Rule::PointOrder)));
 }

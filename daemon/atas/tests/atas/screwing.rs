@@ -1,8 +1,8 @@
 //! Modules 0 and 4 of cap screwing.
 
-use crate::bench::{Bench, finger, percept, pressed};
+use crate::bench::{Bench, fingertip, percept, pressed};
 use atas_core::modules::{Proposal, Verdict};
-use atas_core::perception::{FingerPercept, Percept};
+use atas_core::perception::{ContactPercept, Percept};
 use nalgebra::Vector3;
 use shm_schemas::ModuleId;
 
@@ -12,9 +12,9 @@ const TRAVEL_M: f64 = 0.007;
 /// Percept of a cap that resists clockwise rotation with this shear force per side, N; closing axis
 /// x.
 fn resisting(shear_n: f64) -> Percept {
-    let tip = |sign: f64| FingerPercept {
+    let tip = |sign: f64| ContactPercept {
         force_tip_n: Vector3::new(0.0, sign * shear_n, -3.0),
-        ..finger(3.0)
+        ..fingertip(3.0)
     };
     percept([tip(1.0), tip(-1.0)])
 }
@@ -44,7 +44,7 @@ fn turn(bench: &mut Bench, most_n: f64) -> Verdict {
 }
 
 #[test]
-fn screwing_ends_above_1_4_times_the_most_of_the_first_turn() {
+fn screwing_ends_above_1_4_times_first_maximum() {
     let check = |turns_n: &[f64], expected: Verdict| {
         let mut bench = Bench::new(ModuleId::TERMINATE_SCREW);
         let (last_n, before_n) = turns_n.split_last().unwrap();
@@ -64,7 +64,7 @@ fn square(bench: &mut Bench, ticks: usize, closing_m_s: f64) -> Vec<Proposal> {
     let run = |_| {
         let proposal = bench.evaluate(&pressed(2.0));
         let carried = proposal.pose.unwrap();
-        bench.frame = carried.frame;
+        bench.frame = carried.pose;
         bench.closing_m_s = [closing_m_s; 2];
         proposal
     };
@@ -72,18 +72,18 @@ fn square(bench: &mut Bench, ticks: usize, closing_m_s: f64) -> Vec<Proposal> {
 }
 
 fn ahead_m(proposal: &Proposal) -> f64 {
-    -proposal.pose.unwrap().frame.tangential_m[0]
+    -proposal.pose.unwrap().pose.tangential_m[0]
 }
 
 #[test]
-fn the_square_goes_round_and_round() {
+fn square_trajectory_repeats() {
     let mut bench = Bench::new(ModuleId::TRAJECTORY);
     let round = square(&mut bench, 20_000, 0.0);
     let turns = round
         .windows(2)
         .filter(|w| ahead_m(&w[0]) < 0.0 && ahead_m(&w[1]) >= 0.0);
     assert!((4..12).contains(&turns.count()));
-    let half_m = |p: &Proposal| p.pose.unwrap().frame.half_opening_m[0];
+    let half_m = |p: &Proposal| p.pose.unwrap().pose.half_opening_m[0];
     for pair in round.windows(2) {
         let turning = ahead_m(&pair[1]) > ahead_m(&pair[0]);
         let away_m = half_m(&pair[1]) - 0.025;
@@ -94,17 +94,17 @@ fn the_square_goes_round_and_round() {
             "returns clear of it"
         );
         let step_m = (ahead_m(&pair[1]) - ahead_m(&pair[0])).abs();
-        assert!(step_m <= 3.01e-5, "never faster than its edge allows");
+        assert!(step_m <= 3.01e-5, "within the speed limit of its edge");
     }
 }
 
 #[test]
-fn what_the_fingers_did_is_kept_for_the_next_turn() {
+fn opening_is_kept_for_the_next_turn() {
     let mut bench = Bench::new(ModuleId::TRAJECTORY);
     let mut round = square(&mut bench, 1000, 0.001);
     round.extend(square(&mut bench, 9000, 0.0));
     let inmost_m = |range: core::ops::Range<usize>| {
-        let half_m = |p: &Proposal| p.pose.unwrap().frame.half_opening_m[0];
+        let half_m = |p: &Proposal| p.pose.unwrap().pose.half_opening_m[0];
         round[range]
             .iter()
             .map(half_m)

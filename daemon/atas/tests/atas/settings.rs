@@ -15,7 +15,7 @@ fn defaults_are_within_their_ranges() {
 }
 
 #[test]
-fn the_table_is_unique_and_documented() {
+fn parameter_names_are_unique_and_documented() {
     let names: HashSet<_> = PARAMETERS.iter().map(|p| p.name).collect();
     assert_eq!(names.len(), PARAMETERS.len());
     for p in PARAMETERS {
@@ -36,7 +36,7 @@ fn nudged(p: &Parameter) -> f64 {
 }
 
 #[test]
-fn every_parameter_is_set_by_name_and_nothing_else_changes() {
+fn setting_a_parameter_changes_no_other() {
     for p in PARAMETERS {
         let mut settings = Settings::default();
         let value = nudged(p);
@@ -60,7 +60,7 @@ fn every_parameter_is_set_by_name_and_nothing_else_changes() {
 }
 
 #[test]
-fn bad_values_change_nothing() {
+fn invalid_values_have_no_effect() {
     for p in PARAMETERS {
         let mut settings = Settings::default();
         let (below, above) = (p.lower - 1e-3 - p.lower.abs(), p.upper * 1.01 + 1e-3);
@@ -102,7 +102,7 @@ fn bad_values_change_nothing() {
 }
 
 #[test]
-fn a_wrong_field_is_found_wherever_it_is() {
+fn check_finds_every_invalid_field() {
     let mut settings = Settings::default();
     settings.motion.open_m_s = f64::NAN;
     let error = settings.check().unwrap_err();
@@ -113,7 +113,7 @@ fn a_wrong_field_is_found_wherever_it_is() {
 }
 
 #[test]
-fn values_that_contradict_each_other_are_refused_until_the_other_is_changed() {
+fn contradicting_values_are_rejected() {
     let default = Settings::default();
     for (name, value, other, way_out) in [
         ("intake.hold_age_s", 0.2, "intake.reject_age_s", 0.3),
@@ -124,7 +124,7 @@ fn values_that_contradict_each_other_are_refused_until_the_other_is_changed() {
             "perception.touch_off_n",
             0.01,
         ),
-        ("grasp.keep_n", 0.5, "grasp.f1_min_n", 0.6),
+        ("grasp.carry_min_n", 0.5, "grasp.f1_min_n", 0.6),
         ("grasp.f1_min_n", 1.5, "grasp.f1_max_n", 2.0),
         ("grasp.f2_min_n", 9.0, "grasp.f2_max_n", 10.0),
         ("grasp.f2_max_n", 20.0, "safety.grip_ceiling_n", 30.0),
@@ -146,7 +146,8 @@ fn values_that_contradict_each_other_are_refused_until_the_other_is_changed() {
     settings.grasp.f2_min_n = 9.0;
     assert_eq!(
         settings.check().unwrap_err().to_string(),
-        "grasp.f2_min_n is 9 and grasp.f2_max_n is 8, needs the first to be at most the second; change the other one first"
+        "grasp.f2_min_n is 9, needs at most grasp.f2_max_n, which is 8; change the other parameter \
+         first"
     );
 }
 

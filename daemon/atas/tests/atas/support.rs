@@ -1,7 +1,7 @@
 //! Builders of test inputs.
 
 use nalgebra::Vector3;
-use robot_model::{HandVector, RobotModel, RobotVector, Side};
+use robot_model::{HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::{Hand, HandFrame, JointState, Layout, Stamp};
 use std::sync::LazyLock;
 
@@ -29,13 +29,13 @@ pub(crate) fn dome() -> &'static (Layout, u64) {
 /// Home position of all joints, rad.
 pub(crate) fn home_rad() -> RobotVector {
     let mut home_rad = RobotVector::repeat(JOINTS, 0.0);
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         home_rad[robot().joint_range(side)].copy_from_slice(robot().hand(side).reference_rad());
     }
     home_rad
 }
 
-pub(crate) fn hand_of(q_rad: &RobotVector, side: Side) -> HandVector {
+pub(crate) fn hand_of(q_rad: &RobotVector, side: HandSide) -> HandVector {
     HandVector::from_slice(&q_rad[robot().joint_range(side)])
 }
 

@@ -3,10 +3,10 @@
 use atas_core::Settings;
 use atas_core::modules::IDS;
 use atas_core::tasks::{
-    ASSEMBLE, BACK_OUT, COME_AGAIN, FOLLOW, GRASP, Motion, Name, PICK_PLACE, RAISE, RELEASE, SCREW,
-    STAND, STAND_LED, Step, Transition, WITHDRAW, Waypoint,
+    ASSEMBLE, GRASP, HOLD_AFTER_GOAL, HOLD_AFTER_TELEOP, Motion, Name, PICK_PLACE, PUT_BACK, RAISE,
+    REGRASP, RELEASE, SCREW, Step, TELEOP, Transition, WITHDRAW, Waypoint,
 };
-use atas_core::thresholds::{Bound, Thresholds};
+use atas_core::thresholds::{ForceLimitSource, Thresholds};
 use shm_schemas::{Cause, ModuleId};
 
 /// Modules that set the hand's pose.
@@ -14,7 +14,7 @@ const MOVERS: [ModuleId; 4] = [
     ModuleId::CARRY,
     ModuleId::TRANSFER,
     ModuleId::TRAJECTORY,
-    ModuleId::FOLLOW,
+    ModuleId::TELEOP,
 ];
 
 fn tracks() -> Vec<(&'static str, Vec<Step>)> {
@@ -23,15 +23,15 @@ fn tracks() -> Vec<(&'static str, Vec<Step>)> {
         ("pick and place", PICK_PLACE.acting.to_vec()),
         ("screw", SCREW.acting.to_vec()),
         ("assemble", ASSEMBLE.acting.to_vec()),
-        ("help to assemble", ASSEMBLE.helping.unwrap().to_vec()),
+        ("assist in assembly", ASSEMBLE.helping.unwrap().to_vec()),
         ("release", RELEASE.acting.to_vec()),
-        ("back out", BACK_OUT.to_vec()),
-        ("come again", COME_AGAIN.to_vec()),
+        ("withdrawal", PUT_BACK.to_vec()),
+        ("second approach", REGRASP.to_vec()),
         ("raise", RAISE.to_vec()),
         ("withdraw", WITHDRAW.to_vec()),
-        ("stand", STAND.to_vec()),
-        ("follow", FOLLOW.acting.to_vec()),
-        ("stand, led until then", STAND_LED.to_vec()),
+        ("stand", HOLD_AFTER_GOAL.to_vec()),
+        ("teleop", TELEOP.acting.to_vec()),
+        ("stand, teleoperated before", HOLD_AFTER_TELEOP.to_vec()),
     ]
 }
 
@@ -42,12 +42,12 @@ fn modules_of(step: &Step) -> Vec<ModuleId> {
 }
 
 #[test]
-fn every_task_can_be_followed_to_its_end() {
+fn every_task_can_be_completed() {
     for (task, steps) in tracks() {
         for step in steps {
             assert!(
                 !step.name.is_empty() && step.name.len() < Name::MAX,
-                "{task}: is the name cut?"
+                "{task}: truncated name"
             );
             assert!(step.timeout_s > 0.0);
             let has = |id| step.modules.contains(id);
@@ -55,7 +55,7 @@ fn every_task_can_be_followed_to_its_end() {
             assert_eq!(
                 usize::from(step.motion != Motion::Stay),
                 movers,
-                "{task}, {}: who moves must carry, and only one may",
+                "{task}, {}: a moving step needs exactly one mover, a still one none",
                 step.name
             );
             match step.transition {
@@ -76,8 +76,8 @@ fn every_task_can_be_followed_to_its_end() {
                 }
                 Transition::Met(_)
                 | Transition::Held
-                | Transition::GripWanted
-                | Transition::OpeningWanted => {
+                | Transition::GripRequested
+                | Transition::OpeningRequested => {
                     assert!(step.timeout_s.is_infinite(), "{task}, {}", step.name)
                 }
             }
@@ -102,7 +102,7 @@ fn the_grasp_consists_of_modules_1_2_and_3() {
         ]
     );
     assert_eq!(
-        BACK_OUT[0].motion,
+        PUT_BACK[0].motion,
         Motion::Carry(Waypoint::Source),
         "a refused object is set down before the hand opens"
     );
@@ -129,7 +129,7 @@ fn placing_consists_of_modules_0_1_2_3_and_4() {
 
 /// A waiting hand needs the other to reach the same or a later meeting point.
 #[test]
-fn both_hands_come_to_the_last_meeting_point() {
+fn both_hands_reach_the_last_meeting_point() {
     let points = |steps: &[Step]| -> Vec<u8> {
         let point = |step: &Step| match step.transition {
             Transition::Met(point) => Some(point),
@@ -144,7 +144,7 @@ fn both_hands_come_to_the_last_meeting_point() {
 }
 
 #[test]
-fn names_are_cut_at_a_character() {
+fn names_are_truncated_at_a_character_boundary() {
     let check = |text: &str, expected: &str| assert_eq!(Name::new(text), expected);
     check("", "");
     check("lift", "lift");
@@ -154,7 +154,7 @@ fn names_are_cut_at_a_character() {
 }
 
 #[test]
-fn thresholds_follow_the_stiffness() {
+fn thresholds_depend_on_stiffness() {
     let grasp = Settings::default().grasp;
     for (stiffness_n_m, f1_n, f2_n) in [
         (100.0, 0.35, 0.7),
@@ -170,13 +170,13 @@ fn thresholds_follow_the_stiffness() {
         );
     }
     assert_eq!(
-        Thresholds::unknown(&grasp),
+        Thresholds::for_unknown_object(&grasp),
         Thresholds::for_stiffness(0.0, &grasp)
     );
 }
 
 #[test]
-fn what_the_goal_allows_stands_for_what_stiffness_does() {
+fn goal_force_limit_replaces_f2() {
     let grasp = Settings::default().grasp;
     for (stiffness_n_m, told_n, f2_n, exceeded) in [
         (100.0, 0.0, 0.7, Cause::TOO_SOFT),
@@ -186,10 +186,11 @@ fn what_the_goal_allows_stands_for_what_stiffness_does() {
         (1e6, 50.0, 8.0, Cause::ABOVE_MAX_FORCE),
         (1e6, f64::NAN, 8.0, Cause::TOO_HEAVY),
     ] {
-        let thresholds = Thresholds::for_stiffness(stiffness_n_m, &grasp).told(told_n, &grasp);
-        let case = format!("{stiffness_n_m} N/m, told {told_n} N: {thresholds:?}");
+        let thresholds =
+            Thresholds::for_stiffness(stiffness_n_m, &grasp).with_force_limit(told_n, &grasp);
+        let case = format!("{stiffness_n_m} N/m, force limit {told_n} N: {thresholds:?}");
         assert_eq!(
-            (thresholds.f2_n, thresholds.exceeded()),
+            (thresholds.f2_n, thresholds.refusal_cause()),
             (f2_n, exceeded),
             "{case}"
         );
@@ -215,11 +216,11 @@ fn f1_stays_below_f2() {
         grasp.f1_max_n,
     ) = (50.0, 5.0, 3.0, 1.0);
     assert_eq!(
-        Thresholds::unknown(&grasp),
+        Thresholds::for_unknown_object(&grasp),
         Thresholds {
             f1_n: 1.0,
             f2_n: 5.0,
-            bound: Bound::Hand
+            source: ForceLimitSource::Hand
         }
     );
 }

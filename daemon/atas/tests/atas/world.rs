@@ -2,9 +2,9 @@
 //! object.
 
 use crate::support::{JOINTS, MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
-use atas_core::{Controller, Goal, Inputs, Order, Outputs, Settings, Tick, Wiring};
+use atas_core::{Controller, Goal, Inputs, OperatorRequest, Outputs, SensorSetup, Settings, Tick};
 use nalgebra::Vector3;
-use robot_model::{RobotVector, Side, VIRTUAL_FINGERS};
+use robot_model::{GRASP_SIDES, HandSide, RobotVector};
 use shm_schemas::{
     GoalKind, GoalPolicy, GoalRequest, GoalState, GraspTarget, Hand, HandFrame, JointState, Mode,
 };
@@ -18,7 +18,7 @@ const OBJECT_N_M: f64 = 8000.0;
 const LOAD_N: f64 = 1.0;
 const FRICTION: f64 = 0.8;
 /// Largest horizontal offset of the hand from the object for contact, m; the object has no height.
-const ABOUT_M: f64 = 0.005;
+const CONTACT_OFFSET_MAX_M: f64 = 0.005;
 const OBSTACLE_N: f64 = 0.5;
 /// Increase of the load while lifting, N/m.
 const LOADING_N_M: f64 = 400.0;
@@ -30,9 +30,9 @@ pub(crate) struct World {
     pub(crate) ms: u64,
     pub(crate) q_rad: RobotVector,
     /// Silent sources: left sensor, right sensor, joints.
-    pub(crate) mute: [bool; 3],
+    pub(crate) silent: [bool; 3],
     /// F_2 per hand that the robot stores and reports, N.
-    pub(crate) told_f2_n: [f64; 2],
+    pub(crate) stored_f2_n: [f64; 2],
     /// Corruption of every joint state.
     pub(crate) joint_fault: Option<fn(&mut JointState)>,
     /// Corruption of every frame of the right hand.
@@ -40,7 +40,7 @@ pub(crate) struct World {
     pub(crate) has_object: bool,
     /// Object position, m.
     pub(crate) object_m: [f64; 3],
-    /// Whether an obstacle presses on the second fingertip of the right hand.
+    /// True if an obstacle presses on the second fingertip of the right hand.
     pub(crate) obstructed: bool,
     pub(crate) targets: Vec<GraspTarget>,
     /// Recorded inputs, if recording.
@@ -53,7 +53,7 @@ pub(crate) struct Logged {
     pub(crate) frames: [Vec<HandFrame>; 2],
     joints: Option<JointState>,
     targets: Vec<GraspTarget>,
-    order: Option<Order>,
+    request: Option<OperatorRequest>,
 }
 
 impl Logged {
@@ -63,7 +63,7 @@ impl Logged {
             frames: [&self.frames[0], &self.frames[1]],
             joints: self.joints.as_ref(),
             targets: &self.targets,
-            order: self.order.as_ref(),
+            request: self.request.as_ref(),
         }
     }
 }
@@ -74,13 +74,13 @@ impl World {
         Self {
             controller: Box::new(Controller::new(
                 robot(),
-                Wiring::default(),
+                SensorSetup::default(),
                 Settings::default(),
             )),
             ms: 1_000,
             q_rad: home_rad(),
-            mute: [false; 3],
-            told_f2_n: [0.0; 2],
+            silent: [false; 3],
+            stored_f2_n: [0.0; 2],
             joint_fault: None,
             frame_fault: None,
             has_object: false,
@@ -104,7 +104,7 @@ impl World {
     /// World in which the right hand approaches the object, in step `reach`.
     pub(crate) fn reaching() -> Self {
         let mut world = Self::ready();
-        world.order(start(grasp()));
+        world.request(start(grasp()));
         world.run(300);
         assert_eq!(
             (world.mode(), world.controller.step_name()),
@@ -118,7 +118,7 @@ impl World {
         static HOLDING: LazyLock<World> = LazyLock::new(|| {
             let mut world = World::ready();
             world.has_object = true;
-            world.order(start(grasp()));
+            world.request(start(grasp()));
             let (outputs, _) = world.run_until(60_000, |world| {
                 world.controller.goal().unwrap().state.is_final()
             });
@@ -150,7 +150,7 @@ impl World {
         self.tick_with(None)
     }
 
-    pub(crate) fn order(&mut self, order: Order) -> Outputs {
+    pub(crate) fn request(&mut self, order: OperatorRequest) -> Outputs {
         self.tick_with(Some(&order))
     }
 
@@ -172,62 +172,62 @@ impl World {
             }
         }
         panic!(
-            "did not come to pass: mode {}, step {}",
+            "condition not reached: mode {}, step {}",
             self.mode(),
             self.controller.step_name()
         );
     }
 
-    fn tick_with(&mut self, order: Option<&Order>) -> Outputs {
+    fn tick_with(&mut self, order: Option<&OperatorRequest>) -> Outputs {
         self.ms += 1;
         let now_ns = self.ms * MS_NS;
         let mut frames = [
-            self.feel(Side::Left, now_ns),
-            self.feel(Side::Right, now_ns),
+            self.tactile_frame(HandSide::Left, now_ns),
+            self.tactile_frame(HandSide::Right, now_ns),
         ];
         if let Some(fault) = self.frame_fault {
             fault(&mut frames[1]);
             frames[1].seal();
         }
         let mut state = joints(self.ms, now_ns, &self.q_rad);
-        state.grip_limit_n = self.told_f2_n;
+        state.grip_limit_n = self.stored_f2_n;
         if let Some(fault) = self.joint_fault {
             fault(&mut state);
         }
         state.seal();
         let [left, right] = frames;
-        let muted = |frame: HandFrame, i: usize| if self.mute[i] { vec![] } else { vec![frame] };
-        let heard = Logged {
+        let muted = |frame: HandFrame, i: usize| if self.silent[i] { vec![] } else { vec![frame] };
+        let received = Logged {
             tick: Tick {
                 index: self.ms,
                 now_ns,
             },
             frames: [muted(left, 0), muted(right, 1)],
-            joints: (!self.mute[2]).then_some(state),
+            joints: (!self.silent[2]).then_some(state),
             targets: core::mem::take(&mut self.targets),
-            order: order.copied(),
+            request: order.copied(),
         };
-        let outputs = *self.controller.step(&heard.inputs());
+        let outputs = *self.controller.step(&received.inputs());
         if let Some(log) = &mut self.log {
-            log.push(heard);
+            log.push(received);
         }
         if outputs.command.joint_count > 0 {
             self.q_rad
                 .copy_from_slice(&outputs.command.position_rad[..JOINTS]);
-            self.told_f2_n = outputs.command.grip_limit_n;
+            self.stored_f2_n = outputs.command.grip_limit_n;
         }
         outputs
     }
 
     /// Frame of one hand in contact with the object, if any.
-    fn feel(&self, side: Side, now_ns: u64) -> HandFrame {
+    fn tactile_frame(&self, side: HandSide, now_ns: u64) -> HandFrame {
         let mut frame = frame(Hand::BOTH[side.index()], self.ms, now_ns);
-        if side == Side::Right && self.obstructed {
+        if side == HandSide::Right && self.obstructed {
             press(&mut frame, 1, |d| {
                 Vector3::z() * -OBSTACLE_N * spread(Vector3::z(), 33.0)(d)
             });
         }
-        if side == Side::Left || !self.has_object {
+        if side == HandSide::Left || !self.has_object {
             return frame;
         }
         let hand = robot().hand(side);
@@ -235,12 +235,12 @@ impl World {
         let centre_m = (pose.tip_m(0) + pose.tip_m(1)) / 2.0;
         let away_m = (centre_m - Vector3::from(self.object_m)).xy().norm();
         let across = (pose.tip_m(0) - pose.tip_m(1)).normalize();
-        for finger in 0..VIRTUAL_FINGERS {
+        for finger in 0..GRASP_SIDES {
             let out = if finger == 0 { across } else { -across };
             let reach_m = (pose.tip_m(finger) - Vector3::from(self.object_m)).dot(&out)
                 - hand.tip_radius_m()[finger];
             let pressed_m = WIDTH_M / 2.0 - reach_m;
-            if pressed_m <= 0.0 || away_m > ABOUT_M {
+            if pressed_m <= 0.0 || away_m > CONTACT_OFFSET_MAX_M {
                 continue;
             }
             let tip = hand.skin().compression;
@@ -311,8 +311,8 @@ pub(crate) fn grasp() -> GoalRequest {
     }
 }
 
-pub(crate) fn start(request: GoalRequest) -> Order {
-    Order::Start(Goal::resolve(&request, &[]).unwrap())
+pub(crate) fn start(request: GoalRequest) -> OperatorRequest {
+    OperatorRequest::Start(Goal::resolve(&request, &[]).unwrap())
 }
 
 /// Commanded distance between the fingertips of the right hand, m.
@@ -320,7 +320,7 @@ pub(crate) fn commanded_gap_m(outputs: &Outputs) -> f64 {
     let q_rad = RobotVector::from_slice(&outputs.command.position_rad[..JOINTS]);
     atas_core::kinematics::gap_m(
         &robot()
-            .hand(Side::Right)
-            .forward(&hand_of(&q_rad, Side::Right)),
+            .hand(HandSide::Right)
+            .forward(&hand_of(&q_rad, HandSide::Right)),
     )
 }

@@ -7,15 +7,15 @@ use std::vec::Vec;
 use nalgebra::Vector3;
 use urdf_rs::Geometry;
 
-use super::error::{Findings, Misfit, misfit};
+use super::error::{Findings, ModelProblem, problem};
 use super::framed::Framed;
 use super::tree::{Tree, finite, transform};
 use crate::capsule::{CAPSULES_MAX, Capsule, Capsules};
 use crate::robot_file::{HandEntry, RobotFile};
 
-/// The collision capsules of every link that a hand's frames move, each in its frame. A hand that is alone has no other to
-/// keep apart from, so what is no capsule may be passed over. Where a hand has more than there is room for, those that lie best
-/// together become one about them.
+/// Returns the collision capsules of all links that a hand's frames move, each in its frame. A
+/// single hand has no other hand to keep apart from, so other shapes are ignored there. If a hand
+/// has too many capsules, the closest ones are merged.
 pub(super) fn load_capsules(
     tree: &Tree,
     frames: &[Framed],
@@ -24,7 +24,7 @@ pub(super) fn load_capsules(
 ) -> Option<Capsules> {
     let mut bodies: Vec<(Capsule, usize)> = Vec::new();
     for link in &tree.robot().links {
-        let Some((mover, path)) = findings.note(tree.mover(&link.name))? else {
+        let Some((mover, path)) = findings.value_of(tree.mover(&link.name))? else {
             continue;
         };
         let Some(index) = frames.iter().position(|it| it.joint.name == mover.name) else {
@@ -36,8 +36,8 @@ pub(super) fn load_capsules(
             if alone && matches!(collision.geometry, Geometry::Mesh { .. }) {
                 continue;
             }
-            let size = findings.note(capsule_size(&collision.geometry, what));
-            let origin = findings.note(transform(&collision.origin, what));
+            let size = findings.value_of(capsule_size(&collision.geometry, what));
+            let origin = findings.value_of(transform(&collision.origin, what));
             let (Some((radius_m, along_m)), Some(origin)) = (size, origin) else {
                 continue;
             };
@@ -50,7 +50,7 @@ pub(super) fn load_capsules(
                 joint: framed.driver,
             };
             bodies.push((capsule, index));
-            // One by one: however many a URDF has, the time for each is bounded.
+            // One by one, so that the time per shape is bounded.
             if bodies.len() > CAPSULES_MAX {
                 join_two(&mut bodies)?;
             }
@@ -63,8 +63,8 @@ pub(super) fn load_capsules(
     fit.then_some(capsules)
 }
 
-/// Makes one of the two bodies of one frame that leave the least room between them; `None` where no two share a frame, which a hand
-/// has too few frames for.
+/// Merges the two bodies of one frame that add the least volume. Returns `None` if no two share a
+/// frame; a hand has too few frames for that.
 fn join_two(bodies: &mut Vec<(Capsule, usize)>) -> Option<()> {
     let mut least: Option<(f64, usize, usize, Capsule)> = None;
     for (second, (body, frame)) in bodies.iter().enumerate() {
@@ -72,7 +72,7 @@ fn join_two(bodies: &mut Vec<(Capsule, usize)>) -> Option<()> {
             if frame != other_frame {
                 continue;
             }
-            let joined = other.about(body);
+            let joined = other.enclosing(body);
             let added_m3 = joined.volume_m3() - other.volume_m3() - body.volume_m3();
             if least.is_none_or(|(least_m3, ..)| added_m3 < least_m3) {
                 least = Some((added_m3, first, second, joined));
@@ -85,7 +85,7 @@ fn join_two(bodies: &mut Vec<(Capsule, usize)>) -> Option<()> {
     Some(())
 }
 
-/// What becomes of the collision shapes that are not taken as they are.
+/// Returns a sentence for each collision shape that is ignored or approximated.
 pub(super) fn remarks(tree: &Tree, file: &RobotFile) -> Vec<String> {
     let hands = [&file.hands.left, &file.hands.right].map(|hand| hand.as_ref());
     let hands = hands.into_iter().flatten().map(|hand| movers(tree, hand));
@@ -96,7 +96,8 @@ pub(super) fn remarks(tree: &Tree, file: &RobotFile) -> Vec<String> {
         let shapes = shapes_of(tree, moved);
         if shapes > CAPSULES_MAX {
             remarks.push(format!(
-                "{shapes} collision shapes of one hand are taken as {CAPSULES_MAX} capsules around them"
+                "{shapes} collision shapes of one hand are approximated by {CAPSULES_MAX} capsules \
+                 around them"
             ));
         }
     }
@@ -112,22 +113,23 @@ pub(super) fn remarks(tree: &Tree, file: &RobotFile) -> Vec<String> {
         let name = &link.name;
         if !moves && !link.collision.is_empty() {
             remarks.push(format!(
-                "collision of link `{name}` is passed over: nothing that moves a fingertip moves it"
+                "collision of link `{name}` is ignored: it does not move with a fingertip"
             ));
         } else if meshes > 0 {
             remarks.push(format!(
-                "collision of link `{name}` is passed over where it is a mesh: one hand alone keeps apart from no other"
+                "mesh in the collision of link `{name}` is ignored: a single hand has no other \
+                 hand to avoid"
             ));
         } else if boxes > 0 {
             remarks.push(format!(
-                "collision of link `{name}` is a box, taken as the capsule around it"
+                "collision of link `{name}` is a box, approximated by the capsule around it"
             ));
         }
     }
     remarks
 }
 
-/// The joints that move a hand's fingertips.
+/// Returns the joints that move a hand's fingertips.
 fn movers<'a>(tree: &Tree<'a>, hand: &HandEntry) -> Vec<&'a str> {
     let tips = hand.fingers.iter();
     let chains = tips.filter_map(|finger| tree.chain(&finger.tip).ok());
@@ -135,7 +137,7 @@ fn movers<'a>(tree: &Tree<'a>, hand: &HandEntry) -> Vec<&'a str> {
     steps.map(|step| &*step.joint.name).collect()
 }
 
-/// How many shapes these joints move that are no meshes.
+/// Returns the number of shapes, except meshes, that these joints move.
 fn shapes_of(tree: &Tree, moved: &[&str]) -> usize {
     let links = tree.robot().links.iter().filter(|link| {
         let mover = tree.mover(&link.name).ok().flatten();
@@ -146,11 +148,12 @@ fn shapes_of(tree: &Tree, moved: &[&str]) -> usize {
     capsules.count()
 }
 
-/// Radius of the capsule around a shape, and the way from its middle to an end, in the shape's frame, metres.
+/// Returns the radius of the capsule around a shape, and the vector from its centre to an end, in
+/// the shape's frame, metres.
 fn capsule_size(
     geometry: &Geometry,
     what: impl Fn() -> String,
-) -> Result<(f64, Vector3<f64>), Misfit> {
+) -> Result<(f64, Vector3<f64>), ModelProblem> {
     let (radius, length, axis) = match *geometry {
         Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
             (radius, length, 2)
@@ -160,7 +163,7 @@ fn capsule_size(
         Geometry::Mesh { .. } => {
             let needs =
                 "a cylinder, a capsule, a box or a sphere, because the arms must keep apart";
-            return Err(misfit(what(), "a mesh", needs));
+            return Err(problem(what(), "a mesh", needs));
         }
     };
     if finite(&[radius, length]) && radius > 0.0 && length >= 0.0 {
@@ -168,7 +171,7 @@ fn capsule_size(
         along_m[axis] = length / 2.0;
         Ok((radius, along_m))
     } else {
-        Err(misfit(
+        Err(problem(
             what(),
             format!("radius {radius}, length {length}"),
             "a positive radius and a length (m)",
@@ -176,7 +179,7 @@ fn capsule_size(
     }
 }
 
-/// Radius, length and axis of the capsule around a box with these edges: along the longest one, as thick as the other two need.
+/// Returns radius, length and axis of the capsule around a box: along its longest edge.
 fn around_box(edges_m: [f64; 3]) -> (f64, f64, usize) {
     let axis = (0..3)
         .max_by(|a, b| edges_m[*a].total_cmp(&edges_m[*b]))

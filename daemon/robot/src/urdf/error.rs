@@ -1,4 +1,4 @@
-//! Why a robot was not loaded.
+//! Errors of loading a robot.
 
 use std::fmt;
 use std::format;
@@ -7,30 +7,34 @@ use std::string::{String, ToString};
 use std::vec;
 use std::vec::Vec;
 
-/// Why a robot was not loaded.
+use crate::robot_file_parser::RobotFileErrors;
+
+/// Error of loading a robot.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
-    /// The file could not be read.
+    /// A file could not be read.
     #[error("could not load the robot because {} was unreadable ({source}), needs a readable text file; check the path", .path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// No robot of this name ships, and it is no robot file.
+    /// The name is neither a built-in robot nor a robot file.
     #[error(
-        "could not load the robot {name:?} because no robot of this name ships, needs one of {known} or the path of a robot file (.toml); `atas robot list` shows them"
+        "could not load the robot {name:?} because no built-in robot has this name, needs one of \
+         {known} or the path of a robot file (.toml); list them with `atas robot list`"
     )]
     Unknown {
-        /// What was asked for.
+        /// Requested name.
         name: String,
-        /// The names of those that ship.
+        /// Names of the built-in robots.
         known: String,
     },
-    /// A URDF alone does not say where the fingertips are.
+    /// A URDF was given instead of a robot file. A URDF does not describe fingertips.
     #[error(
-        "could not load the robot {0:?} because it is a URDF, needs the robot file (.toml) that names it; write one: `atas robot check` tells what is missing"
+        "could not load the robot {0:?} because it is a URDF, needs a robot file (.toml) that \
+         names this URDF; write one as the robot page of the guide shows"
     )]
     NoRobotFile(String),
     /// The text is not a URDF.
@@ -38,32 +42,30 @@ pub enum ModelError {
         "could not load the robot because its text was not a URDF ({0}), needs well-formed URDF; check the XML"
     )]
     Parse(#[from] urdf_rs::UrdfError),
-    /// The robot file is not what it has to be.
-    #[error(
-        "could not load the robot because its robot file was not understood ({0}); correct it there"
-    )]
-    RobotFile(#[from] toml::de::Error),
-    /// The robot is beyond the bounds that the controller is made for, or something in it is unusable: all that was found.
+    /// The robot file is invalid: all errors.
+    #[error(transparent)]
+    RobotFile(#[from] RobotFileErrors),
+    /// The robot exceeds a limit or has unusable values: all problems.
     #[error("{}", lines(.0))]
-    Misfits(Vec<Misfit>),
+    Problems(Vec<ModelProblem>),
 }
 
-/// One thing that does not fit.
+/// One problem of a URDF or robot file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Misfit {
-    /// The part of the URDF or of the robot file.
+pub struct ModelProblem {
+    /// Part of the URDF or of the robot file.
     pub item: String,
-    /// What it was.
+    /// Actual value.
     pub was: String,
-    /// What is needed instead.
+    /// Required value.
     pub needs: String,
-    /// The file in which to change it.
+    /// File to change.
     pub file: ModelFile,
-    /// The line there at which what it names is, counted from 1; `None` if it names nothing that is there.
+    /// Line of the part, counted from 1; `None` if it does not exist.
     pub line: Option<usize>,
 }
 
-/// One of the two files that a robot is made of.
+/// File of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModelFile {
     /// The URDF.
@@ -72,9 +74,9 @@ pub enum ModelFile {
     RobotFile,
 }
 
-impl fmt::Display for Misfit {
+impl fmt::Display for ModelProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Misfit {
+        let ModelProblem {
             item, was, needs, ..
         } = self;
         write!(
@@ -91,27 +93,31 @@ impl fmt::Display for Misfit {
     }
 }
 
-impl Misfit {
-    /// The same, of something that the robot file says.
-    pub(super) fn of_robot_file(mut self) -> Self {
+impl ModelProblem {
+    /// Moves the problem to the robot file.
+    pub(super) fn in_robot_file(mut self) -> Self {
         self.file = ModelFile::RobotFile;
         self
     }
 }
 
-impl From<Misfit> for ModelError {
-    fn from(misfit: Misfit) -> Self {
-        Self::Misfits(vec![misfit])
+impl From<ModelProblem> for ModelError {
+    fn from(issue: ModelProblem) -> Self {
+        Self::Problems(vec![issue])
     }
 }
 
-fn lines(misfits: &[Misfit]) -> String {
-    let lines: Vec<String> = misfits.iter().map(Misfit::to_string).collect();
+fn lines(problems: &[ModelProblem]) -> String {
+    let lines: Vec<String> = problems.iter().map(ModelProblem::to_string).collect();
     lines.join("\n")
 }
 
-pub(crate) fn misfit(item: impl ToString, was: impl ToString, needs: impl ToString) -> Misfit {
-    Misfit {
+pub(crate) fn problem(
+    item: impl ToString,
+    was: impl ToString,
+    needs: impl ToString,
+) -> ModelProblem {
+    ModelProblem {
         item: item.to_string(),
         was: was.to_string(),
         needs: needs.to_string(),
@@ -120,10 +126,10 @@ pub(crate) fn misfit(item: impl ToString, was: impl ToString, needs: impl ToStri
     }
 }
 
-/// Everything that was found wrong so far, and the texts in which its places are looked up.
+/// Problems found so far, and the texts for finding their lines.
 #[derive(Debug)]
 pub(super) struct Findings<'a> {
-    misfits: Vec<Misfit>,
+    problems: Vec<ModelProblem>,
     urdf: &'a str,
     robot_file: &'a str,
 }
@@ -131,23 +137,24 @@ pub(super) struct Findings<'a> {
 impl<'a> Findings<'a> {
     pub(super) fn new(urdf: &'a str, robot_file: &'a str) -> Self {
         Self {
-            misfits: Vec::new(),
+            problems: Vec::new(),
             urdf,
             robot_file,
         }
     }
 
-    /// Notes what is wrong, once, with its place.
-    pub(super) fn add(&mut self, mut misfit: Misfit) {
-        self.find(&mut misfit);
-        if !self.misfits.contains(&misfit) {
-            self.misfits.push(misfit);
+    /// Adds a problem once, with its line.
+    pub(super) fn add(&mut self, mut issue: ModelProblem) {
+        self.find(&mut issue);
+        if !self.problems.contains(&issue) {
+            self.problems.push(issue);
         }
     }
 
-    /// The line of the first thing that a misfit names in its file; what the URDF has not got is what the robot file speaks of.
-    fn find(&self, misfit: &mut Misfit) {
-        let names: Vec<&str> = misfit.item.split('`').skip(1).step_by(2).collect();
+    /// Finds the line of the first part that a problem names. Parts that the URDF lacks are
+    /// searched in the robot file.
+    fn find(&self, issue: &mut ModelProblem) {
+        let names: Vec<&str> = issue.item.split('`').skip(1).step_by(2).collect();
         let line_of = |text: &str, form: &dyn Fn(&str) -> String| {
             let forms: Vec<String> = names.iter().map(|name| form(name)).collect();
             let lines = text.lines().enumerate();
@@ -157,28 +164,28 @@ impl<'a> Findings<'a> {
         };
         let in_urdf = || line_of(self.urdf, &|name| format!("name=\"{name}\""));
         let in_robot_file = || line_of(self.robot_file, &|name| name.to_string());
-        if misfit.file == ModelFile::Urdf {
-            misfit.line = in_urdf();
-            if misfit.line.is_some() {
+        if issue.file == ModelFile::Urdf {
+            issue.line = in_urdf();
+            if issue.line.is_some() {
                 return;
             }
         }
-        misfit.line = in_robot_file();
-        if misfit.line.is_some() {
-            misfit.file = ModelFile::RobotFile;
+        issue.line = in_robot_file();
+        if issue.line.is_some() {
+            issue.file = ModelFile::RobotFile;
         }
     }
 
-    /// The value, or a note of why there is none.
-    pub(super) fn note<T>(&mut self, found: Result<T, Misfit>) -> Option<T> {
-        found.map_err(|misfit| self.add(misfit)).ok()
+    /// Returns the value, or adds the problem.
+    pub(super) fn value_of<T>(&mut self, found: Result<T, ModelProblem>) -> Option<T> {
+        found.map_err(|issue| self.add(issue)).ok()
     }
 
-    /// The whole, unless something was wrong.
-    pub(super) fn unless_any<T>(self, whole: Option<T>) -> Result<T, ModelError> {
+    /// Returns the result unless there are problems.
+    pub(super) fn into_result<T>(self, whole: Option<T>) -> Result<T, ModelError> {
         match whole {
-            Some(whole) if self.misfits.is_empty() => Ok(whole),
-            _ => Err(ModelError::Misfits(self.misfits)),
+            Some(whole) if self.problems.is_empty() => Ok(whole),
+            _ => Err(ModelError::Problems(self.problems)),
         }
     }
 }

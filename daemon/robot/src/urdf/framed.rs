@@ -1,13 +1,13 @@
-//! A moving joint of a URDF with its frame.
+//! Moving joint of a URDF with its frame.
 
 use urdf_rs::Joint;
 
 use crate::transform::Transform;
 
-/// A moving joint of the URDF with its frame.
+/// Moving joint of a URDF with its frame.
 pub(super) struct Framed<'a> {
     pub(super) joint: &'a Joint,
     pub(super) frame_from_link: Transform,
-    /// The joint of the hand whose coordinate moves it.
+    /// Joint of the hand whose coordinate moves it.
     pub(super) driver: usize,
 }

@@ -1,4 +1,4 @@
-//! One hand of a URDF: its chains, its joints in order, its frames, its fingertips.
+//! Loads one hand of a URDF: chains, joint order, frames, fingertips.
 
 use std::collections::BTreeMap;
 use std::format;
@@ -8,7 +8,7 @@ use std::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use super::collision::load_capsules;
-use super::error::{Findings, Misfit, misfit};
+use super::error::{Findings, ModelProblem, problem};
 use super::framed::Framed;
 use super::joint::{joint_axis, kind, load_joint, name, turn_z_to};
 use super::tip::{skin, tip_origin_m, tip_radius_m};
@@ -16,20 +16,21 @@ use super::tree::{Chain, Step, Tree};
 use crate::joint::JointKind;
 use crate::model::{Frame, HandModel, Mounted, Mover};
 use crate::robot_file::{HandEntry, JointEntry};
-use crate::side::Side;
+use crate::side::HandSide;
 use crate::sizes::{
-    ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERS_MAX, HAND_JOINTS_MAX, TRUNK_JOINTS_MAX,
-    VIRTUAL_FINGERS,
+    ARM_JOINTS_MAX, FINGER_JOINTS_MAX, FINGERTIPS_MAX, GRASP_SIDES, HAND_JOINTS_MAX,
+    TRUNK_JOINTS_MAX,
 };
 use crate::skin::Skin;
 use crate::transform::Transform;
 use crate::vector::HandVector;
 use crate::workspace::Workspace;
 
-/// How closely a finger's joint must be parallel to the closing axis to tilt the finger about it, as the cosine between them.
-const TILTS_COS: f64 = 0.99;
+/// Smallest cosine between a finger's joint and the closing axis at which the joint tilts the
+/// finger about that axis.
+const TILT_COS_MIN: f64 = 0.99;
 
-/// The chains of a hand: the palm's, and each fingertip's.
+/// Chains of a hand: to the palm and to each fingertip.
 struct Chains<'a> {
     palm: Chain<'a>,
     tips: Vec<Chain<'a>>,
@@ -40,7 +41,7 @@ type Entries = BTreeMap<String, JointEntry>;
 /// Loads a hand; `alone` if the robot has no other.
 pub(super) fn load_hand(
     tree: &Tree,
-    side: Side,
+    side: HandSide,
     entry: &HandEntry,
     entries: &Entries,
     alone: bool,
@@ -48,13 +49,13 @@ pub(super) fn load_hand(
 ) -> Option<HandModel> {
     check_sides(entry, findings);
     check_down(entry, findings);
-    let skin = findings.note(skin(entry)).unwrap_or(Skin::DOME_41);
+    let skin = findings.value_of(skin(entry)).unwrap_or(Skin::DOME_41);
     let chains = chains(tree, entry, findings)?;
     let mut hand = HandModel::absent(side);
     hand.skin = skin;
     hand.finger_count = chains.tips.len();
     for (finger, entry) in hand.fingers.iter_mut().zip(&entry.fingers) {
-        finger.virtual_finger = usize::from(entry.side == VIRTUAL_FINGERS);
+        finger.side = usize::from(entry.side == GRASP_SIDES);
     }
     let order = order_joints(&mut hand, &chains, findings)?;
     load_joints(&mut hand, &order, tree, entries, findings)?;
@@ -63,55 +64,55 @@ pub(super) fn load_hand(
     hand.capsules = load_capsules(tree, &frames, alone, findings)?;
     linked?;
     turn_tips(&mut hand, entry, findings);
-    settle(&mut hand, entry);
+    set_reference_values(&mut hand, entry);
     check_rest(&hand, entry, findings);
     Some(hand)
 }
 
-/// Two to four fingertips, at least one on each side.
+/// Checks for two to four fingertips, at least one on each side.
 fn check_sides(entry: &HandEntry, findings: &mut Findings) {
     let fingers = &entry.fingers;
     let item = || format!("the fingers of palm `{}`", entry.palm);
-    if !(VIRTUAL_FINGERS..=FINGERS_MAX).contains(&fingers.len()) {
-        let needs = format!("{VIRTUAL_FINGERS} to {FINGERS_MAX}");
-        findings.add(misfit(item(), fingers.len(), needs).of_robot_file());
+    if !(GRASP_SIDES..=FINGERTIPS_MAX).contains(&fingers.len()) {
+        let needs = format!("{GRASP_SIDES} to {FINGERTIPS_MAX}");
+        findings.add(problem(item(), fingers.len(), needs).in_robot_file());
     }
     for finger in fingers {
-        if !(1..=VIRTUAL_FINGERS).contains(&finger.side) {
+        if !(1..=GRASP_SIDES).contains(&finger.side) {
             let item = format!("the side of fingertip `{}`", finger.tip);
-            findings.add(misfit(item, finger.side, "1 or 2").of_robot_file());
+            findings.add(problem(item, finger.side, "1 or 2").in_robot_file());
         }
     }
-    for side in 1..=VIRTUAL_FINGERS {
+    for side in 1..=GRASP_SIDES {
         if !fingers.iter().any(|finger| finger.side == side) {
             let was = format!("none on side {side}");
-            findings.add(misfit(item(), was, "at least one on each side").of_robot_file());
+            findings.add(problem(item(), was, "at least one on each side").in_robot_file());
         }
     }
 }
 
-/// The direction that points down, unit length.
+/// Returns the pointing direction, unit length.
 fn check_down(entry: &HandEntry, findings: &mut Findings) -> Option<Vector3<f64>> {
     let down = Vector3::from(entry.down);
     let is_direction = down.iter().all(|x| x.is_finite()) && down.norm() > 1e-9;
     if !is_direction {
         let item = format!("the `down` of palm `{}`", entry.palm);
         let was = format!("{:?}", entry.down);
-        findings.add(misfit(item, was, "a direction").of_robot_file());
+        findings.add(problem(item, was, "a direction").in_robot_file());
         return None;
     }
     Some(down.normalize())
 }
 
 fn chains<'a>(tree: &Tree<'a>, entry: &HandEntry, findings: &mut Findings) -> Option<Chains<'a>> {
-    let palm = findings.note(tree.chain(&entry.palm));
+    let palm = findings.value_of(tree.chain(&entry.palm));
     let tips: Vec<_> = entry
         .fingers
         .iter()
-        .filter_map(|finger| Some((&finger.tip, findings.note(tree.chain(&finger.tip))?)))
+        .filter_map(|finger| Some((&finger.tip, findings.value_of(tree.chain(&finger.tip))?)))
         .collect();
     let palm = palm?;
-    if tips.len() != entry.fingers.len() || tips.len() > FINGERS_MAX {
+    if tips.len() != entry.fingers.len() || tips.len() > FINGERTIPS_MAX {
         return None;
     }
     let carries = |tip: &Chain| {
@@ -124,7 +125,7 @@ fn chains<'a>(tree: &Tree<'a>, entry: &HandEntry, findings: &mut Findings) -> Op
     for (link, tip) in tips {
         if !carries(&tip) {
             let was = format!("not carried by palm `{}`", entry.palm);
-            findings.add(misfit(
+            findings.add(problem(
                 format!("fingertip `{link}`"),
                 was,
                 "a link behind the palm",
@@ -134,7 +135,7 @@ fn chains<'a>(tree: &Tree<'a>, entry: &HandEntry, findings: &mut Findings) -> Op
         if tip.steps.len() - palm.steps.len() > FINGER_JOINTS_MAX {
             let was = format!("moved by {} joints", tip.steps.len() - palm.steps.len());
             let needs = format!("at most {FINGER_JOINTS_MAX} behind the palm");
-            findings.add(misfit(format!("fingertip `{link}`"), was, needs));
+            findings.add(problem(format!("fingertip `{link}`"), was, needs));
             return None;
         }
         chains.push(tip);
@@ -142,7 +143,7 @@ fn chains<'a>(tree: &Tree<'a>, entry: &HandEntry, findings: &mut Findings) -> Op
     Some(Chains { palm, tips: chains })
 }
 
-/// The joints with a coordinate of their own, by name, in the hand's order.
+/// Returns the joints with a coordinate, by name, in the hand's order.
 fn order_joints(
     hand: &mut HandModel,
     chains: &Chains,
@@ -153,7 +154,7 @@ fn order_joints(
     for step in &chains.palm.steps {
         if step.joint.mimic.is_some() {
             let item = format!("joint `{}` of the arm", step.joint.name);
-            findings.add(misfit(item, "a mimic joint", "an independent joint"));
+            findings.add(problem(item, "a mimic joint", "an independent joint"));
         }
         order.push(step.joint.name.clone());
     }
@@ -192,14 +193,14 @@ fn order_joints(
     ] {
         if count > most {
             let item = format!("the number of {what} on the {:?} side", hand.side);
-            findings.add(misfit(item, count, format!("at most {most}")));
+            findings.add(problem(item, count, format!("at most {most}")));
             return None;
         }
     }
     Some(order)
 }
 
-/// The joint whose coordinate moves a step.
+/// Returns the joint whose coordinate moves a step.
 fn driver(step: &Step) -> String {
     let mimic = step.joint.mimic.as_ref();
     mimic.map_or(&step.joint.name, |mimic| &mimic.joint).clone()
@@ -215,13 +216,13 @@ fn load_joints(
     let mut rest = HandVector::zeros(order.len());
     let mut complete = true;
     for (index, label) in order.iter().enumerate() {
-        let urdf = findings.note(tree.joint(label));
+        let urdf = findings.value_of(tree.joint(label));
         let independent = urdf.filter(|urdf| match &urdf.mimic {
             None => true,
             Some(mimic) => {
                 let was = format!("a mimic of `{}`", mimic.joint);
                 let needs = "an independent joint: a mimic joint cannot mimic another";
-                findings.add(misfit(format!("joint `{label}`"), was, needs));
+                findings.add(problem(format!("joint `{label}`"), was, needs));
                 false
             }
         });
@@ -235,7 +236,7 @@ fn load_joints(
     complete.then_some(())
 }
 
-/// The frames: those of the arm, then of each fingertip's chain what is not there yet.
+/// Loads the frames: of the arm, then the remaining ones of each fingertip's chain.
 fn load_frames<'a>(
     hand: &mut HandModel,
     order: &[String],
@@ -254,7 +255,7 @@ fn load_frames<'a>(
                 None => {
                     let driver = order.iter().position(|name| *name == driver(step))?;
                     let (frame, framed) =
-                        findings.note(load_frame(step, parent, driver, &frames))?;
+                        findings.value_of(load_frame(step, parent, driver, &frames))?;
                     hand.frames[frames.len()] = frame;
                     frames.push(framed);
                     frames.len() - 1
@@ -272,7 +273,7 @@ fn load_frame<'a>(
     parent: Option<usize>,
     driver: usize,
     frames: &[Framed],
-) -> Result<(Frame, Framed<'a>), Misfit> {
+) -> Result<(Frame, Framed<'a>), ModelProblem> {
     let joint = step.joint;
     let link_from_frame = turn_z_to(joint_axis(joint)?);
     let parent_from_link =
@@ -283,7 +284,7 @@ fn load_frame<'a>(
     if !(ratio.is_finite() && offset.is_finite()) {
         let was = format!("multiplier {ratio}, offset {offset}");
         let item = format!("the mimic of joint `{}`", joint.name);
-        return Err(misfit(item, was, "finite numbers"));
+        return Err(problem(item, was, "finite numbers"));
     }
     let frame = Frame {
         parent,
@@ -310,7 +311,7 @@ fn load_frame<'a>(
     ))
 }
 
-/// The palm and the fingertips.
+/// Loads the palm and the fingertips.
 fn load_links(
     hand: &mut HandModel,
     tree: &Tree,
@@ -323,9 +324,9 @@ fn load_links(
     hand.palm = mounted(&chains.palm, frames).0;
     let mut complete = true;
     for (index, (chain, entry)) in chains.tips.iter().zip(&entry.fingers).enumerate() {
-        let link = findings.note(name(&entry.tip));
-        let radius_m = findings.note(tip_radius_m(tree, entry, hand.skin.layout));
-        let origin_m = findings.note(tip_origin_m(entry, radius_m.unwrap_or_default()));
+        let link = findings.value_of(name(&entry.tip));
+        let radius_m = findings.value_of(tip_radius_m(tree, entry, hand.skin.layout));
+        let origin_m = findings.value_of(tip_origin_m(entry, radius_m.unwrap_or_default()));
         let finger = &mut hand.fingers[index];
         let (Some(link), Some(radius_m), Some(origin_m)) = (link, radius_m, origin_m) else {
             complete = false;
@@ -342,7 +343,8 @@ fn load_links(
     complete.then_some(())
 }
 
-/// Turns the tip frames of links whose sensor faces a direction of its own, as [`crate::HandPose::base_from_tip`] has them.
+/// Turns the tip frames of links with a sensing direction, so that they follow
+/// [`crate::HandPose::base_from_tip`].
 fn turn_tips(hand: &mut HandModel, entry: &HandEntry, findings: &mut Findings) {
     let straight = hand.forward(&HandVector::zeros(hand.joint_count));
     let pointing = straight.hand_axis();
@@ -356,9 +358,9 @@ fn turn_tips(hand: &mut HandModel, entry: &HandEntry, findings: &mut Findings) {
         let down = (along - axis * axis.dot(&along)).try_normalize(1e-6);
         let (Some(down), true) = (down, axis.iter().all(|x| x.is_finite())) else {
             let item = format!("the facing of fingertip `{}`", finger.tip);
-            let needs = "a direction across that in which the hand points";
+            let needs = "a direction that is not parallel to the pointing direction of the hand";
             let was = format!("{:?}", facing.as_slice());
-            findings.add(misfit(item, was, needs).of_robot_file());
+            findings.add(problem(item, was, needs).in_robot_file());
             continue;
         };
         let link_from_tip = Matrix3::from_columns(&[down, axis.cross(&down), axis]);
@@ -367,7 +369,7 @@ fn turn_tips(hand: &mut HandModel, entry: &HandEntry, findings: &mut Findings) {
     }
 }
 
-/// The end of a chain, and the frames that move it.
+/// Returns the end of a chain, and the frames that move it.
 fn mounted(chain: &Chain, frames: &[Framed]) -> (Mounted, Vec<usize>) {
     let index = |step: &Step| {
         frames
@@ -384,8 +386,8 @@ fn mounted(chain: &Chain, frames: &[Framed]) -> (Mounted, Vec<usize>) {
     (mounted, moved_by)
 }
 
-/// What follows from the reference posture.
-fn settle(hand: &mut HandModel, entry: &HandEntry) {
+/// Sets all values that follow from the reference posture.
+fn set_reference_values(hand: &mut HandModel, entry: &HandEntry) {
     hand.find_turning();
     let pose = hand.forward(&hand.reference_rad);
     let across_m = pose.side_m(0) - pose.side_m(1);
@@ -393,12 +395,12 @@ fn settle(hand: &mut HandModel, entry: &HandEntry) {
     let beside = closing.cross(&pose.hand_axis());
     for index in 0..hand.finger_count {
         let finger = hand.fingers[index];
-        let from_middle_m = pose.tip_m(index) - pose.side_m(finger.virtual_finger);
-        hand.fingers[index].beside_m = from_middle_m.dot(&beside);
+        let from_middle_m = pose.tip_m(index) - pose.side_m(finger.side);
+        hand.fingers[index].offset_m = from_middle_m.dot(&beside);
         for joint in hand.finger_joints(index) {
             let own = hand.movers(index).find(|mover| mover.joint == joint);
             hand.tilts[joint] = own.is_some_and(|mover| {
-                !mover.slides && pose.frame_axis(mover.frame).dot(&closing).abs() > TILTS_COS
+                !mover.slides && pose.frame_axis(mover.frame).dot(&closing).abs() > TILT_COS_MIN
             });
         }
     }
@@ -420,7 +422,7 @@ fn settle(hand: &mut HandModel, entry: &HandEntry) {
     });
 }
 
-/// Where a hand rests, and its workspace, are numbers that make sense.
+/// Checks that home and workspace are valid.
 fn check_rest(hand: &HandModel, entry: &HandEntry, findings: &mut Findings) {
     let item = |what: &str| format!("the {what} of palm `{}`", entry.palm);
     let numbers = [
@@ -429,15 +431,15 @@ fn check_rest(hand: &HandModel, entry: &HandEntry, findings: &mut Findings) {
         &hand.object_m,
     ];
     if numbers.concat().iter().any(|value| !value.is_finite()) {
-        findings.add(misfit(item("home"), "not finite", "finite numbers").of_robot_file());
+        findings.add(problem(item("home"), "not finite", "finite numbers").in_robot_file());
         return;
     }
     if hand
         .workspace
-        .is_some_and(|workspace| !workspace.is_sound())
+        .is_some_and(|workspace| !workspace.is_valid())
     {
         let needs = "finite numbers, the least before the greatest";
         let was = format!("{:?}", entry.workspace);
-        findings.add(misfit(item("workspace"), was, needs).of_robot_file());
+        findings.add(problem(item("workspace"), was, needs).in_robot_file());
     }
 }

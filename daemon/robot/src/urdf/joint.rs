@@ -1,25 +1,26 @@
-//! One moving joint of a URDF: its kind, its limits, its axis, what its robot file adds.
+//! Loads one moving joint: kind, limits and axis from the URDF, servo and rest from the robot file.
 
 use std::format;
 
 use nalgebra::{Matrix3, Vector3};
 use urdf_rs::JointType;
 
-use super::error::{Findings, Misfit, misfit};
+use super::error::{Findings, ModelProblem, problem};
 use crate::joint::{Joint, JointKind};
 use crate::name::{NAME_MAX, Name};
 use crate::robot_file::JointEntry;
 use crate::transform::Transform;
 
-/// How far the length of a joint axis may be from 1: room for axes written with three decimals. Ours.
+/// Tolerance of the length of a joint axis around 1, for axes written with three decimals. Design
+/// choice.
 const AXIS_LENGTH_TOLERANCE: f64 = 1e-3;
 
-/// How a joint moves.
-pub(super) fn kind(urdf: &urdf_rs::Joint) -> Result<JointKind, Misfit> {
+/// Returns the kind of motion of a joint.
+pub(super) fn kind(urdf: &urdf_rs::Joint) -> Result<JointKind, ModelProblem> {
     match urdf.joint_type {
         JointType::Revolute | JointType::Continuous => Ok(JointKind::Revolute),
         JointType::Prismatic => Ok(JointKind::Prismatic),
-        _ => Err(misfit(
+        _ => Err(problem(
             format!("the type of joint `{}`", urdf.name),
             format!("{:?}", urdf.joint_type),
             "a revolute, continuous, prismatic or fixed joint",
@@ -27,11 +28,11 @@ pub(super) fn kind(urdf: &urdf_rs::Joint) -> Result<JointKind, Misfit> {
     }
 }
 
-/// A name that fits.
-pub(super) fn name(text: &str) -> Result<Name, Misfit> {
+/// Returns the name if it is short enough.
+pub(super) fn name(text: &str) -> Result<Name, ModelProblem> {
     Name::new(text).ok_or_else(|| {
         let was = format!("{} bytes long", text.len());
-        misfit(
+        problem(
             format!("the name `{text}`"),
             was,
             format!("at most {NAME_MAX}"),
@@ -39,7 +40,7 @@ pub(super) fn name(text: &str) -> Result<Name, Misfit> {
     })
 }
 
-/// A joint with a coordinate of its own, and where it rests.
+/// Returns a joint with a coordinate, and its rest position.
 pub(super) fn load_joint(
     urdf: &urdf_rs::Joint,
     entry: Option<&JointEntry>,
@@ -47,13 +48,13 @@ pub(super) fn load_joint(
 ) -> Option<(Joint, f64)> {
     let label = &urdf.name;
     let Some(entry) = entry else {
-        let item = format!("joint `{label}` in the robot file");
-        let needs = "its stiffness and inertia under [joints]";
-        findings.add(misfit(item, "missing", needs));
+        let item = format!("the entry of joint `{label}` in [joints]");
+        let needs = "stiffness and inertia of its servo";
+        findings.add(problem(item, "missing", needs).in_robot_file());
         return None;
     };
-    let kind = findings.note(kind(urdf))?;
-    let name = findings.note(name(label))?;
+    let kind = findings.value_of(kind(urdf))?;
+    let name = findings.value_of(name(label))?;
     let joint = Joint {
         name,
         kind,
@@ -75,16 +76,20 @@ pub(super) fn load_joint(
     if other.is_some() {
         let item = format!("the rest of joint `{label}`");
         let needs = format!("`{needs}`");
-        findings.add(misfit(item, "in the other unit", needs).of_robot_file());
+        findings.add(problem(item, "in the other unit", needs).in_robot_file());
     }
     let rest = rest.unwrap_or(0.0);
-    // What the robot file says instead of the URDF is wrong there.
+    // Limits in the robot file replace those of the URDF; errors then belong to the robot file.
     let limit_said = entry.lower.is_some() || entry.upper.is_some();
     let (speed_said, effort_said) = (entry.velocity.is_some(), entry.effort.is_some());
-    let said = [limit_said, speed_said, effort_said, true, true, true];
-    for (misfit, said) in unsound(label, &joint, rest).into_iter().zip(said) {
-        if let Some(misfit) = misfit {
-            findings.add(if said { misfit.of_robot_file() } else { misfit });
+    let message = [limit_said, speed_said, effort_said, true, true, true];
+    for (issue, message) in invalid_values(label, &joint, rest).into_iter().zip(message) {
+        if let Some(issue) = issue {
+            findings.add(if message {
+                issue.in_robot_file()
+            } else {
+                issue
+            });
         }
     }
     let in_order = joint.lower_rad < joint.upper_rad;
@@ -96,8 +101,8 @@ pub(super) fn load_joint(
     Some((joint, rest))
 }
 
-/// What of a joint's numbers cannot be: its limit, velocity, effort, stiffness, inertia and rest.
-fn unsound(label: &str, joint: &Joint, rest: f64) -> [Option<Misfit>; 6] {
+/// Returns the invalid values of a joint: limit, velocity, effort, stiffness, inertia and rest.
+fn invalid_values(label: &str, joint: &Joint, rest: f64) -> [Option<ModelProblem>; 6] {
     let (unit, turning) = match joint.kind {
         JointKind::Revolute => ("rad", "N·m"),
         JointKind::Prismatic => ("m", "N"),
@@ -142,26 +147,26 @@ fn unsound(label: &str, joint: &Joint, rest: f64) -> [Option<Misfit>; 6] {
             format!("a finite number ({unit})"),
         ),
     ];
-    checks.map(|(sound, item, was, needs)| (!sound).then(|| misfit(item, was, needs)))
+    checks.map(|(sound, item, was, needs)| (!sound).then(|| problem(item, was, needs)))
 }
 
-pub(super) fn joint_axis(urdf: &urdf_rs::Joint) -> Result<Vector3<f64>, Misfit> {
+pub(super) fn joint_axis(urdf: &urdf_rs::Joint) -> Result<Vector3<f64>, ModelProblem> {
     let axis = Vector3::from(urdf.axis.xyz.0);
     let length = axis.norm();
-    // Written so that NaN is refused.
+    // This form rejects NaN.
     if (length - 1.0).abs() <= AXIS_LENGTH_TOLERANCE {
         return Ok(axis / length);
     }
     let was = format!("({}, {}, {}) of length {length}", axis.x, axis.y, axis.z);
-    Err(misfit(
+    Err(problem(
         format!("the axis of joint `{}`", urdf.name),
         was,
         "a unit vector",
     ))
 }
 
-/// A rotation whose z is `axis`; its x is the base vector farthest from the axis, made normal to it. An axis along a base
-/// vector gives an exact permutation matrix.
+/// Returns a rotation whose z is `axis`. Its x is the base vector farthest from the axis, made
+/// normal to it. An axis along a base vector gives an exact permutation matrix.
 pub(super) fn turn_z_to(axis: Vector3<f64>) -> Transform {
     let farthest = axis.iamin();
     let x = (Vector3::ith(farthest, 1.0) - axis * axis[farthest]).normalize();

@@ -1,4 +1,4 @@
-//! Walking a URDF: which joint carries a link, and the rigid transform along fixed joints.
+//! Tree of a URDF: the carrying joint of each link, and rigid transforms along fixed joints.
 
 use std::format;
 use std::string::String;
@@ -7,26 +7,27 @@ use std::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 use urdf_rs::{Joint, JointType, Link, Pose, Robot};
 
-use super::error::{Findings, Misfit, misfit};
+use super::error::{Findings, ModelProblem, problem};
 use crate::transform::Transform;
 
-/// A URDF in which every link is carried by at most one joint.
+/// URDF in which at most one joint carries each link.
 pub(super) struct Tree<'a> {
     robot: &'a Robot,
 }
 
-/// One moving joint on the way from the root to a link.
+/// One moving joint on the path from the root to a link.
 #[derive(Clone, Copy)]
 pub(super) struct Step<'a> {
     pub(super) joint: &'a Joint,
-    /// Transform from the link that the moving joint before it carries (the root for the first) to this joint's origin.
+    /// Transform from the link of the previous moving joint (the root for the first) to this
+    /// joint's origin.
     pub(super) origin: Transform,
 }
 
-/// The way from the root to a link.
+/// Path from the root to a link.
 pub(super) struct Chain<'a> {
     pub(super) steps: Vec<Step<'a>>,
-    /// Transform from the link that the last moving joint carries (the root if there is none) to the link.
+    /// Transform from the link of the last moving joint (the root without one) to the link.
     pub(super) end: Transform,
 }
 
@@ -40,7 +41,7 @@ impl<'a> Tree<'a> {
             {
                 let was = format!("the child of joints `{}` and `{}`", other.name, joint.name);
                 let needs = "one joint that carries it";
-                findings.add(misfit(format!("link `{child}`"), was, needs));
+                findings.add(problem(format!("link `{child}`"), was, needs));
             }
         }
         Tree { robot }
@@ -50,18 +51,18 @@ impl<'a> Tree<'a> {
         self.robot
     }
 
-    pub(super) fn joint(&self, name: &str) -> Result<&'a Joint, Misfit> {
+    pub(super) fn joint(&self, name: &str) -> Result<&'a Joint, ModelProblem> {
         let found = self.robot.joints.iter().find(|joint| joint.name == name);
-        found.ok_or_else(|| misfit(format!("joint `{name}`"), "missing", "a joint of this name"))
+        found.ok_or_else(|| problem(format!("joint `{name}`"), "missing", "a joint of this name"))
     }
 
-    pub(super) fn link(&self, name: &str) -> Result<&'a Link, Misfit> {
+    pub(super) fn link(&self, name: &str) -> Result<&'a Link, ModelProblem> {
         let found = self.robot.links.iter().find(|link| link.name == name);
-        found.ok_or_else(|| misfit(format!("link `{name}`"), "missing", "a link of this name"))
+        found.ok_or_else(|| problem(format!("link `{name}`"), "missing", "a link of this name"))
     }
 
-    /// The moving joints from the root to a link.
-    pub(super) fn chain(&self, link: &str) -> Result<Chain<'a>, Misfit> {
+    /// Returns the moving joints from the root to a link.
+    pub(super) fn chain(&self, link: &str) -> Result<Chain<'a>, ModelProblem> {
         let mut steps = Vec::new();
         let (_, mut mover, end) = self.climb(link)?;
         while let Some(joint) = mover {
@@ -80,15 +81,16 @@ impl<'a> Tree<'a> {
         Ok(Chain { steps, end })
     }
 
-    /// The joint that moves a link, with the fixed transform from that joint's child link; `None` for the robot's base.
-    pub(super) fn mover(&self, link: &str) -> Result<Option<(&'a Joint, Transform)>, Misfit> {
+    /// Returns the joint that moves a link, with the fixed transform from that joint's child link;
+    /// `None` for the base.
+    pub(super) fn mover(&self, link: &str) -> Result<Option<(&'a Joint, Transform)>, ModelProblem> {
         let (_, mover, path) = self.climb(link)?;
         Ok(mover.map(|joint| (joint, path)))
     }
 
-    /// Climbs fixed joints from a link: the highest link that it is rigidly fixed to, the joint that moves that link (none
-    /// for the root), and the transform from that link.
-    fn climb(&self, link: &str) -> Result<(&'a str, Option<&'a Joint>, Transform), Misfit> {
+    /// Follows fixed joints upwards from a link. Returns the highest link that it is rigidly fixed
+    /// to, the joint that moves that link (none for the root), and the transform from that link.
+    fn climb(&self, link: &str) -> Result<(&'a str, Option<&'a Joint>, Transform), ModelProblem> {
         let mut top = &*self.link(link)?.name;
         let mut path = Transform::IDENTITY;
         for _ in 0..=self.robot.joints.len() {
@@ -112,19 +114,19 @@ impl<'a> Tree<'a> {
     }
 }
 
-fn looped(link: &str) -> Misfit {
-    misfit(
+fn looped(link: &str) -> ModelProblem {
+    problem(
         format!("link `{link}`"),
         "fixed to itself in a loop",
         "a tree of links",
     )
 }
 
-/// A URDF pose as a transform: rotation about the fixed axes x, y, z by roll, pitch, yaw.
-pub(super) fn transform(pose: &Pose, what: impl Fn() -> String) -> Result<Transform, Misfit> {
+/// Converts a URDF pose to a transform: rotation about the fixed axes x, y, z by roll, pitch, yaw.
+pub(super) fn transform(pose: &Pose, what: impl Fn() -> String) -> Result<Transform, ModelProblem> {
     let (xyz, rpy) = (pose.xyz.0, pose.rpy.0);
     if !(finite(&xyz) && finite(&rpy)) {
-        return Err(misfit(
+        return Err(problem(
             what(),
             format!("xyz {xyz:?} rpy {rpy:?}"),
             "finite numbers (m, rad)",

@@ -1,10 +1,11 @@
-//! Robots of other structures: a gripper on a stage, a redundant arm with a gripper, a hand of three fingers.
+//! Robots of other structures: a gripper on a stage, a redundant arm with a gripper, a three-finger
+//! hand.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::{
-    GraspFrame, HandModel, HandPose, HandVector, IkStatus, IkWeights, RobotFiles, RobotModel,
-    SHIPPED, Side,
+    GraspPose, HandModel, HandPose, HandSide, HandVector, IkStatus, IkWeights, RobotFiles,
+    RobotModel, SHIPPED,
 };
 
 use crate::support::assert_near;
@@ -24,7 +25,7 @@ fn load(robot: &RobotFiles) -> RobotModel {
 }
 
 fn any_robot() -> impl Strategy<Value = HandModel> {
-    (0..robots().len()).prop_map(|index| *load(&robots()[index]).hand(Side::Right))
+    (0..robots().len()).prop_map(|index| *load(&robots()[index]).hand(HandSide::Right))
 }
 
 fn between_limits(hand: &HandModel, fractions: &[f64; 16]) -> HandVector {
@@ -35,8 +36,8 @@ fn between_limits(hand: &HandModel, fractions: &[f64; 16]) -> HandVector {
 }
 
 #[test]
-fn what_was_understood() {
-    // Joints, of which the arm's, and those that move more than one fingertip; fingertips and the side of each.
+fn structures_of_other_robots_are_recognised() {
+    // Joints in total, of the arm, and shared; fingertips and the side of each.
     let wanted: [(usize, usize, usize, &[usize]); 3] = [
         (8, 7, 8, &[0, 1]),
         (12, 6, 6, &[0, 0, 1]),
@@ -44,9 +45,9 @@ fn what_was_understood() {
     ];
     for (robot, (joints, arm, trunk, sides)) in robots().iter().zip(wanted) {
         let model = load(robot);
-        assert!(!model.hand(Side::Left).is_present(), "{}", robot.name);
-        assert_eq!(model.sides().collect::<Vec<_>>(), [Side::Right]);
-        let hand = model.hand(Side::Right);
+        assert!(!model.hand(HandSide::Left).is_present(), "{}", robot.name);
+        assert_eq!(model.sides().collect::<Vec<_>>(), [HandSide::Right]);
+        let hand = model.hand(HandSide::Right);
         assert_eq!(
             (
                 model.joint_count(),
@@ -57,23 +58,23 @@ fn what_was_understood() {
             "{}",
             robot.name
         );
-        let of: Vec<usize> = (0..hand.finger_count())
-            .map(|finger| hand.virtual_finger(finger))
+        let of: Vec<usize> = (0..hand.fingertip_count())
+            .map(|finger| hand.grasp_side(finger))
             .collect();
         assert_eq!(of, sides, "{}", robot.name);
     }
 }
 
-/// In the reference posture the hand points down, open.
+/// The hand points down and is open in the reference posture.
 #[test]
 fn the_reference_posture_points_down() {
     for robot in &robots() {
         let model = load(robot);
-        let hand = model.hand(Side::Right);
+        let hand = model.hand(HandSide::Right);
         let pose = hand.forward(hand.reference_rad());
         assert_near(&robot.name, pose.hand_axis(), -Vector3::z(), 1e-9);
-        for finger in 0..hand.finger_count() {
-            let inward = pose.side_m(1 - hand.virtual_finger(finger)) - pose.tip_m(finger);
+        for finger in 0..hand.fingertip_count() {
+            let inward = pose.side_m(1 - hand.grasp_side(finger)) - pose.tip_m(finger);
             assert!(pose.dome_axis(finger).dot(&inward) > 0.0, "{}", robot.name);
         }
         assert!(hand.home_opening_m() > 0.03, "{}", hand.home_opening_m());
@@ -95,7 +96,7 @@ proptest! {
             let (after, before) = (hand.forward(&(q + step)), hand.forward(&(q - step)));
             let slope = |of: &dyn Fn(&HandPose) -> Vector3<f64>| (of(&after) - of(&before)) / (2.0 * H);
             assert_near("hand axis", jacobian.hand_axis.column(joint).into(), slope(&HandPose::hand_axis), 1e-9);
-            for finger in 0..hand.finger_count() {
+            for finger in 0..hand.fingertip_count() {
                 let tip = jacobian.tips[finger].position.column(joint).into_owned();
                 assert_near("tip", tip, slope(&|pose| pose.tip_m(finger)), 1e-9);
                 let dome = jacobian.tips[finger].dome_axis.column(joint).into_owned();
@@ -104,7 +105,7 @@ proptest! {
         }
     }
 
-    /// Whatever is asked, the step is finite and within limits and speeds.
+    /// Every step is finite and within position and speed limits.
     #[test]
     fn any_grasp_keeps_limits_and_speeds(
         hand in any_robot(),
@@ -113,7 +114,7 @@ proptest! {
         yaw in -7.0..7.0_f64,
         opening_m in prop_oneof![8 => -0.1..0.3_f64, 1 => any::<f64>()],
     ) {
-        let target = GraspFrame::from_above(centre.into(), yaw, opening_m).target(&hand);
+        let target = GraspPose::from_above(centre.into(), yaw, opening_m).target(&hand);
         let mut q = between_limits(&hand, &fractions);
         for _ in 0..5 {
             let pose = hand.forward(&q);
@@ -128,27 +129,28 @@ proptest! {
     }
 }
 
-/// A grasp at home, and one 20 mm below it and narrower: reached from scratch, and followed tick by tick.
+/// A grasp at home, and one 20 mm lower and narrower: reached from scratch, and tracked tick by
+/// tick.
 #[test]
-fn a_grasp_below_home_is_reached_and_followed() {
+fn grasp_below_home_is_reached_and_tracked() {
     for robot in &robots() {
         let model = load(robot);
-        let hand = model.hand(Side::Right);
+        let hand = model.hand(HandSide::Right);
         let home_m = hand.home_m();
         let yaw = hand.yaw_of_joints_rad(hand.reference_rad(), &home_m);
-        let home = GraspFrame::from_above(home_m, yaw, hand.home_opening_m());
+        let home = GraspPose::from_above(home_m, yaw, hand.home_opening_m());
         let mut q = hand
             .posture_for(&home)
             .unwrap_or_else(|error| panic!("{}: {error}", robot.name))
             .q_rad;
-        let below = GraspFrame::from_above(home_m - Vector3::z() * 0.02, yaw, 0.03);
+        let below = GraspPose::from_above(home_m - Vector3::z() * 0.02, yaw, 0.03);
         hand.posture_for(&below)
             .unwrap_or_else(|error| panic!("{}: {error}", robot.name));
         let mut worst_m = 0.0_f64;
         for tick in 1..=1000 {
             let share = f64::from(tick) / 1000.0;
             let opening_m = hand.home_opening_m() + (0.03 - hand.home_opening_m()) * share;
-            let at = GraspFrame::from_above(home_m - Vector3::z() * 0.02 * share, yaw, opening_m);
+            let at = GraspPose::from_above(home_m - Vector3::z() * 0.02 * share, yaw, opening_m);
             let pose = hand.forward(&q);
             let step = hand.ik_step(
                 &pose,
@@ -160,7 +162,7 @@ fn a_grasp_below_home_is_reached_and_followed() {
             assert_ne!(step.status, IkStatus::Failed, "{}", robot.name);
             q = step.q_rad;
             let pose = hand.forward(&q);
-            for (finger, wanted_m) in at.target(hand).tip_m[..hand.finger_count()]
+            for (finger, wanted_m) in at.target(hand).tip_m[..hand.fingertip_count()]
                 .iter()
                 .enumerate()
             {
@@ -171,12 +173,13 @@ fn a_grasp_below_home_is_reached_and_followed() {
     }
 }
 
-/// The robot files' workspaces: every grasp of a grid has a posture, whatever its closing axis if the wrist turns that far.
+/// Every grasp of a grid over the workspaces has a posture, at any closing axis if the wrist turns
+/// far enough.
 #[test]
 fn every_grasp_of_a_workspace_has_a_posture() {
     for robot in &robots() {
         let model = load(robot);
-        let hand = model.hand(Side::Right);
+        let hand = model.hand(HandSide::Right);
         let space = *hand.workspace().expect("its robot file has one");
         let yaws_deg: &[f64] = match &*robot.name {
             "test-bench" => &[0.0],
@@ -195,7 +198,7 @@ fn every_grasp_of_a_workspace_has_a_posture() {
                             let centre_m = Vector3::new(x, y, z);
                             let yaw = hand.home_yaw_rad() + yaw_deg.to_radians();
                             let yaw = hand.closing_yaw_rad(&centre_m, yaw);
-                            let grasp = GraspFrame::from_above(centre_m, yaw, opening_m);
+                            let grasp = GraspPose::from_above(centre_m, yaw, opening_m);
                             if let Err(error) = hand.posture_for(&grasp) {
                                 missed.push((centre_m, opening_m, yaw_deg, error.to_string()));
                             }
@@ -214,23 +217,28 @@ fn every_grasp_of_a_workspace_has_a_posture() {
     }
 }
 
-/// A gripper turns a cap by its wrist as far as fingertips that pass each other would go round it; what stands on a stage cannot.
+/// A gripper turns a cap by its wrist as far as passing fingertips would. A gripper on a stage
+/// cannot.
 #[test]
 fn a_gripper_turns_a_cap_by_its_wrist() {
     let check = |robot: &str, turns_caps: bool, turns_by_wrist: bool| {
         let model = RobotModel::find(robot).expect("it ships");
-        let able = model.hand(Side::Right).abilities();
+        let able = model.hand(HandSide::Right).capabilities();
         let wanted = (turns_caps, turns_by_wrist);
-        assert_eq!((able.turns_caps, able.turns_by_wrist), wanted, "{robot}");
+        assert_eq!(
+            (able.cap_turning, able.cap_turning_by_wrist),
+            wanted,
+            "{robot}"
+        );
     };
     check("two-hand-arm", true, false);
     check("arm7-gripper", true, true);
-    // Its two fingers stand farther apart than a cap is wide.
+    // Its two fingers are farther apart than a cap is wide.
     check("three-finger", false, true);
     check("test-bench", false, false);
     let model = RobotModel::find("arm7-gripper").expect("it ships");
-    let hand = model.hand(Side::Right);
-    let mut grasp = GraspFrame::from_above(hand.home_m(), hand.home_yaw_rad(), 0.03);
+    let hand = model.hand(HandSide::Right);
+    let mut grasp = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), 0.03);
     grasp.tangential_m = [0.006, -0.006];
     let posture = hand.posture_for(&grasp).expect("it turns that far");
     let pose = hand.forward(&posture.q_rad);
@@ -239,12 +247,12 @@ fn a_gripper_turns_a_cap_by_its_wrist() {
     assert!((turned_rad - 0.006 / 0.012).abs() < 1e-6, "{turned_rad}");
 }
 
-/// Regression: a drive that was asked to open faster than it can made the arm do what it left undone, and the hand sway.
+/// Regression: the arm compensated for a drive that opened too slowly, so the hand swayed.
 #[test]
 fn fingers_are_as_fast_as_their_slowest_joint() {
     for robot in SHIPPED {
         let model = load(&robot);
-        let speed_m_s = model.hand(Side::Right).finger_speed_m_s();
+        let speed_m_s = model.hand(HandSide::Right).finger_speed_m_s();
         assert!(
             speed_m_s > 0.09,
             "{}: {speed_m_s} m/s is too slow to let go at once",
@@ -259,20 +267,20 @@ fn fingers_are_as_fast_as_their_slowest_joint() {
         urdf: slower.into(),
         ..gripper
     };
-    let speed_m_s = load(&slower).hand(Side::Right).finger_speed_m_s();
+    let speed_m_s = load(&slower).hand(HandSide::Right).finger_speed_m_s();
     assert!(
         (speed_m_s - 0.02).abs() < 1e-4,
         "a sliding jaw: {speed_m_s}"
     );
 }
 
-/// What the two fingers of one side are asked for beyond their middle they take, and never at its expense: one closes ahead of the
-/// other.
+/// The two fingers of one side execute requested differences from their middle, without moving the
+/// middle: one closes ahead of the other.
 #[test]
-fn fingers_of_one_side_meet_by_their_middle() {
+fn fingers_of_a_side_differ_without_moving_their_middle() {
     let model = RobotModel::find("three-finger").expect("it ships");
-    let hand = model.hand(Side::Right);
-    let grasp = GraspFrame::from_above(hand.home_m(), hand.home_yaw_rad(), 0.04);
+    let hand = model.hand(HandSide::Right);
+    let grasp = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), 0.04);
     let start = hand.posture_for(&grasp).expect("it gets there").q_rad;
     for ahead_m in [0.003, -0.003] {
         let apart_m = grasp.closing_axis() * ahead_m;
@@ -294,17 +302,18 @@ fn fingers_of_one_side_meet_by_their_middle() {
     }
 }
 
-/// Asked to close from one side only, a gripper whose jaws move together meets in the middle if its arm cannot give way.
+/// A gripper whose jaws move together, on a rigid arm, closes symmetrically when only one side is
+/// commanded.
 #[test]
-fn a_gripper_that_cannot_shift_closes_by_the_mean() {
+fn gripper_on_rigid_arm_closes_symmetrically() {
     let model = RobotModel::find("test-bench").expect("it ships");
-    let hand = model.hand(Side::Right);
+    let hand = model.hand(HandSide::Right);
     let mut q = *hand.reference_rad();
     let pose = hand.forward(&q);
     let home_m = hand.home_m();
     let yaw = hand.yaw_of_joints_rad(&q, &home_m);
     let half_m = hand.home_opening_m() / 2.0;
-    let mut asked = GraspFrame::from_above(home_m, yaw, hand.home_opening_m());
+    let mut asked = GraspPose::from_above(home_m, yaw, hand.home_opening_m());
     asked.half_opening_m = [half_m - 0.0005, half_m];
     for _ in 0..50 {
         let pose = hand.forward(&q);
@@ -325,7 +334,8 @@ fn a_gripper_that_cannot_shift_closes_by_the_mean() {
     }
 }
 
-/// Regression: whatever has two hands was said to hold a bottle for the other, also where they only ever point down.
+/// Regression: every two-hand robot was reported to hold a bottle for the other hand, even if its
+/// hands only point down.
 #[test]
 fn only_arms_that_bend_grasp_from_the_side() {
     for (robot, slants) in [
@@ -336,7 +346,11 @@ fn only_arms_that_bend_grasp_from_the_side() {
     ] {
         let robot = RobotModel::find(robot).expect("it ships");
         for side in robot.sides() {
-            assert_eq!(robot.hand(side).abilities().slants, slants, "{side:?}");
+            assert_eq!(
+                robot.hand(side).capabilities().side_grasp,
+                slants,
+                "{side:?}"
+            );
         }
     }
 }

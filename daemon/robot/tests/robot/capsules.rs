@@ -1,8 +1,8 @@
-//! Collision capsules: where they are, and the clearance between them.
+//! Collision capsules: positions, and the clearance between them.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{Capsule, Capsules, GraspFrame, Side, clearance_m};
+use robot_model::{Capsule, Capsules, GraspPose, HandSide, clearance_m};
 
 use crate::support::{ROBOT, assert_near};
 
@@ -60,7 +60,7 @@ fn clearance_of_known_pairs() {
 }
 
 #[test]
-fn nothing_is_far_from_everything_and_nan_is_never_safe() {
+fn empty_set_has_infinite_gap_and_nan_is_unsafe() {
     let fine = capsule([0.0; 3], [1.0, 0.0, 0.0], 0.1);
     let lost = capsule([0.0, f64::NAN, 0.0], [1.0, 0.0, 0.0], 0.1);
     let far = capsule([0.0, f64::INFINITY, 0.0], [1.0, 0.0, 0.0], 0.1);
@@ -74,7 +74,8 @@ fn any_capsule() -> impl Strategy<Value = Capsule> {
     (point(), point(), 0.01..0.1_f64).prop_map(|(a, b, radius_m)| capsule(a, b, radius_m))
 }
 
-/// Distance by trying many points of both segments: an upper bound, at most half a grid step above the truth.
+/// Returns the distance between sampled points of both segments: an upper bound, at most half a
+/// grid step too large.
 fn sampled_clearance_m(one: &Capsule, two: &Capsule, steps: usize) -> f64 {
     let on = |capsule: &Capsule, index: usize| {
         capsule.a_m.lerp(&capsule.b_m, index as f64 / steps as f64)
@@ -103,10 +104,10 @@ proptest! {
     }
 }
 
-/// The same bodies as the prototype's collision check, from joint to joint.
+/// The bodies equal those of the prototype's collision check.
 #[test]
 fn capsules_lie_along_the_links() {
-    let hand = ROBOT.hand(Side::Left);
+    let hand = ROBOT.hand(HandSide::Left);
     let pose = hand.forward(hand.reference_rad());
     let capsules = hand.capsules(&pose);
     assert_eq!(capsules.len(), 15);
@@ -147,23 +148,23 @@ fn capsules_lie_along_the_links() {
 /// Both arms with their hands apart, and reaching for the same place.
 #[test]
 fn arms_meet_only_where_both_reach() {
-    let placed = |side: Side, centre: [f64; 3]| {
+    let placed = |side: HandSide, centre: [f64; 3]| {
         let hand = ROBOT.hand(side);
-        let grasp = GraspFrame::from_above(Vector3::from(centre), 90_f64.to_radians(), 0.06);
+        let grasp = GraspPose::from_above(Vector3::from(centre), 90_f64.to_radians(), 0.06);
         hand.capsules(&hand.forward(&hand.posture_for(&grasp).expect("reachable").q_rad))
     };
-    let right = placed(Side::Right, [0.3, -0.14, 0.1]);
-    assert!(clearance_m(&placed(Side::Left, [0.3, 0.14, 0.1]), &right) > 0.02);
+    let right = placed(HandSide::Right, [0.3, -0.14, 0.1]);
+    assert!(clearance_m(&placed(HandSide::Left, [0.3, 0.14, 0.1]), &right) > 0.02);
     assert!(
         clearance_m(
-            &placed(Side::Left, [0.3, 0.0, 0.1]),
-            &placed(Side::Right, [0.3, 0.02, 0.1])
+            &placed(HandSide::Left, [0.3, 0.0, 0.1]),
+            &placed(HandSide::Right, [0.3, 0.02, 0.1])
         ) < 0.0
     );
 }
 
 #[test]
-fn a_full_set_takes_no_more() {
+fn full_set_rejects_more_capsules() {
     let mut set = Capsules::new();
     let body = capsule([0.0; 3], [0.0; 3], 0.1);
     let taken = (0..40).filter(|_| set.push(body, 0)).count();

@@ -1,21 +1,21 @@
-//! Forward kinematics against the prototype's numbers, against an independent computation, and its conventions.
+//! Forward kinematics: equals the prototype and an independent computation; conventions of frames.
 
 use std::f64::consts::FRAC_PI_3;
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use robot_model::{HandVector, RobotModel, Side, TWO_HAND_ARM};
+use robot_model::{HandSide, HandVector, RobotModel, TWO_HAND_ARM};
 use urdf_rs::{JointType, Robot};
 
 use crate::support::{JOINTS, ROBOT, assert_near, between_limits, degrees, fractions, side};
 
 /// Joint angles in degrees, then tips 1 and 2 (m), dome axes 1 and 2, hand axis.
-type Row = (Side, [f64; JOINTS], [[f64; 3]; 5]);
+type Row = (HandSide, [f64; JOINTS], [[f64; 3]; 5]);
 
 /// Key poses of the assembly, computed with the Python prototype (numpy), rounded to 1e-9.
 const PROTOTYPE_POSES: &[Row] = &[
     (
-        Side::Left, // home
+        HandSide::Left, // home
         [
             0.0, -37.93, 123.21, 5.87, 0.0, 1.92, -36.21, 66.2, 1.92, -36.21, 66.2,
         ],
@@ -28,7 +28,7 @@ const PROTOTYPE_POSES: &[Row] = &[
         ],
     ),
     (
-        Side::Left, // insert, hand 45° below the horizontal
+        HandSide::Left, // insert, hand 45° below the horizontal
         [
             -30.07, 11.8, 80.28, -44.79, 0.0, -27.72, -50.57, 80.54, -27.72, -50.57, 80.54,
         ],
@@ -41,7 +41,7 @@ const PROTOTYPE_POSES: &[Row] = &[
         ],
     ),
     (
-        Side::Right, // cap grasped on the stand
+        HandSide::Right, // cap grasped on the stand
         [
             6.69, -14.52, 97.02, 7.84, 36.68, 1.01, -8.71, 38.52, 1.01, -5.93, 36.14,
         ],
@@ -54,7 +54,7 @@ const PROTOTYPE_POSES: &[Row] = &[
         ],
     ),
     (
-        Side::Right, // cap turned on the bottle, roots in anti-phase
+        HandSide::Right, // cap turned on the bottle, roots in anti-phase
         [
             30.12, -21.3, 72.98, 38.44, 60.1, 2.71, -8.4, 38.29, -3.71, -6.04, 36.16,
         ],
@@ -85,7 +85,7 @@ fn key_poses_equal_the_prototype() {
     }
 }
 
-/// The pose of a link by climbing the URDF with quaternions: no code shared with the crate.
+/// Returns the pose of a link from the URDF by quaternions: no code shared with the crate.
 fn link_pose(urdf: &Robot, link: &str, angle: &dyn Fn(&str) -> f64) -> Isometry3<f64> {
     let Some(joint) = urdf.joints.iter().find(|joint| joint.child.link == link) else {
         return Isometry3::identity();
@@ -105,8 +105,8 @@ fn link_pose(urdf: &Robot, link: &str, angle: &dyn Fn(&str) -> f64) -> Isometry3
     link_pose(urdf, &joint.parent.link, angle) * origin * turn
 }
 
-/// Compares tips, tip frames and hand frame of one hand with the climb through the URDF.
-fn check_against_climb(urdf: &Robot, robot: &RobotModel, side: Side, q: &HandVector) {
+/// Compares tips, tip frames and hand frame of one hand with the independent computation.
+fn check_against_urdf(urdf: &Robot, robot: &RobotModel, side: HandSide, q: &HandVector) {
     let hand = robot.hand(side);
     let angle = |name: &str| {
         let mut names = hand.joints().iter().map(|joint| joint.name);
@@ -141,7 +141,8 @@ fn check_against_climb(urdf: &Robot, robot: &RobotModel, side: Side, q: &HandVec
     compare(&wrist_roll.child.link, pose.base_from_hand());
 }
 
-/// The built-in robot with every joint's origin and axis moved, and a fixed spacer in each forearm.
+/// Returns the built-in robot with every joint's origin and axis moved, and a fixed spacer in each
+/// forearm.
 fn reshaped(seeds: Vec<[f64; 9]>) -> Robot {
     let mut urdf = urdf_rs::read_from_string(&TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
     for (joint, seed) in urdf.joints.iter_mut().zip(seeds) {
@@ -175,13 +176,13 @@ fn reshaped(seeds: Vec<[f64; 9]>) -> Robot {
 
 proptest! {
     #[test]
-    fn built_in_robot_equals_an_independent_climb(side in side(), fractions in fractions()) {
+    fn built_in_robot_equals_independent_kinematics(side in side(), fractions in fractions()) {
         let urdf = urdf_rs::read_from_string(&TWO_HAND_ARM.urdf).expect("the built-in URDF parses");
-        check_against_climb(&urdf, &ROBOT, side, &between_limits(ROBOT.hand(side), &fractions));
+        check_against_urdf(&urdf, &ROBOT, side, &between_limits(ROBOT.hand(side), &fractions));
     }
 
     #[test]
-    fn any_robot_of_the_structure_equals_an_independent_climb(
+    fn any_similar_robot_equals_independent_kinematics(
         seeds in prop::collection::vec(prop::array::uniform9(-1.0..1.0_f64), 27),
         side in side(),
         fractions in fractions(),
@@ -189,14 +190,14 @@ proptest! {
         let urdf = reshaped(seeds);
         let text = urdf_rs::write_to_string(&urdf).expect("the reshaped robot prints");
         let robot = RobotModel::load(&text, &TWO_HAND_ARM.robot_file).expect("the reshaped robot loads");
-        check_against_climb(&urdf, &robot, side, &between_limits(robot.hand(side), &fractions));
+        check_against_urdf(&urdf, &robot, side, &between_limits(robot.hand(side), &fractions));
     }
 }
 
 /// x = −u, y = u × a, z = a, where u is −x of the hand at the straight pose made normal to a.
 #[test]
 fn tip_frames_follow_the_convention() {
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         let pose = ROBOT.hand(side).forward(&HandVector::zeros(JOINTS));
         for finger in 0..2 {
             let frame = &pose.base_from_tip()[finger];
@@ -205,7 +206,7 @@ fn tip_frames_follow_the_convention() {
             let u = (back - a * back.dot(&a)).normalize();
             assert_near("x of the tip", frame.x_axis(), -u, 1e-15);
             assert_near("y of the tip", frame.y_axis(), u.cross(&a), 1e-15);
-            // The dome looks 60° inward of the finger, towards the other one.
+            // The dome looks 60° inward of the finger, towards the other finger.
             let inward = pose.tip_m(1 - finger) - pose.tip_m(finger);
             let wanted = pose.hand_axis() * FRAC_PI_3.cos() + inward.normalize() * FRAC_PI_3.sin();
             assert_near("dome axis", a, wanted, 1e-12);
@@ -215,7 +216,7 @@ fn tip_frames_follow_the_convention() {
 
 #[test]
 fn fingers_close_inward_with_positive_knuckle_and_distal() {
-    let hand = ROBOT.hand(Side::Left);
+    let hand = ROBOT.hand(HandSide::Left);
     let distance = |q: &HandVector| {
         let pose = hand.forward(q);
         (pose.tip_m(0) - pose.tip_m(1)).norm()
@@ -240,7 +241,7 @@ fn joints_of_the_robot_run_left_then_right_as_in_the_urdf() {
     let names: Vec<_> = ROBOT.joints().map(|joint| joint.name.to_string()).collect();
     assert_eq!(names, wanted);
     assert_eq!(ROBOT.joint_count(), wanted.len());
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         let (hand, range) = (ROBOT.hand(side), ROBOT.joint_range(side));
         let first = ROBOT.joint(range.start).map(|joint| joint.name);
         assert_eq!(first, Some(hand.joints()[0].name));

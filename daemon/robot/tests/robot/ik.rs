@@ -1,15 +1,17 @@
-//! One step of the inverse kinematics: the prototype's numbers, and safety for any input.
+//! One step of the inverse kinematics: equals the prototype, and is safe for any input.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{FINGERS_MAX, GraspFrame, HandTarget, HandVector, IkStatus, IkWeights, Side};
+use robot_model::{
+    FINGERTIPS_MAX, GraspPose, HandSide, HandTarget, HandVector, IkStatus, IkWeights,
+};
 
 use crate::support::{JOINTS, ROBOT, between_limits, degrees, fractions, side};
 
 const DT_S: f64 = 1e-3;
 
 struct Row {
-    side: Side,
+    side: HandSide,
     q_deg: [f64; JOINTS],
     tip_m: [[f64; 3]; 2],
     closing_yaw_deg: f64,
@@ -18,14 +20,15 @@ struct Row {
     root_deg: f64,
     dq_rad: [f64; JOINTS],
     status: IkStatus,
-    /// The prototype holds a joint with a penalty of 1e6, this crate exactly: they differ where a joint is held.
+    /// Tolerance for held joints: the prototype holds a joint by a penalty of 1e6, this crate
+    /// exactly.
     tolerance_rad: f64,
 }
 
 /// Steps computed with the Python prototype (numpy).
 const PROTOTYPE_STEPS: &[Row] = &[
     Row {
-        side: Side::Right,
+        side: HandSide::Right,
         q_deg: [
             6.69, -14.52, 97.02, 7.84, 36.68, 1.01, -8.71, 38.52, 1.01, -5.93, 36.14,
         ],
@@ -54,7 +57,7 @@ const PROTOTYPE_STEPS: &[Row] = &[
         tolerance_rad: 1e-12,
     },
     Row {
-        side: Side::Left,
+        side: HandSide::Left,
         q_deg: [
             -30.07, 11.8, 80.28, -44.79, 0.0, -27.72, -50.57, 80.54, -27.72, -50.57, 80.54,
         ],
@@ -83,7 +86,7 @@ const PROTOTYPE_STEPS: &[Row] = &[
         tolerance_rad: 1e-12,
     },
     Row {
-        side: Side::Right, // tips 3.6 mm off: shortened, softened, several joints at their speed limit
+        side: HandSide::Right, // tips 3.6 mm off: shortened, softened, several joints at their speed limit
         q_deg: [
             30.12, -21.3, 72.98, 38.44, 60.1, 2.71, -8.4, 38.29, -3.71, -6.04, 36.16,
         ],
@@ -112,7 +115,7 @@ const PROTOTYPE_STEPS: &[Row] = &[
         tolerance_rad: 1e-8,
     },
     Row {
-        side: Side::Right, // one joint at its speed limit
+        side: HandSide::Right, // one joint at its speed limit
         q_deg: [
             0.0, -39.5, 123.68, 6.96, 0.0, 2.0, -24.14, 54.14, 2.0, -24.15, 54.14,
         ],
@@ -147,7 +150,7 @@ fn steps_equal_the_prototype() {
     for row in PROTOTYPE_STEPS {
         let hand = ROBOT.hand(row.side);
         let mut grasp =
-            GraspFrame::from_above(Vector3::zeros(), row.closing_yaw_deg.to_radians(), 0.0);
+            GraspPose::from_above(Vector3::zeros(), row.closing_yaw_deg.to_radians(), 0.0);
         grasp.hand_azimuth_rad = row.hand_azimuth_deg.to_radians();
         grasp.hand_pitch_rad = row.hand_pitch_deg.to_radians();
         grasp.root_rad = row.root_deg.to_radians();
@@ -174,7 +177,7 @@ fn steps_equal_the_prototype() {
     }
 }
 
-/// Any number at all: ordinary ones often, the rest of `f64` (infinities, NaN, subnormals, huge) sometimes.
+/// Any number: mostly ordinary ones, sometimes others (infinities, NaN, subnormals, huge).
 fn any_number() -> impl Strategy<Value = f64> {
     prop_oneof![8 => -1.0..1.0_f64, 1 => any::<f64>(), 1 => prop::num::f64::ANY]
 }
@@ -184,7 +187,7 @@ fn any_vector() -> impl Strategy<Value = Vector3<f64>> {
 }
 
 fn any_target() -> impl Strategy<Value = HandTarget> {
-    let tips = || prop::array::uniform::<_, FINGERS_MAX>(any_vector());
+    let tips = || prop::array::uniform::<_, FINGERTIPS_MAX>(any_vector());
     (tips(), tips(), any_vector(), any_number()).prop_map(
         |(tip_m, dome_axis, hand_axis, root_rad)| HandTarget {
             tip_m,
@@ -221,7 +224,7 @@ proptest! {
         dt_s in any_number(),
         target in any_target(),
     ) {
-        let hand = ROBOT.hand(Side::Right);
+        let hand = ROBOT.hand(HandSide::Right);
         let pose = hand.forward(&HandVector::from(q));
         let step = hand.ik_step(&pose, &hand.jacobian(&pose), &target, dt_s, &IkWeights::TICK);
         prop_assert!(step.dq_rad.iter().all(|dq| dq.is_finite()));
@@ -232,9 +235,9 @@ proptest! {
 }
 
 #[test]
-fn a_joint_outside_its_limits_comes_back_at_its_own_speed() {
-    let hand = ROBOT.hand(Side::Left);
-    let target = GraspFrame::from_above(Vector3::new(0.3, 0.2, 0.1), 1.5, 0.06).target(hand);
+fn joint_outside_its_limits_returns_at_its_speed_limit() {
+    let hand = ROBOT.hand(HandSide::Left);
+    let target = GraspPose::from_above(Vector3::new(0.3, 0.2, 0.1), 1.5, 0.06).target(hand);
     let mut q = *hand.reference_rad();
     q[7] = hand.joints()[7].upper_rad + 0.02;
     for tick in 0..10 {

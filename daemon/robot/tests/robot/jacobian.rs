@@ -2,11 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
-use robot_model::{HandPose, HandVector, Side};
+use robot_model::{HandPose, HandSide, HandVector};
 
 use crate::support::{JOINTS, ROBOT, assert_near, between_limits, degrees, fractions, side};
 
-/// Half width of the central difference, radians: truncation h²·0.6 m and rounding ε/h meet near 1e-10.
+/// Half width of the central difference, radians: truncation h²·0.6 m and rounding ε/h meet near
+/// 1e-10.
 const H_RAD: f64 = 1e-5;
 const TOLERANCE: f64 = 1e-9;
 
@@ -24,7 +25,7 @@ proptest! {
             let slope = |of: &dyn Fn(&HandPose) -> Vector3<f64>| (of(&after) - of(&before)) / (2.0 * H_RAD);
             let hand_axis = jacobian.hand_axis.column(joint).into_owned();
             assert_near("hand axis", hand_axis, slope(&HandPose::hand_axis), TOLERANCE);
-            for finger in 0..hand.finger_count() {
+            for finger in 0..hand.fingertip_count() {
                 let tip = jacobian.tips[finger].position.column(joint).into_owned();
                 assert_near("tip", tip, slope(&|pose| pose.tip_m(finger)), TOLERANCE);
                 let dome = jacobian.tips[finger].dome_axis.column(joint).into_owned();
@@ -49,15 +50,15 @@ proptest! {
 
 /// Joint stiffness of the simulated servos, N·m/rad.
 fn servo_stiffness() -> HandVector {
-    ROBOT.hand(Side::Left).stiffness_n_m_rad()
+    ROBOT.hand(HandSide::Left).stiffness_n_m_rad()
 }
 
 #[test]
-fn the_servos_are_those_of_the_robot_design() {
+fn servos_equal_the_robot_design() {
     let wanted = [
         6480.0, 6480.0, 2880.0, 1280.0, 512.0, 80.0, 40.0, 40.0, 80.0, 40.0, 40.0,
     ];
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         assert_eq!(
             ROBOT.hand(side).stiffness_n_m_rad(),
             HandVector::from(wanted)
@@ -65,10 +66,11 @@ fn the_servos_are_those_of_the_robot_design() {
     }
 }
 
-/// Fingers alone on a rigid arm: 4.9–5.7 kN/m closing, 5.1–5.8 tangential, 98 vertical on 30 mm objects (prototype).
+/// Fingers alone on a rigid arm: 4.9–5.7 kN/m closing, 5.1–5.8 tangential, 98 vertical on 30 mm
+/// objects (prototype).
 #[test]
 fn finger_stiffness_equals_the_prototype() {
-    let hand = ROBOT.hand(Side::Right);
+    let hand = ROBOT.hand(HandSide::Right);
     let q = degrees([
         6.69, -14.52, 97.02, 7.84, 36.68, 1.01, -8.71, 38.52, 1.01, -5.93, 36.14,
     ]);
@@ -103,7 +105,7 @@ fn constrained_stiffness(c: &Matrix3<f64>, direction: &Vector3<f64>) -> f64 {
 
 #[test]
 fn compliance_refuses_a_stiffness_that_is_not_positive() {
-    let hand = ROBOT.hand(Side::Left);
+    let hand = ROBOT.hand(HandSide::Left);
     let jacobian = hand.jacobian(&hand.forward(hand.reference_rad()));
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mut stiffness = servo_stiffness();

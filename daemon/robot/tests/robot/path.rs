@@ -1,27 +1,28 @@
 //! One step per 1 ms tick along the motions of the assembly: both hands, start to end.
 
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, IkStatus, IkWeights, RobotVector, Side};
+use robot_model::{GraspPose, HandSide, HandVector, IkStatus, IkWeights, RobotVector};
 
 use crate::support::ROBOT;
 use Motion::{Linear, Smooth, Swing};
 
 const DT_S: f64 = 1e-3;
 
-/// How a motion goes and how closely it must be tracked.
+/// Kind of a motion, with its tracking tolerance.
 #[derive(Clone, Copy, PartialEq)]
 enum Motion {
-    /// Minimum jerk, at the object or with it.
+    /// Minimum jerk, with or without an object.
     Smooth,
     /// Constant speed, pressing or turning.
     Linear,
-    /// Minimum jerk of an empty hand that turns or tilts by tens of degrees: the dome axes lag, as they close 5 % of
-    /// their error per tick.
+    /// Minimum jerk of an empty hand that turns or tilts by tens of degrees. The dome axes lag,
+    /// because they correct 5 % of their error per tick.
     Swing,
 }
 
 impl Motion {
-    /// Largest distance of a tip from its target after the tick's step. Measured: 0.02 µm, on swings 0.16 µm.
+    /// Largest distance of a tip from its target after the tick's step. Measured: 0.02 µm, on
+    /// swings 0.16 µm.
     fn tip_error_max_m(self) -> f64 {
         if self == Motion::Swing {
             0.2e-6
@@ -36,17 +37,17 @@ impl Motion {
     }
 }
 
-/// A grasp to arrive at, and how.
+/// Target grasp and kind of motion.
 struct Key {
-    grasp: GraspFrame,
+    grasp: GraspPose,
     seconds: f64,
     motion: Motion,
 }
 
-fn blend(from: &GraspFrame, to: &GraspFrame, s: f64) -> GraspFrame {
+fn blend(from: &GraspPose, to: &GraspPose, s: f64) -> GraspPose {
     let mix = |a: f64, b: f64| a + (b - a) * s;
     let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0]), mix(a[1], b[1])];
-    GraspFrame {
+    GraspPose {
         centre_m: from.centre_m + (to.centre_m - from.centre_m) * s,
         closing_yaw_rad: mix(from.closing_yaw_rad, to.closing_yaw_rad),
         hand_azimuth_rad: mix(from.hand_azimuth_rad, to.hand_azimuth_rad),
@@ -58,13 +59,14 @@ fn blend(from: &GraspFrame, to: &GraspFrame, s: f64) -> GraspFrame {
     }
 }
 
-/// Fraction of the way along a minimum-jerk motion.
+/// Returns the fraction of a minimum-jerk motion.
 fn minimum_jerk(s: f64) -> f64 {
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
 }
 
-/// Follows the keys from the posture of the first one, checking every tick; returns the last command.
-fn follow(name: &str, side: Side, keys: &[Key]) -> HandVector {
+/// Tracks the keys from the posture of the first one, checks every tick and returns the last
+/// command.
+fn track(name: &str, side: HandSide, keys: &[Key]) -> HandVector {
     let hand = ROBOT.hand(side);
     let mut q = hand
         .posture_for(&keys[0].grasp)
@@ -116,18 +118,18 @@ fn follow(name: &str, side: Side, keys: &[Key]) -> HandVector {
     q
 }
 
-/// Cap from its stand to the bottle: approach, descend, close at 2 mm/s, lift, convey 260 mm, lower, release, then two
-/// rectangles of ±7 × 3 mm, open, up.
+/// Cap from its stand to the bottle: approach, descend, close at 2 mm/s, lift, convey 260 mm,
+/// lower, release, then two rectangles of ±7 × 3 mm, open, up.
 #[test]
-fn the_right_hand_carries_and_turns_a_cap() {
-    let hand = ROBOT.hand(Side::Right);
+fn right_hand_carries_and_turns_a_cap() {
+    let hand = ROBOT.hand(HandSide::Right);
     let (stand, bottle) = (
         Vector3::new(0.32, -0.18, 0.05),
         Vector3::new(0.38, 0.0, 0.13),
     );
     let yaw = 60_f64.to_radians();
     let at = |centre_m: Vector3<f64>, half_m: f64, turned_m: f64, seconds: f64, motion: Motion| {
-        let mut grasp = GraspFrame::from_above(centre_m, yaw, 2.0 * half_m);
+        let mut grasp = GraspPose::from_above(centre_m, yaw, 2.0 * half_m);
         grasp.tangential_m = [turned_m, -turned_m];
         Key {
             grasp,
@@ -161,18 +163,18 @@ fn the_right_hand_carries_and_turns_a_cap() {
     }
     keys.push(at(bottle, 0.03, 0.0, 1.0, Smooth));
     keys.push(at(up(bottle, 0.07), 0.03, 0.0, 2.0, Smooth));
-    follow("cap", Side::Right, &keys);
+    track("cap", HandSide::Right, &keys);
 }
 
-/// The bottle is held from the side: tilt the hand to 45°, come in along its bearing, close.
+/// The hand holds the bottle from the side: tilt to 45°, approach along its bearing, close.
 #[test]
-fn the_left_hand_takes_a_bottle_from_the_side() {
-    let hand = ROBOT.hand(Side::Left);
+fn left_hand_grasps_a_bottle_from_the_side() {
+    let hand = ROBOT.hand(HandSide::Left);
     let bottle = Vector3::new(0.38, 0.0, 0.045);
     let tilted =
         |centre_m: Vector3<f64>, bearing_rad: f64, half_m: f64, seconds: f64, motion: Motion| {
             let yaw = bearing_rad + 90_f64.to_radians();
-            let mut grasp = GraspFrame::from_above(centre_m, yaw, 2.0 * half_m);
+            let mut grasp = GraspPose::from_above(centre_m, yaw, 2.0 * half_m);
             grasp.hand_azimuth_rad = bearing_rad;
             grasp.hand_pitch_rad = 45_f64.to_radians();
             grasp.root_rad = -27.5_f64.to_radians();
@@ -186,10 +188,10 @@ fn the_left_hand_takes_a_bottle_from_the_side() {
     let behind = bottle + Vector3::new(-0.1 * bearing.cos(), -0.1 * bearing.sin(), 0.03);
     let home_m = Vector3::new(0.26, 0.22, 0.15);
     let home_bearing = hand.bearing_rad(&home_m);
-    let home = GraspFrame::from_above(home_m, home_bearing + 90_f64.to_radians(), 0.08);
+    let home = GraspPose::from_above(home_m, home_bearing + 90_f64.to_radians(), 0.08);
     let keys = [
         Key {
-            grasp: GraspFrame {
+            grasp: GraspPose {
                 hand_azimuth_rad: home_bearing,
                 ..home
             },
@@ -204,14 +206,14 @@ fn the_left_hand_takes_a_bottle_from_the_side() {
         tilted(bottle, bearing, 0.05, 2.0, Smooth),
         tilted(behind, bearing, 0.05, 2.0, Smooth),
     ];
-    follow("bottle", Side::Left, &keys);
+    track("bottle", HandSide::Left, &keys);
 }
 
 /// A vector of the whole robot takes both hands' commands at their first joints.
 #[test]
 fn commands_of_both_hands_fill_the_robot_vector() {
     let mut robot_rad = RobotVector::zeros(ROBOT.joint_count());
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         let q = ROBOT.hand(side).reference_rad();
         robot_rad[ROBOT.joint_range(side)].copy_from_slice(q);
     }

@@ -1,8 +1,8 @@
-//! Every link for viewers, against the kinematics that the controller computes with.
+//! Skeleton for viewers: equals the kinematics of the controller.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use robot_model::{Placement, RobotVector, SHIPPED, Side, Skeleton, TWO_HAND_ARM};
+use robot_model::{HandSide, Placement, RobotVector, SHIPPED, Skeleton, TWO_HAND_ARM};
 
 use crate::support::{ROBOT, between_limits, fractions};
 
@@ -14,7 +14,7 @@ fn isometry(placement: &Placement) -> Isometry3<f64> {
     )
 }
 
-/// Where each link is in the base frame.
+/// Returns the pose of each link in the base frame.
 fn placed(skeleton: &Skeleton, q_rad: &[f64]) -> Vec<Isometry3<f64>> {
     let mut base_from: Vec<Isometry3<f64>> = Vec::new();
     for limb in skeleton.limbs() {
@@ -26,8 +26,8 @@ fn placed(skeleton: &Skeleton, q_rad: &[f64]) -> Vec<Isometry3<f64>> {
 
 proptest! {
     #[test]
-    fn fingertips_are_where_the_controller_has_them(at in fractions(), side in 0..2_usize) {
-        let side = Side::BOTH[side];
+    fn fingertips_equal_the_controller_kinematics(at in fractions(), side in 0..2_usize) {
+        let side = HandSide::BOTH[side];
         let skeleton = TWO_HAND_ARM.skeleton().expect("it ships");
         let hand = ROBOT.hand(side);
         let q_hand_rad = between_limits(hand, &at);
@@ -60,7 +60,7 @@ fn joints_are_named_in_the_order_of_joint_vectors() {
 }
 
 #[test]
-fn a_jaw_that_mimics_another_follows_it() {
+fn mimicking_jaw_follows_its_master() {
     for files in SHIPPED {
         let (skeleton, robot) = (
             files.skeleton().expect("it ships"),
@@ -84,7 +84,7 @@ fn a_jaw_that_mimics_another_follows_it() {
 }
 
 #[test]
-fn what_is_no_tree_is_refused_by_name() {
+fn links_without_tree_are_rejected_by_name() {
     let check = |body: &str, part: &str| {
         let text = format!("<robot name=\"r\">{body}</robot>");
         let error = Skeleton::read(&text, vec!["j".into(), "k".into()]);

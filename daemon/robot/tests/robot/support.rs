@@ -1,10 +1,10 @@
-//! What several tests need: the built-in robot, joint angles inside its limits, comparisons.
+//! Shared helpers: the built-in robot, joint positions within its limits, comparisons.
 
 use std::sync::LazyLock;
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{HandModel, HandVector, RobotModel, Side};
+use robot_model::{HandModel, HandSide, HandVector, RobotModel};
 
 /// Joints of one of its hands.
 pub(crate) const JOINTS: usize = 11;
@@ -14,11 +14,11 @@ pub(crate) static ROBOT: LazyLock<RobotModel> =
     LazyLock::new(|| RobotModel::two_hand_arm().expect("the built-in URDF loads"));
 
 /// Either side.
-pub(crate) fn side() -> impl Strategy<Value = Side> {
-    prop_oneof![Just(Side::Left), Just(Side::Right)]
+pub(crate) fn side() -> impl Strategy<Value = HandSide> {
+    prop_oneof![Just(HandSide::Left), Just(HandSide::Right)]
 }
 
-/// How far each joint is between its limits, 0 to 1.
+/// Fraction of each joint's range, 0 to 1.
 pub(crate) fn fractions() -> impl Strategy<Value = [f64; JOINTS]> {
     prop::array::uniform11(0.0..=1.0)
 }

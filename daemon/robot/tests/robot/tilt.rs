@@ -1,23 +1,23 @@
-//! Jaws that turn as they close: how far their domes may face beside each other, and what is said where they cannot be.
+//! Jaws that turn as they close: permitted dome tilt, and errors beyond it.
 
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandModel, RobotModel, SHIPPED, Side};
+use robot_model::{GraspPose, HandModel, HandSide, RobotModel, SHIPPED};
 
 fn angular_jaw() -> HandModel {
     let robot = RobotModel::load(
         include_str!("../robots/angular-jaw.urdf"),
         include_str!("../robots/angular-jaw.toml"),
     );
-    *robot.expect("it fits").hand(Side::Right)
+    *robot.expect("it fits").hand(HandSide::Right)
 }
 
-fn at_home(hand: &HandModel, opening_m: f64) -> GraspFrame {
-    GraspFrame::from_above(hand.home_m(), hand.home_yaw_rad(), opening_m)
+fn at_home(hand: &HandModel, opening_m: f64) -> GraspPose {
+    GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), opening_m)
 }
 
-/// Those that can keep their domes facing each other are held to it as ever.
+/// Jaws that keep their domes parallel keep the strict limit.
 #[test]
-fn only_jaws_that_turn_tilt() {
+fn only_turning_jaws_tilt() {
     for files in SHIPPED {
         let robot = files.load().expect("it ships");
         for side in robot.sides() {
@@ -28,23 +28,24 @@ fn only_jaws_that_turn_tilt() {
     }
     let hand = angular_jaw();
     assert!(hand.domes_tilt());
-    // 35° of cap less 23° of patch at 8 N.
+    // 35° of cap minus 23° of patch at 8 N.
     let bears_deg = hand.dome_error_max_rad().to_degrees();
     assert!((bears_deg - 12.0).abs() < 0.1, "{bears_deg}");
 }
 
-/// The middle of its range is grasped, what is too narrow or too wide is refused by how its domes would face; open, it goes there.
+/// The jaw grasps in the middle of its range. Too narrow or too wide grasps are rejected with their
+/// dome error; open, the jaw reaches them.
 #[test]
-fn a_jaw_that_turns_touches_where_its_domes_bear_it() {
+fn turning_jaw_grasps_within_its_dome_tolerance() {
     let hand = angular_jaw();
     for opening_m in [0.03, 0.04, 0.05, 0.06] {
-        let found = hand.touching_posture_for(&at_home(&hand, opening_m));
+        let found = hand.contact_posture_for(&at_home(&hand, opening_m));
         let found = found.unwrap_or_else(|error| panic!("{opening_m}: {error}"));
         assert!(found.dome_error_rad < 0.21, "{opening_m}: {found:?}");
     }
     for opening_m in [0.015, 0.075] {
         let frame = at_home(&hand, opening_m);
-        let error = hand.touching_posture_for(&frame).expect_err("refused");
+        let error = hand.contact_posture_for(&frame).expect_err("refused");
         assert!(
             error.to_string().contains("beside the closing axis"),
             "{error}"
@@ -53,13 +54,14 @@ fn a_jaw_that_turns_touches_where_its_domes_bear_it() {
     }
 }
 
-/// It tilts in the plane of its arm, so that its closing axis can be turned only so far from that.
+/// The jaw tilts in the plane of its arm, so its closing axis turns only a limited angle from that
+/// plane.
 #[test]
-fn five_joints_do_not_take_every_yaw() {
+fn five_joints_do_not_reach_every_yaw() {
     let hand = angular_jaw();
     let reaches = |yaw_deg: f64| {
         let yaw_rad = hand.home_yaw_rad() + yaw_deg.to_radians();
-        hand.reaches(&GraspFrame::from_above(hand.home_m(), yaw_rad, 0.06))
+        hand.reaches(&GraspPose::from_above(hand.home_m(), yaw_rad, 0.06))
     };
     assert!(reaches(-20.0) && reaches(0.0) && reaches(20.0));
     assert!(!reaches(80.0) && !reaches(-80.0));
@@ -96,19 +98,19 @@ fn fingertips_stacked_on_one_side_are_named() {
          stage = {{ stiffness = 40000, inertia = 2.0 }}\nleft = {{ rest_m = 0.04, stiffness = 20000, inertia = 0.4 }}\n"
     );
     let robot = RobotModel::load(&urdf.replace("TIPS", &tips), &file).expect("it fits");
-    let hand = robot.hand(Side::Right);
+    let hand = robot.hand(HandSide::Right);
     let frame = at_home(hand, hand.home_opening_m());
     let error = hand.posture_for(&frame).expect_err("refused").to_string();
     let wanted = "one of several fingertips of a side stayed 20.0 mm beside its place";
     assert!(error.contains(wanted), "{error}");
-    let far = GraspFrame::from_above(Vector3::new(2.0, 0.0, 0.1), 0.0, 0.05);
+    let far = GraspPose::from_above(Vector3::new(2.0, 0.0, 0.1), 0.0, 0.05);
     let error = hand.posture_for(&far).expect_err("refused").to_string();
     assert!(error.contains("mm off, needs at most"), "{error}");
 }
 
-/// Where it rests, the hand closes along the base's y: to the last bit, so that nothing is turned for rounding.
+/// At home the closing axis is the base's y, to the last bit, so that rounding turns nothing.
 #[test]
-fn those_that_ship_rest_closing_along_y() {
+fn built_in_robots_close_along_y_at_home() {
     for files in SHIPPED {
         let robot = files.load().expect("it ships");
         for side in robot.sides() {

@@ -1,27 +1,28 @@
-//! Targets out of reach: the hand stops as near as it can, without chatter.
+//! Targets out of reach: the hand stops as near as possible, without chatter.
 
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, IkStatus, IkWeights, Side};
+use robot_model::{GraspPose, HandSide, HandVector, IkStatus, IkWeights};
 
 use crate::support::ROBOT;
 
 const DT_S: f64 = 1e-3;
 const TICKS: usize = 3000;
-/// The end of the run in which the hand must be at rest.
+/// Final period in which the hand must be at rest.
 const REST_TICKS: usize = 300;
 /// Fastest joint at rest, as a fraction of its speed limit.
 const REST_SPEED_MAX: f64 = 0.05;
 
-/// Runs towards a grasp from the cap pose and returns tip error (m) and fastest joint (fraction of its limit) at the end.
+/// Runs towards a grasp from the cap pose and returns tip error (m) and fastest joint (fraction of
+/// its limit) at the end.
 fn run(centre_m: [f64; 3], opening_m: f64) -> (f64, f64) {
-    let hand = ROBOT.hand(Side::Right);
-    let start = GraspFrame::from_above(Vector3::new(0.38, 0.0, 0.13), 60_f64.to_radians(), 0.0348);
+    let hand = ROBOT.hand(HandSide::Right);
+    let start = GraspPose::from_above(Vector3::new(0.38, 0.0, 0.13), 60_f64.to_radians(), 0.0348);
     let mut q = hand
         .posture_for(&start)
         .expect("the start is reachable")
         .q_rad;
-    let wanted = GraspFrame::from_above(Vector3::from(centre_m), 60_f64.to_radians(), opening_m)
-        .target(hand);
+    let wanted =
+        GraspPose::from_above(Vector3::from(centre_m), 60_f64.to_radians(), opening_m).target(hand);
     let (mut error_m, mut fastest) = (0.0, 0.0_f64);
     for tick in 0..TICKS {
         let pose = hand.forward(&q);
@@ -69,7 +70,7 @@ fn out_of_reach_the_hand_comes_to_rest() {
 }
 
 #[test]
-fn a_jump_within_reach_is_followed_to_the_end() {
+fn reachable_jump_is_tracked_to_the_end() {
     let (error_m, fastest) = run([0.41, 0.02, 0.16], 0.0348);
     assert!(
         error_m < 1e-7 && fastest < 0.01,

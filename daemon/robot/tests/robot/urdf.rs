@@ -1,14 +1,14 @@
-//! The URDF loader: what it takes, and what it says about what it refuses.
+//! URDF loader: accepted robots, and errors of rejected ones.
 
 use nalgebra::Vector3;
 use robot_model::{
-    CAPSULES_MAX, Capsule, ModelError, RobotFiles, RobotModel, SHIPPED, Side, TWO_HAND_ARM,
+    CAPSULES_MAX, Capsule, HandSide, ModelError, RobotFiles, RobotModel, SHIPPED, TWO_HAND_ARM,
     clearance_m,
 };
 
 use crate::support::ROBOT;
 
-/// The two-hand arm with another URDF.
+/// Loads the two-hand arm with another URDF.
 fn with_urdf(urdf: &str) -> Result<RobotModel, ModelError> {
     RobotModel::load(urdf, &TWO_HAND_ARM.robot_file)
 }
@@ -27,7 +27,7 @@ const ELBOW: &str =
     r#"<axis xyz="0 1 0"/><limit lower="0.0873" upper="2.618" effort="30" velocity="2"/>"#;
 
 #[test]
-fn a_number_that_does_not_fit_is_named() {
+fn invalid_number_is_named() {
     let elbow = |axis: &str, lower: &str, upper: &str, effort: &str, velocity: &str| {
         format!(
             r#"<axis xyz="{axis}"/><limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{velocity}"/>"#
@@ -77,7 +77,7 @@ fn a_number_that_does_not_fit_is_named() {
 }
 
 #[test]
-fn a_structure_that_does_not_fit_is_named() {
+fn invalid_structure_is_named() {
     for (from, to, wanted) in [
         (
             r#"<joint name="left_elbow_pitch""#,
@@ -165,7 +165,7 @@ fn a_structure_that_does_not_fit_is_named() {
 }
 
 #[test]
-fn text_that_is_no_urdf_is_refused() {
+fn text_without_urdf_is_rejected() {
     for text in [
         "",
         "not xml",
@@ -181,9 +181,9 @@ fn text_that_is_no_urdf_is_refused() {
     }
 }
 
-/// Regression: hands whose makers describe every finger by eight boxes were turned away.
+/// Regression: hands whose fingers have eight collision boxes each were rejected.
 #[test]
-fn collision_shapes_that_there_is_no_room_for_become_capsules_about_them() {
+fn excess_collision_shapes_are_merged() {
     let ball = |z_m: f64| {
         format!(
             r#"<collision><origin xyz="0.01 0 {z_m}"/><geometry><sphere radius="0.01"/></geometry></collision>"#
@@ -194,7 +194,7 @@ fn collision_shapes_that_there_is_no_room_for_become_capsules_about_them() {
     let balls: String = heights_m.iter().map(|z_m| ball(*z_m)).collect();
     let robot =
         with_urdf(&TWO_HAND_ARM.urdf.replace(hand, &format!("{hand}{balls}"))).expect("it loads");
-    let left = robot.hand(Side::Left);
+    let left = robot.hand(HandSide::Left);
     let pose = left.forward(left.reference_rad());
     let bodies = left.capsules(&pose);
     assert_eq!(bodies.len(), CAPSULES_MAX);
@@ -212,7 +212,7 @@ fn collision_shapes_that_there_is_no_room_for_become_capsules_about_them() {
 }
 
 #[test]
-fn what_cannot_be_found_is_named() {
+fn missing_file_is_named() {
     let check = |robot: &str, part: &str| {
         let error = RobotModel::find(robot)
             .expect_err("no such robot")
@@ -222,7 +222,7 @@ fn what_cannot_be_found_is_named() {
     check("/nowhere/robot.toml", "/nowhere/robot.toml was unreadable");
     check(
         "/nowhere/robot.urdf",
-        "needs the robot file (.toml) that names it",
+        "needs a robot file (.toml) that names this URDF",
     );
     check(
         "two-hand-arn",
@@ -256,7 +256,7 @@ fn limits_come_from_the_file() {
         1,
     );
     let robot = with_urdf(&text).expect("other limits fit");
-    let hand = robot.hand(Side::Left);
+    let hand = robot.hand(HandSide::Left);
     assert_eq!(
         (hand.joints()[2].lower_rad, hand.joints()[2].upper_rad),
         (0.2, 1.2)
@@ -268,9 +268,9 @@ fn limits_come_from_the_file() {
     );
 }
 
-/// Everything that is wrong is told with the file and the line in which it is changed.
+/// Every problem has its file and line.
 #[test]
-fn a_finding_has_its_place() {
+fn problem_has_file_and_line() {
     let line_of = |text: &str, part: &str| {
         let lines = text.lines().position(|line| line.contains(part));
         lines.expect("it is there") + 1
@@ -285,10 +285,10 @@ fn a_finding_has_its_place() {
         .robot_file
         .replace(joint, "left_wrist_roll = { rest_deg = 0, stiffness = -512");
     let error = RobotModel::load(&urdf, &file).expect_err("refused");
-    let ModelError::Misfits(misfits) = &error else {
+    let ModelError::Problems(problems) = &error else {
         panic!("{error}");
     };
-    assert_eq!(misfits.len(), 2, "{error}");
+    assert_eq!(problems.len(), 2, "{error}");
     let places = [
         format!(
             "line {} of the URDF",
@@ -307,9 +307,10 @@ fn a_finding_has_its_place() {
     }
 }
 
-/// Two arms must keep apart, so every mesh is told at once; one hand alone passes them over and says so.
+/// Two arms must keep apart, so all meshes are rejected at once. A single hand ignores them and
+/// reports this.
 #[test]
-fn meshes_are_told_at_once_or_said_to_be_passed_over() {
+fn meshes_are_rejected_or_reported_as_ignored() {
     let mesh = r#"<geometry><mesh filename="part.stl"/></geometry></collision>"#;
     let end = "</geometry></collision>";
     let with_meshes = |urdf: &str| {
@@ -322,14 +323,14 @@ fn meshes_are_told_at_once_or_said_to_be_passed_over() {
         all.collect::<String>() + last
     };
     let error = with_urdf(&with_meshes(&TWO_HAND_ARM.urdf)).expect_err("refused");
-    let ModelError::Misfits(misfits) = &error else {
+    let ModelError::Problems(problems) = &error else {
         panic!("{error}");
     };
-    let meshes = misfits.iter().filter(|misfit| misfit.was == "a mesh");
+    let meshes = problems.iter().filter(|problem| problem.was == "a mesh");
     assert!(meshes.count() > 10, "{error}");
     let bench = RobotFiles::find("test-bench").expect("it ships");
     let urdf = with_meshes(&bench.urdf);
-    // The dome's radius is read off its collision sphere.
+    // The radius of the dome comes from its collision sphere.
     let file = bench
         .robot_file
         .replace("side = 1 }", "side = 1, dome_radius_m = 0.015 }")
@@ -341,9 +342,9 @@ fn meshes_are_told_at_once_or_said_to_be_passed_over() {
     };
     alone.load().expect("a hand alone");
     let remarks = alone.remarks().expect("understood");
-    let told = |remark: &String| remark.contains("passed over where it is a mesh");
+    let is_mesh = |remark: &String| remark.starts_with("mesh in the collision");
     assert!(
-        remarks.iter().filter(|remark| told(remark)).count() >= 4,
+        remarks.iter().filter(|remark| is_mesh(remark)).count() >= 4,
         "{remarks:?}"
     );
 }

@@ -1,7 +1,7 @@
-//! The proved workspace: every grasp of a grid has a posture.
+//! Workspace: every grasp of a grid has a posture.
 
 use nalgebra::Vector3;
-use robot_model::{GraspFrame, HandVector, Side, Workspace};
+use robot_model::{GraspPose, HandSide, HandVector, Workspace};
 
 use crate::support::ROBOT;
 
@@ -10,8 +10,9 @@ fn spread([from, to]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |index| from + (to - from) * index as f64 / (count - 1) as f64)
 }
 
-/// All grasps of a grid over the workspace of one side; twelve yaws cover every direction of the closing axis.
-fn grasps(side: Side) -> impl Iterator<Item = GraspFrame> {
+/// All grasps of a grid over the workspace of one side; twelve yaws cover every direction of the
+/// closing axis.
+fn grasps(side: HandSide) -> impl Iterator<Item = GraspPose> {
     let Workspace {
         x_m,
         y_m,
@@ -28,7 +29,7 @@ fn grasps(side: Side) -> impl Iterator<Item = GraspFrame> {
                     spread([0.0, 165_f64.to_radians()], 12).map(move |yaw| {
                         let centre_m = Vector3::new(x, y, z);
                         let yaw = ROBOT.hand(side).closing_yaw_rad(&centre_m, yaw);
-                        GraspFrame::from_above(centre_m, yaw, opening)
+                        GraspPose::from_above(centre_m, yaw, opening)
                     })
                 })
             })
@@ -38,7 +39,7 @@ fn grasps(side: Side) -> impl Iterator<Item = GraspFrame> {
 
 #[test]
 fn every_grasp_of_the_workspace_has_a_posture() {
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         let hand = ROBOT.hand(side);
         for grasp in grasps(side) {
             let found = hand
@@ -66,7 +67,7 @@ fn every_grasp_of_the_workspace_has_a_posture() {
 
 #[test]
 fn closing_yaw_keeps_the_object_and_the_wrist_roll_within_a_right_angle() {
-    for side in Side::BOTH {
+    for side in HandSide::BOTH {
         let hand = ROBOT.hand(side);
         let centre_m = Vector3::new(0.3, -0.1 * side.y_sign(), 0.1);
         for yaw in spread([-7.0, 7.0], 57) {
@@ -85,10 +86,10 @@ fn closing_yaw_keeps_the_object_and_the_wrist_roll_within_a_right_angle() {
 }
 
 #[test]
-fn an_unreachable_grasp_says_how_far_it_is() {
-    let grasp = GraspFrame::from_above(Vector3::new(0.9, -0.2, 0.1), 1.5, 0.06);
+fn unreachable_grasp_reports_its_distance() {
+    let grasp = GraspPose::from_above(Vector3::new(0.9, -0.2, 0.1), 1.5, 0.06);
     let error = ROBOT
-        .hand(Side::Right)
+        .hand(HandSide::Right)
         .posture_for(&grasp)
         .expect_err("0.9 m is out of reach");
     assert!(
@@ -101,9 +102,9 @@ fn an_unreachable_grasp_says_how_far_it_is() {
 
 #[test]
 fn a_grasp_that_is_not_finite_has_no_posture() {
-    let hand = ROBOT.hand(Side::Left);
+    let hand = ROBOT.hand(HandSide::Left);
     for bad in [f64::NAN, f64::INFINITY] {
-        let grasp = GraspFrame::from_above(Vector3::new(0.3, bad, 0.1), 1.5, 0.06);
+        let grasp = GraspPose::from_above(Vector3::new(0.3, bad, 0.1), 1.5, 0.06);
         let error = hand.posture_for(&grasp).expect_err("not a place");
         assert_eq!(error.best.tip_error_m, f64::INFINITY);
         assert!(hand.within_limits(&error.best.q_rad));
@@ -112,7 +113,7 @@ fn a_grasp_that_is_not_finite_has_no_posture() {
 
 #[test]
 fn clamping_leaves_only_usable_angles() {
-    let hand = ROBOT.hand(Side::Right);
+    let hand = ROBOT.hand(HandSide::Right);
     let mut q = HandVector::repeat(11, 100.0);
     q[3] = f64::NAN;
     let clamped = hand.clamp_to_limits(&q);

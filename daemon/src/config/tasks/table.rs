@@ -4,7 +4,7 @@ use atas_core::tasks::BehaviourTable;
 use shm_schemas::SensorBit;
 use toml::{Table, Value};
 
-use super::words::unknown;
+use super::keywords::unknown;
 
 const KEYS: [&str; 5] = ["bits", "fingers_m_s", "hand", "rows", "hash"];
 
@@ -20,7 +20,7 @@ pub(super) fn read(value: &Value) -> Result<BehaviourTable, String> {
     let numbers = |key| list(table, key, "numbers", number);
     let rows = super::text(table, "rows")?;
     let rows: Vec<[usize; 2]> = rows.split_whitespace().map(row).collect::<Result<_, _>>()?;
-    let checked = BehaviourTable::checked(
+    let checked = BehaviourTable::validated(
         &bits,
         &numbers("fingers_m_s")?,
         &numbers("hand")?,
@@ -29,8 +29,9 @@ pub(super) fn read(value: &Value) -> Result<BehaviourTable, String> {
     .map_err(|fault| fault.to_string())?;
     let hash = format!("{:016x}", checked.hash());
     match super::optional_text(table, "hash")? {
-        Some(told) if told != hash => Err(format!(
-            "says hash = \"{told}\", and its own is {hash}; leave the hash out of a table that was changed"
+        Some(reported) if reported != hash => Err(format!(
+            "has hash = \"{reported}\", but its content has {hash}; leave the hash out after changing \
+             a table"
         )),
         _ => Ok(checked),
     }
@@ -48,11 +49,16 @@ fn bit(name: &str) -> Result<SensorBit, String> {
 fn row(text: &str) -> Result<[usize; 2], String> {
     let digit = |byte: u8| byte.is_ascii_digit().then(|| usize::from(byte - b'0'));
     match *text.as_bytes() {
-        [fingers, hand] => digit(fingers).zip(digit(hand)).map(|(fingers, hand)| [fingers, hand]),
+        [fingers, hand] => digit(fingers)
+            .zip(digit(hand))
+            .map(|(fingers, hand)| [fingers, hand]),
         _ => None,
     }
     .ok_or_else(|| {
-        format!("has the row \"{text}\", needs two digits: the level of the fingers and that of the hand")
+        format!(
+            "has the row \"{text}\", needs two digits: the levels of the fingers and of the \
+            hand"
+        )
     })
 }
 
@@ -76,7 +82,7 @@ fn list<'a, T>(
 }
 
 /// The table in the format that `read` reads.
-pub(super) fn written(table: &BehaviourTable) -> String {
+pub(super) fn table_text(table: &BehaviourTable) -> String {
     let bits: Vec<String> = table.bits().map(|bit| format!("\"{bit}\"")).collect();
     let levels = |levels: [f64; shm_schemas::capacity::LEVELS]| {
         levels.map(|level| format!("{level:?}")).join(", ")

@@ -5,7 +5,7 @@ use super::*;
 
 /// Time from the first poll to the deadline, and time limit after it.
 const MARGIN_NS: u64 = 20_000;
-const PATIENCE_NS: u64 = 200_000;
+const WAIT_MAX_NS: u64 = 200_000;
 
 /// Simulated sensor and the ticks that follow it. Joint states arrive with the frames.
 struct Scene {
@@ -50,8 +50,8 @@ impl Scene {
     }
 
     /// Runs one tick; frames take `delay_ns` plus up to `jitter_ns` from stamp to arrival.
-    fn tick(&mut self, delay_ns: u64, jitter_ns: u64, sends: bool) -> Seen {
-        let patience_ns = PATIENCE_NS.min(self.period_ns / 4);
+    fn tick(&mut self, delay_ns: u64, jitter_ns: u64, sends: bool) -> TickResult {
+        let patience_ns = WAIT_MAX_NS.min(self.period_ns / 4);
         let latest_ns = self.deadline_ns + patience_ns;
         while self.next_stamp_ns <= latest_ns {
             if sends {
@@ -74,20 +74,20 @@ impl Scene {
         let start = TickStart {
             tick: Tick { index: 0, now_ns },
             deadline_ns: self.deadline_ns,
-            began,
+            reason: began,
             ..TickStart::default()
         };
-        let move_ns = self.lock.correct(&start, [None, stream, stream]);
+        let move_ns = self.lock.update(&start, [None, stream, stream]);
         self.deadline_ns = (self.deadline_ns + self.period_ns).strict_add_signed(move_ns);
-        Seen {
+        TickResult {
             age_ns: now_ns - self.newest_ns,
-            began,
+            reason: began,
         }
     }
 
-    fn begin(&self, awaited: &Awaited, latest_ns: u64) -> (u64, Began) {
-        if !awaited.is_something() {
-            return (self.deadline_ns, Began::AtDeadline);
+    fn begin(&self, awaited: &Awaited, latest_ns: u64) -> (u64, StartReason) {
+        if !awaited.is_any() {
+            return (self.deadline_ns, StartReason::AtDeadline);
         }
         let first_look_ns = self.deadline_ns - MARGIN_NS;
         let known = (self.newest_ns, 0);
@@ -95,16 +95,16 @@ impl Scene {
         let found = came
             .find(|(stamp_ns, _)| awaited.missing(&[0, *stamp_ns, *stamp_ns]) == [false; STREAMS]);
         match found {
-            Some((_, at)) if *at <= first_look_ns => (first_look_ns, Began::FoundWaiting),
-            Some((_, at)) if *at <= latest_ns => (*at, Began::OnArrival),
-            _ => (latest_ns, Began::InVain),
+            Some((_, at)) if *at <= first_look_ns => (first_look_ns, StartReason::AlreadyArrived),
+            Some((_, at)) if *at <= latest_ns => (*at, StartReason::OnArrival),
+            _ => (latest_ns, StartReason::TimedOut),
         }
     }
 }
 
-struct Seen {
+struct TickResult {
     age_ns: u64,
-    began: Began,
+    reason: StartReason,
 }
 
 fn percentile(mut ages_ns: Vec<u64>, share: f64) -> u64 {
@@ -127,19 +127,19 @@ fn check_converges(period_ns: u64, phase_ns: u64, lag_ns: u64, delay_ns: u64, ji
 }
 
 #[test]
-fn a_sensor_whose_way_takes_periods_is_followed_if_its_offset_is_set() {
+fn lag_of_several_periods_converges() {
     check_converges(1_000_000, 300_000, 2_250_000, 2_300_000, 10_000);
 }
 
 #[test]
-fn frames_that_scatter_by_more_than_the_margin_are_met_when_they_come() {
+fn large_jitter_is_met_on_arrival() {
     // A lag of the latest frame would age all frames; a tick at the median would miss every other
     // frame by a period.
     check_converges(1_000_000, 100_000, 40_000, 80_000, 150_000);
 }
 
 #[test]
-fn a_starved_sensor_process_costs_its_own_frames_only() {
+fn delayed_sensor_process_keeps_the_lag() {
     let mut scene = Scene::new(1_000_000, 1_000_000, 0, 40_000);
     let mut ages_ns = Vec::new();
     for tick in 0..100_000 {
@@ -158,11 +158,11 @@ fn a_starved_sensor_process_costs_its_own_frames_only() {
 }
 
 #[test]
-fn a_frame_that_is_late_does_not_delay_the_next_one() {
+fn late_frame_does_not_delay_the_next() {
     let mut scene = Scene::new(1_000_000, 1_000_000, 0, 50_000);
     scene.run(3_000, 50_000, 0, true);
     let late = scene.tick(700_000, 0, true);
-    assert_eq!(late.began, Began::InVain);
+    assert_eq!(late.reason, StartReason::TimedOut);
     for _ in 0..10 {
         let seen = scene.tick(50_000, 0, true);
         assert!(seen.age_ns < 60_000, "{} ns", seen.age_ns);
@@ -170,33 +170,35 @@ fn a_frame_that_is_late_does_not_delay_the_next_one() {
 }
 
 #[test]
-fn a_slow_sensor_is_followed_and_not_awaited_in_between() {
+fn slow_sensor_is_awaited_only_when_due() {
     let mut scene = Scene::new(1_000_000, 10_000_000, 432_100, 30_000);
     scene.run(20_000, 50_000, 0, true);
-    let seen: Vec<Seen> = (0..1_000).map(|_| scene.tick(50_000, 0, true)).collect();
+    let seen: Vec<TickResult> = (0..1_000).map(|_| scene.tick(50_000, 0, true)).collect();
     let youngest = seen.iter().map(|seen| seen.age_ns).min();
     assert!(
         youngest.is_some_and(|age_ns| age_ns <= 55_000),
         "{youngest:?}"
     );
-    let count = |began| seen.iter().filter(|seen| seen.began == began).count();
-    assert_eq!(count(Began::InVain), 0);
-    assert_eq!(count(Began::AtDeadline), 900);
+    let count = |began| seen.iter().filter(|seen| seen.reason == began).count();
+    assert_eq!(count(StartReason::TimedOut), 0);
+    assert_eq!(count(StartReason::AtDeadline), 900);
 }
 
 #[test]
-fn a_lost_sensor_is_awaited_three_times_and_found_again() {
+fn lost_sensor_is_awaited_three_times() {
     let mut scene = Scene::new(1_000_000, 1_000_000, 0, 50_000);
     scene.run(3_000, 50_000, 0, true);
-    let silent: Vec<Seen> = (0..100).map(|_| scene.tick(50_000, 0, false)).collect();
-    let vain = silent.iter().filter(|seen| seen.began == Began::InVain);
-    assert_eq!(vain.count(), VAIN_MAX as usize);
+    let silent: Vec<TickResult> = (0..100).map(|_| scene.tick(50_000, 0, false)).collect();
+    let vain = silent
+        .iter()
+        .filter(|seen| seen.reason == StartReason::TimedOut);
+    assert_eq!(vain.count(), TIMEOUTS_MAX as usize);
     scene.run(3_000, 50_000, 0, true);
-    assert_eq!(scene.tick(50_000, 0, true).began, Began::OnArrival);
+    assert_eq!(scene.tick(50_000, 0, true).reason, StartReason::OnArrival);
 }
 
 #[test]
-fn a_companion_that_falls_silent_is_awaited_once() {
+fn silent_simultaneous_stream_is_awaited_once() {
     let mut lock = PhaseLock::new(1_000_000, 50_000);
     let mut deadline_ns = 1_000_050_000_u64;
     let mut tick = |lock: &mut PhaseLock, joints_come: bool| {
@@ -218,8 +220,8 @@ fn a_companion_that_falls_silent_is_awaited_once() {
             deadline_ns,
             ..TickStart::default()
         };
-        lock.correct(&start, [came(stamp_ns), None, joints]);
-        awaited.least_captured_ns.map(|least| least.is_some())
+        lock.update(&start, [came(stamp_ns), None, joints]);
+        awaited.captured_min_ns.map(|least| least.is_some())
     };
     tick(&mut lock, true);
     tick(&mut lock, true);
@@ -229,7 +231,7 @@ fn a_companion_that_falls_silent_is_awaited_once() {
 }
 
 #[test]
-fn silence_leaves_the_timer_alone_and_another_hand_takes_over() {
+fn silent_reference_is_replaced_by_other_hand() {
     let mut lock = PhaseLock::new(1_000_000, 0);
     let mut now_ns = 1_000_000_000;
     let mut tick = |lock: &mut PhaseLock, captured_ns: [u64; 2]| {
@@ -245,7 +247,7 @@ fn silence_leaves_the_timer_alone_and_another_hand_takes_over() {
             deadline_ns: now_ns,
             ..TickStart::default()
         };
-        lock.correct(&start, [left, right, None])
+        lock.update(&start, [left, right, None])
     };
     let left_ns = 1_000_700_000;
     assert_ne!(tick(&mut lock, [left_ns, 0]), 0);
@@ -273,7 +275,7 @@ proptest! {
     }
 
     #[test]
-    fn no_deadline_ever_jumps_whatever_the_stamps_say(
+    fn shift_is_bounded_for_any_stamps(
         period_ns in 100_000_u64..10_000_000,
         ticks in proptest::collection::vec(
             (0_u64..20_000_000, proptest::array::uniform3(proptest::option::of((any::<u64>(), any::<u32>())))), 1..200),
@@ -287,13 +289,13 @@ proptest! {
             let arrivals = |(captured_ns, count)| Arrivals { captured_ns, count };
             let streams = streams.map(|stream| stream.map(arrivals));
             let start = TickStart { tick: Tick { index: 0, now_ns }, deadline_ns: now_ns, ..TickStart::default() };
-            let move_ns = lock.correct(&start, streams);
-            prop_assert!(move_ns.unsigned_abs() <= SLEW_MAX_NS.min(period_ns / SLEW_PERIODS));
+            let move_ns = lock.update(&start, streams);
+            prop_assert!(move_ns.unsigned_abs() <= SHIFT_MAX_NS.min(period_ns / SHIFT_MAX_DIVISOR));
         }
     }
 
     #[test]
-    fn survives_gaps(phase_ns in 0_u64..1_000_000, gaps in proptest::collection::vec((1_usize..300, 1_usize..300), 1..6)) {
+    fn lock_recovers_after_gaps(phase_ns in 0_u64..1_000_000, gaps in proptest::collection::vec((1_usize..300, 1_usize..300), 1..6)) {
         let mut scene = Scene::new(1_000_000, 1_000_000, phase_ns, 20_000);
         for (sent, lost) in gaps {
             scene.run(sent, 30_000, 5_000, true);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use shm_schemas::{FingerReport, HandReport, ModuleEvent, TickReport};
 
 /// Number of fingertips per hand in the table: the paper's hand has two.
-const FINGERS_SHOWN: usize = 2;
+const FINGERTIPS_SHOWN: usize = 2;
 
 /// A first line with `#` and the cause, the column names, and a line per tick.
 pub(super) fn render(fault: &ModuleEvent, reports: &[TickReport]) -> String {
@@ -48,7 +48,7 @@ fn names() -> String {
         ] {
             push(&mut names, format_args!("{hand}_{name}"));
         }
-        for finger in 0..FINGERS_SHOWN {
+        for finger in 0..FINGERTIPS_SHOWN {
             for name in [
                 "normal_n",
                 "tangential_n",
@@ -103,7 +103,7 @@ fn push_hand(text: &mut String, hand: &HandReport) {
             hand.stiffness_n_m
         ),
     );
-    hand.fingers[..FINGERS_SHOWN]
+    hand.fingers[..FINGERTIPS_SHOWN]
         .iter()
         .for_each(|finger| push_finger(text, finger));
 }

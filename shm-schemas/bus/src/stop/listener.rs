@@ -27,7 +27,7 @@ use crate::user::uid;
 
 /// Time limit for a tick to take a stop; afterwards the answer is `WAITING`. Design choice: twenty
 /// ticks at 1 kHz.
-const TAKEN_WITHIN: Duration = Duration::from_millis(20);
+const TAKEN_TIMEOUT: Duration = Duration::from_millis(20);
 /// Poll interval while waiting for the tick.
 const POLL: Duration = Duration::from_micros(200);
 
@@ -53,7 +53,7 @@ pub struct Listener {
 
 /// A received stop that the tick has been notified of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Heard {
+pub struct ReceivedStop {
     /// Number, from 1.
     pub number: u64,
     /// Process id of the sender; 0 if the kernel did not report it.
@@ -89,7 +89,7 @@ impl Listener {
             Ok(socket)
         };
         Ok(Self {
-            socket: made().map_err(BusError::io("make the stop socket", &path))?,
+            socket: made().map_err(BusError::io("create the stop socket", &path))?,
             path,
             signal: Arc::default(),
             writer_epoch: writer_epoch(),
@@ -107,7 +107,7 @@ impl Listener {
     /// [`Listener::close`].
     ///
     /// `on_stop` must not block: it delays the next stop.
-    pub fn serve(&self, mut heard: impl FnMut(Heard)) {
+    pub fn serve(&self, mut incoming: impl FnMut(ReceivedStop)) {
         while !self.closed.load(Ordering::Acquire) {
             // A receive error leaves nothing to hand over.
             let Ok(Some(datagram)) = self.receive() else {
@@ -116,7 +116,7 @@ impl Listener {
             let (received_ns, number) = (now_ns(), self.signal.raise());
             let outcome = self.wait_until_taken(number);
             self.answer(&datagram, number, received_ns, outcome);
-            heard(Heard {
+            incoming(ReceivedStop {
                 number,
                 pid: datagram.pid,
                 reason: datagram.request.map_or(Text::default(), |r| r.reason),
@@ -161,7 +161,7 @@ impl Listener {
     fn wait_until_taken(&self, number: u64) -> StopOutcome {
         let begin = Instant::now();
         while !self.signal.is_taken(number) {
-            if begin.elapsed() >= TAKEN_WITHIN {
+            if begin.elapsed() >= TAKEN_TIMEOUT {
                 return StopOutcome::WAITING;
             }
             std::thread::sleep(POLL);

@@ -22,7 +22,7 @@ mod listener;
 mod request;
 mod signal;
 
-pub use listener::{Heard, Listener};
+pub use listener::{Listener, ReceivedStop};
 pub use request::request;
 pub use signal::Signal;
 

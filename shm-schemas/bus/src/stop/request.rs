@@ -27,7 +27,7 @@ use crate::name::BusName;
 /// stays in the socket and takes effect when the daemon runs again.
 pub fn request(bus: &BusName, reason: &str, within: Duration) -> Result<StopAnswer, BusError> {
     let begin = Instant::now();
-    let folder = Folder::of(bus)?;
+    let folder = Folder::for_bus(bus)?;
     folder.find()?;
     let client = Client::open(&folder)?;
     client.send(reason, begin, within)?;
@@ -48,7 +48,8 @@ impl<'a> Client<'a> {
         let (socket, path) = match bind_at(&own) {
             Ok(socket) => (socket, Some(own)),
             Err(_) => {
-                let nameless = bind_nameless().map_err(BusError::io("make a socket for", &own))?;
+                let nameless =
+                    bind_unnamed().map_err(BusError::io("create a socket beside", &own))?;
                 (nameless, None)
             }
         };
@@ -60,7 +61,7 @@ impl<'a> Client<'a> {
         let to = folder.path.join(STOP_SOCKET);
         match client.socket.connect(&to) {
             Ok(()) => Ok(client),
-            Err(e) if nobody(&e) => Err(client.no_daemon()),
+            Err(e) if has_no_listener(&e) => Err(client.no_daemon_error()),
             Err(e) => Err(BusError::io("reach", &to)(e)),
         }
     }
@@ -74,41 +75,47 @@ impl<'a> Client<'a> {
             },
             reason: Text::new(reason),
         };
-        self.limit(begin, within)?;
+        self.set_timeouts(begin, within)?;
         match self.socket.send(request.as_bytes()) {
             Ok(_) => Ok(()),
-            Err(e) if nobody(&e) => Err(self.no_daemon()),
-            Err(e) if timed_out(&e) => Err(self.unanswered(within)),
+            Err(e) if has_no_listener(&e) => Err(self.no_daemon_error()),
+            Err(e) if timed_out(&e) => Err(self.no_answer_error(within)),
             Err(e) => Err(BusError::io("send a stop to", &self.folder.path)(e)),
         }
     }
 
     fn answer(&self, begin: Instant, within: Duration) -> Result<StopAnswer, BusError> {
         let mut answer = StopAnswer::new_zeroed();
-        self.limit(begin, within)?;
+        self.set_timeouts(begin, within)?;
         match self.socket.recv(answer.as_mut_bytes()) {
             Ok(bytes) if bytes == size_of::<StopAnswer>() => Ok(answer),
             Ok(_) => Err(BusError::Receive {
                 service: STOP_SOCKET,
-                why: "the daemon is of another version; it received the stop",
+                why: "the daemon has another version; it received the stop",
             }),
-            Err(e) if timed_out(&e) => Err(self.unanswered(within)),
+            Err(e) if timed_out(&e) => Err(self.no_answer_error(within)),
             // The daemon ended before it read the stop.
-            Err(e) if nobody(&e) => Err(self.no_daemon()),
-            Err(e) => Err(BusError::io("hear from", &self.folder.path)(e)),
+            Err(e) if has_no_listener(&e) => Err(self.no_daemon_error()),
+            Err(e) => Err(BusError::io(
+                "receive the stop answer from",
+                &self.folder.path,
+            )(e)),
         }
     }
 
     /// Sets the socket timeouts to the remaining time, at least 1 ms.
-    fn limit(&self, begin: Instant, within: Duration) -> Result<(), BusError> {
+    fn set_timeouts(&self, begin: Instant, within: Duration) -> Result<(), BusError> {
         let left = within.saturating_sub(begin.elapsed());
         let left = Some(left.max(Duration::from_millis(1)));
         let set = self.socket.set_write_timeout(left);
         set.and_then(|()| self.socket.set_read_timeout(left))
-            .map_err(BusError::io("set a limit for", &self.folder.path))
+            .map_err(BusError::io(
+                "set a timeout on the stop socket in",
+                &self.folder.path,
+            ))
     }
 
-    fn no_daemon(&self) -> BusError {
+    fn no_daemon_error(&self) -> BusError {
         BusError::NoServer {
             service: STOP_SOCKET,
             bus: self.folder.bus.to_string(),
@@ -116,7 +123,7 @@ impl<'a> Client<'a> {
         }
     }
 
-    fn unanswered(&self, within: Duration) -> BusError {
+    fn no_answer_error(&self, within: Duration) -> BusError {
         BusError::NoAnswer {
             service: STOP_SOCKET,
             within,
@@ -143,14 +150,14 @@ fn bind_at(path: &Path) -> io::Result<UnixDatagram> {
 
 /// The kernel chooses an address without a file (`unix(7)`, autobind). Only the connected peer can
 /// write to it.
-fn bind_nameless() -> io::Result<UnixDatagram> {
+fn bind_unnamed() -> io::Result<UnixDatagram> {
     let socket = socket(AddressFamily::UNIX, SocketType::DGRAM, None)?;
     bind(&socket, &SocketAddrUnix::new_unnamed())?;
     Ok(socket.into())
 }
 
 /// No socket there, or no process has it open.
-fn nobody(error: &io::Error) -> bool {
+fn has_no_listener(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused | io::ErrorKind::ConnectionReset

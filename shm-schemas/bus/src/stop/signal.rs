@@ -43,7 +43,7 @@ mod tests {
     use super::Signal;
 
     #[test]
-    fn a_stop_is_pending_until_a_tick_takes_it() {
+    fn stop_is_pending_until_taken() {
         let signal = Signal::default();
         assert_eq!(signal.pending(), None);
         let first = signal.raise();
@@ -55,13 +55,13 @@ mod tests {
         assert_eq!(
             signal.pending(),
             Some(second),
-            "the newest covers the older ones"
+            "newest stop covers the older ones"
         );
         signal.take(first);
         assert_eq!(
             signal.pending(),
             Some(second),
-            "one that came meanwhile is not lost"
+            "stop that arrives meanwhile is kept"
         );
         signal.take(second);
         assert_eq!((signal.pending(), signal.is_taken(first)), (None, true));

@@ -12,9 +12,9 @@ use shm_bus::{Bus, BusName, Realtime};
 const ROLE: &str = "SHM_BUS_TEST_ROLE";
 
 /// Runtime folder on a file system private to the peer process.
-pub(crate) const OWN_RUNTIME_DIR: &str = "/dev/shm/runtime";
+pub(crate) const PRIVATE_RUNTIME_DIR: &str = "/dev/shm/runtime";
 /// Mounts the two file systems that a bus uses, then executes the given program.
-const MOUNT_SMALL_DISKS: &str = r#"
+const MOUNT_SMALL_FILE_SYSTEMS: &str = r#"
     mount -t tmpfs -o size=16m,nr_inodes=200 none /dev/shm &&
     mkdir "$XDG_RUNTIME_DIR" &&
     mount -t tmpfs -o size=1m,nr_inodes=200,mode=700 none "$XDG_RUNTIME_DIR" &&
@@ -30,16 +30,16 @@ impl Peer {
     pub(crate) fn start(bus: &BusName, role: &str) -> Self {
         let mut peer = Self::spawn(bus, role);
         let stderr = peer.child.stderr.take().expect("piped");
-        let mut said = Vec::new();
+        let mut message = Vec::new();
         let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
         let ready = lines.any(|line| {
-            said.push(line);
-            said.last().is_some_and(|line| line.contains("ready"))
+            message.push(line);
+            message.last().is_some_and(|line| line.contains("ready"))
         });
         assert!(
             ready,
             "peer {role} ended before it was ready:\n{}",
-            said.join("\n")
+            message.join("\n")
         );
         peer
     }
@@ -68,8 +68,8 @@ impl Peer {
 
     /// Starts a peer with a private, small bus folder and `/dev/shm`. Returns `None` with a message
     /// if this user may not mount.
-    #[allow(clippy::print_stderr, reason = "a test that was not run says so")]
-    pub(crate) fn spawn_on_small_disks(bus: &BusName, role: &str) -> Option<Self> {
+    #[allow(clippy::print_stderr, reason = "reports that the test did not run")]
+    pub(crate) fn spawn_on_small_file_systems(bus: &BusName, role: &str) -> Option<Self> {
         let apart = |script| {
             let mut command = Command::new("unshare");
             command.args(["--mount", "--map-root-user", "sh", "-c", script]);
@@ -77,13 +77,13 @@ impl Peer {
         };
         let tried = apart("mount -t tmpfs none /dev/shm").output();
         if !tried.as_ref().is_ok_and(|output| output.status.success()) {
-            eprintln!("NOT RUN: no file systems of one's own: {tried:?}");
+            eprintln!("NOT RUN: could not mount private file systems: {tried:?}");
             return None;
         }
-        let mut command = apart(MOUNT_SMALL_DISKS);
+        let mut command = apart(MOUNT_SMALL_FILE_SYSTEMS);
         command
             .arg(std::env::current_exe().expect("own path"))
-            .env("XDG_RUNTIME_DIR", OWN_RUNTIME_DIR);
+            .env("XDG_RUNTIME_DIR", PRIVATE_RUNTIME_DIR);
         Some(Self::run(command, bus, role))
     }
 
@@ -120,12 +120,12 @@ impl Peer {
 
     /// Waits until the process exits successfully.
     pub(crate) fn succeed(mut self) {
-        let mut said = String::new();
+        let mut message = String::new();
         let stderr = self.child.stderr.take();
         // The remaining output contains the cause.
-        stderr.map(|mut stderr| stderr.read_to_string(&mut said));
+        stderr.map(|mut stderr| stderr.read_to_string(&mut message));
         let status = self.child.wait().expect("waited");
-        assert!(status.success(), "{status}:\n{said}");
+        assert!(status.success(), "{status}:\n{message}");
     }
 
     pub(crate) fn kill(mut self) {
@@ -150,13 +150,13 @@ pub(crate) fn peer_role() -> Option<(String, BusName)> {
     Some((role, BusName::from_env().expect("a valid name")))
 }
 
-#[allow(clippy::print_stderr, reason = "how a peer talks to its test")]
+#[allow(clippy::print_stderr, reason = "output of a peer to its test")]
 pub(crate) fn ready() {
     eprintln!("ready");
 }
 
 /// Reports ready, then sleeps until killed.
-pub(crate) fn sleep_on() {
+pub(crate) fn sleep_until_killed() {
     ready();
     std::thread::sleep(Duration::from_secs(60));
 }
@@ -170,7 +170,7 @@ pub(crate) fn hold_startup_lock(name: &BusName) {
         .expect("the lock is there");
     rustix::fs::flock(&file, rustix::fs::FlockOperation::LockExclusive).expect("locked");
     writeln!(file, "{} 0 starting", std::process::id()).expect("written");
-    sleep_on();
+    sleep_until_killed();
 }
 
 /// Waits until a condition holds, at most 10 s.
@@ -179,7 +179,7 @@ pub(crate) fn until(what: &str, mut holds: impl FnMut() -> bool) {
     while !holds() {
         assert!(
             begin.elapsed() < Duration::from_secs(10),
-            "waited in vain until {what}"
+            "timed out waiting until {what}"
         );
         std::thread::sleep(Duration::from_millis(1));
     }

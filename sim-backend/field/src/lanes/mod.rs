@@ -10,10 +10,10 @@
 pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx512;
+mod inputs;
 mod kernel;
 pub(crate) mod portable;
 mod results;
-mod seats;
 pub(crate) mod stream;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod twice;

@@ -15,7 +15,7 @@ pub(crate) struct Floats([f32; WIDTH]);
 pub(crate) struct Integers([i32; WIDTH]);
 /// −1 is true, 0 is false.
 #[derive(Clone, Copy)]
-pub(crate) struct Truths([i32; WIDTH]);
+pub(crate) struct Booleans([i32; WIDTH]);
 
 impl Vector for Floats {
     const WIDTH: usize = WIDTH;
@@ -23,7 +23,7 @@ impl Vector for Floats {
 impl Vector for Integers {
     const WIDTH: usize = WIDTH;
 }
-impl Vector for Truths {
+impl Vector for Booleans {
     const WIDTH: usize = WIDTH;
 }
 
@@ -50,10 +50,10 @@ operator!(Add, add, Integers, |a, b| a.wrapping_add(b));
 operator!(BitAnd, bitand, Integers, |a, b| a & b);
 operator!(BitOr, bitor, Integers, |a, b| a | b);
 operator!(BitXor, bitxor, Integers, |a, b| a ^ b);
-operator!(BitAnd, bitand, Truths, |a, b| a & b);
-operator!(BitOr, bitor, Truths, |a, b| a | b);
+operator!(BitAnd, bitand, Booleans, |a, b| a & b);
+operator!(BitOr, bitor, Booleans, |a, b| a | b);
 
-impl Mask for Truths {
+impl Mask for Booleans {
     #[inline(always)]
     fn bits(self) -> u32 {
         self.0
@@ -94,7 +94,7 @@ impl Ints for Integers {
 
 impl Lanes for Floats {
     type Cpu = ();
-    type Mask = Truths;
+    type Mask = Booleans;
     type Ints = Integers;
     const REGISTERS: bool = false;
 
@@ -133,20 +133,20 @@ impl Lanes for Floats {
         Self(from_fn(|k| clamp(self.0[k], limit.0[k])))
     }
     #[inline(always)]
-    fn lt(self, other: Self) -> Truths {
-        Truths(from_fn(|k| -i32::from(self.0[k] < other.0[k])))
+    fn lt(self, other: Self) -> Booleans {
+        Booleans(from_fn(|k| -i32::from(self.0[k] < other.0[k])))
     }
     #[inline(always)]
-    fn eq(self, other: Self) -> Truths {
-        Truths(from_fn(|k| -i32::from(self.0[k] == other.0[k])))
+    fn eq(self, other: Self) -> Booleans {
+        Booleans(from_fn(|k| -i32::from(self.0[k] == other.0[k])))
     }
     #[inline(always)]
-    fn select(mask: Truths, yes: Self, no: Self) -> Self {
+    fn select(mask: Booleans, yes: Self, no: Self) -> Self {
         Self(from_fn(|k| if mask.0[k] != 0 { yes.0[k] } else { no.0[k] }))
     }
     #[inline(always)]
-    fn mask((): (), bits: u32) -> Truths {
-        Truths(from_fn(|k| -((bits >> k & 1) as i32)))
+    fn mask((): (), bits: u32) -> Booleans {
+        Booleans(from_fn(|k| -((bits >> k & 1) as i32)))
     }
     #[inline(always)]
     fn int_splat((): (), value: i32) -> Integers {
@@ -157,12 +157,12 @@ impl Lanes for Floats {
         Integers(*from.first_chunk().expect("eight lanes"))
     }
     #[inline(always)]
-    fn int_select(mask: Truths, yes: Integers, no: Integers) -> Integers {
+    fn int_select(mask: Booleans, yes: Integers, no: Integers) -> Integers {
         Integers(from_fn(|k| mask.0[k] & yes.0[k] | !mask.0[k] & no.0[k]))
     }
     #[inline(always)]
-    fn is_zero(value: Integers) -> Truths {
-        Truths(value.0.map(|lane| -i32::from(lane == 0)))
+    fn is_zero(value: Integers) -> Booleans {
+        Booleans(value.0.map(|lane| -i32::from(lane == 0)))
     }
     #[inline(always)]
     fn cos_sin(heading: Integers) -> (Self, Self) {

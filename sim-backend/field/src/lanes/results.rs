@@ -1,18 +1,18 @@
 //! Output data of each lane's trial.
 
-use super::seats::WIDEST;
+use super::inputs::WIDEST;
 use crate::trial::{MAX_AGENTS, Outcome, Snapshot};
 
 /// Distances at one instant, rows read and arrival frame.
 #[repr(C, align(64))]
-pub(super) struct Results<const N: usize> {
+pub(super) struct LaneResults<const N: usize> {
     pub(super) goal_px: [f32; WIDEST],
     pub(super) agents_px: [[f32; WIDEST]; N],
     pub(super) rows_read: [i32; WIDEST],
     pub(super) reached_frame: [i32; WIDEST],
 }
 
-impl<const N: usize> Results<N> {
+impl<const N: usize> LaneResults<N> {
     pub(super) fn snapshot(&self, lane: usize) -> Snapshot {
         let mut agents_px = [0.0; MAX_AGENTS];
         for (to, from) in agents_px.iter_mut().zip(&self.agents_px) {

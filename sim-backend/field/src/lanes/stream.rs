@@ -6,9 +6,9 @@
 //! position. Lanes are checked once per stride and refilled when enough are free.
 
 use super::Lanes;
+use super::inputs::{LaneInputs, WIDEST};
 use super::kernel::Fields;
-use super::results::Results;
-use super::seats::{Seats, WIDEST};
+use super::results::LaneResults;
 use crate::constants::Constants;
 use crate::obstacle::Obstacles;
 use crate::trial::{EXECUTION_FRAMES, Outcome, TRIAL_FRAMES, Trial};
@@ -31,36 +31,36 @@ pub(crate) fn run<T: Lanes, const N: usize, const WALLED: bool>(
 ) {
     let mut fields = Fields::<T, N, WALLED>::new(cpu, c, obstacles);
     let mut lanes = LaneAllocation {
-        seats: Seats::empty(),
+        inputs: LaneInputs::empty(),
         queue: trials,
         outcomes,
-        taken: 0,
+        assigned: 0,
         trial: [0; WIDEST],
         live: 0,
         unmeasured: 0,
     };
     while lanes.fill(T::WIDTH, |filled, seats| {
-        fields.admit(T::mask(cpu, filled), seats)
+        fields.start_trials(T::mask(cpu, filled), seats)
     }) {
-        let before = fields.stance();
+        let before = fields.state();
         for _ in 0..STRIDE {
-            fields.advance(&lanes.seats);
+            fields.advance(&lanes.inputs);
         }
 
-        let over = (fields.at_frame(TRIAL_FRAMES) | fields.back_at(&before)) & lanes.live;
+        let over = (fields.at_frame(TRIAL_FRAMES) | fields.equals_state(&before)) & lanes.live;
         let executed = (fields.at_frame(EXECUTION_FRAMES) | over) & lanes.unmeasured;
         if executed | over != 0 {
-            lanes.settle(executed, over, &fields.measure());
+            lanes.store_results(executed, over, &fields.measure());
         }
     }
 }
 
 /// A set of lanes is a word with one bit per lane.
 struct LaneAllocation<'a, const N: usize> {
-    seats: Seats<N>,
+    inputs: LaneInputs<N>,
     queue: &'a [Trial],
     outcomes: &'a mut [Outcome],
-    taken: usize,
+    assigned: usize,
     /// Trial of each lane.
     trial: [usize; WIDEST],
     /// Lanes with a running trial.
@@ -72,22 +72,24 @@ struct LaneAllocation<'a, const N: usize> {
 impl<const N: usize> LaneAllocation<'_, N> {
     /// Refills if enough lanes are free; returns true while any trial runs.
     #[inline(always)]
-    fn fill(&mut self, width: usize, admit: impl FnOnce(u32, &Seats<N>)) -> bool {
+    fn fill(&mut self, width: usize, admit: impl FnOnce(u32, &LaneInputs<N>)) -> bool {
         let free = width as u32 - self.live.count_ones();
-        if self.taken < self.queue.len() && (free * FILL_ONE_IN >= width as u32 || self.live == 0) {
-            let lanes = self.seat(width);
-            admit(lanes, &self.seats);
+        if self.assigned < self.queue.len()
+            && (free * FILL_ONE_IN >= width as u32 || self.live == 0)
+        {
+            let lanes = self.assign_trials(width);
+            admit(lanes, &self.inputs);
         }
         self.live != 0
     }
 
-    fn seat(&mut self, width: usize) -> u32 {
+    fn assign_trials(&mut self, width: usize) -> u32 {
         let before = self.live;
         let every = u32::MAX >> (u32::BITS - width as u32);
-        for (lane, trial) in lanes_of(every & !before).zip(self.taken..self.queue.len()) {
-            self.seats.take(lane, &self.queue[trial]);
+        for (lane, trial) in lanes_of(every & !before).zip(self.assigned..self.queue.len()) {
+            self.inputs.load_trial(lane, &self.queue[trial]);
             self.trial[lane] = trial;
-            self.taken += 1;
+            self.assigned += 1;
             self.live |= 1 << lane;
         }
         let lanes = self.live & !before;
@@ -97,7 +99,7 @@ impl<const N: usize> LaneAllocation<'_, N> {
 
     /// Stores results at the end of execution and of trials. A trial that ends early is in both
     /// sets.
-    fn settle(&mut self, executed: u32, over: u32, results: &Results<N>) {
+    fn store_results(&mut self, executed: u32, over: u32, results: &LaneResults<N>) {
         for lane in lanes_of(executed) {
             self.outcomes[self.trial[lane]].executed = results.snapshot(lane);
         }

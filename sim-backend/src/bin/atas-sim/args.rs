@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use atas_process::exit::Exit;
 use clap::{Args, Parser, Subcommand};
 use robot_model::{RobotModel, TWO_HAND_ARM};
 use shm_bus::BusName;
@@ -17,7 +18,7 @@ use crate::scene_args::SceneArgs;
 
 /// Simulate two-hand robots with tactile fingertips, robots on wheels, and the swarm's field.
 #[derive(Debug, Parser)]
-#[command(name = "atas-sim", version, after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
+#[command(name = "atas-sim", version, after_help = format!("{EXAMPLES}\n{}\n{}", Exit::TABLE, Failure::NOTES))]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -73,8 +74,8 @@ Examples:
 ";
 
 const OBJECTS_HELP: &str = "\
-JSON, one object per line: {name, mass_kg, width_m, height_m, friction, needed_n, stiffness_n_m, crush_n}; without stiffness_n_m it \
-is rigid, without crush_n nothing crushes it.
+JSON, one object per line: {name, mass_kg, width_m, height_m, friction, needed_n, stiffness_n_m, crush_n}; \
+without stiffness_n_m the object is rigid, without crush_n it cannot be crushed.
 
 Examples:
   atas-sim objects
@@ -90,7 +91,7 @@ Examples:
 ";
 
 #[derive(Debug, Args)]
-#[command(after_help = format!("{RUN_EXAMPLES}\n{}", Failure::EXIT_CODES))]
+#[command(after_help = format!("{RUN_EXAMPLES}\n{}\n{}", Exit::TABLE, Failure::NOTES))]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -127,8 +128,8 @@ impl RunArgs {
     }
 
     /// Client command for the task of the scene, if any.
-    pub(crate) fn command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
-        self.scene.command(robot, scene)
+    pub(crate) fn example_command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
+        self.scene.example_command(robot, scene)
     }
 }
 
@@ -153,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_client_would_type() {
+    fn example_command_matches_the_scene() {
         let check = |arguments: &str, expected: Option<&str>| {
             let words = ["atas-sim", "run"].into_iter();
             let cli = Cli::try_parse_from(words.chain(arguments.split_whitespace())).unwrap();
@@ -162,7 +163,7 @@ mod tests {
             };
             let robot = RobotModel::find(&args.robot).unwrap();
             let scene = args.scene(&robot).unwrap();
-            let command = args.command(&robot, &scene);
+            let command = args.example_command(&robot, &scene);
             assert_eq!(command.as_deref(), expected, "{arguments}");
         };
         check("", None);
@@ -189,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn places() {
+    fn objects_stand_at_given_or_default_positions() {
         let placed = &scene("--object bottle@0.3,-0.1,45 --object wood --hand left")
             .expect("a scene")
             .objects;
@@ -201,14 +202,14 @@ mod tests {
     }
 
     #[test]
-    fn another_robot_has_its_objects_before_it() {
+    fn objects_stand_in_front_of_another_robot() {
         let scene = scene("--robot test-bench --object wood").expect("a scene");
         assert_eq!(scene.objects[0].position_m, [0.3, 0.0]);
-        assert_eq!(scene.grasp_hint(0).expect("told").from_m[..2], [0.3, 0.0]);
+        assert_eq!(scene.grasp_hint(0).expect("a hint").from_m[..2], [0.3, 0.0]);
     }
 
     #[test]
-    fn scenes_of_tasks() {
+    fn task_scenes_have_their_objects() {
         let names = |arguments: &str| {
             let scene = scene(arguments).expect(arguments);
             let names = scene
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_say_what_to_do() {
+    fn usage_errors_name_the_remedy() {
         let check = |arguments: &str, part: &str| {
             let message = scene(arguments).expect_err(arguments);
             assert!(message.contains(part), "{arguments}: {message}");
@@ -262,7 +263,7 @@ mod tests {
         );
         check(
             "--scene pick-place --object wood@0.3,0.1",
-            "has a place of its own",
+            "has a fixed position",
         );
         check("--scene screw --cap wood", "has no thread");
         check("--scene assembly --bottle bottle", "has no neck");

@@ -22,18 +22,18 @@ pub(crate) fn run(
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
     let begin_ns = now_ns();
-    session.follow_clock(begin_ns);
+    session.use_real_time(begin_ns);
     if let Err(refused) = scheduling::enter_fifo(scheduling::ROBOT_PRIORITY) {
-        tracing::info!(%refused, "no real-time scheduling: a busy machine will make ticks late");
+        tracing::info!(%refused, "no real-time scheduling: ticks may be late on a busy machine");
     }
     session.publish()?;
     let mut deadline_ns = begin_ns + TICK_NS;
-    while !stop.load(Ordering::Relaxed) && !session.has_lasted(duration) {
+    while !stop.load(Ordering::Relaxed) && !session.is_over(duration) {
         if sleep_until(deadline_ns).is_err() {
             continue;
         }
         let missed = now_ns().saturating_sub(deadline_ns) / TICK_NS;
-        session.miss(missed);
+        session.count_missed(missed);
         deadline_ns += missed * TICK_NS;
         tick(session, deadline_ns)?;
         deadline_ns += TICK_NS;

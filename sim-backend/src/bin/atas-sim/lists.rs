@@ -27,14 +27,14 @@ struct ObjectRow {
 }
 
 impl ObjectRow {
-    fn of(object: Object) -> Self {
+    fn from_object(object: Object) -> Self {
         let finite = |value: f64| value.is_finite().then_some(value);
         Self {
             mass_kg: object.mass_kg,
             width_m: object.shape.width_m(),
             height_m: 2.0 * object.shape.half_height_m(),
             friction: object.friction,
-            needed_n: object.needed_n(),
+            needed_n: object.required_normal_n(),
             stiffness_n_m: finite(object.stiffness_n_m),
             crush_n: finite(object.crush_n),
             name: object.name,
@@ -61,7 +61,7 @@ impl ObjectRow {
 pub(crate) fn objects(format: Format) -> Result<(), Failure> {
     let names = Object::names().chain(Object::part_names());
     let rows: Result<Vec<_>, _> = names
-        .map(|name| Object::built_in(name).map(ObjectRow::of))
+        .map(|name| Object::built_in(name).map(ObjectRow::from_object))
         .collect();
     let rows = rows?;
     match format {
@@ -94,10 +94,7 @@ pub(crate) fn faults() -> Result<(), Failure> {
     let mut lines = vec![
         "KIND[=VALUE]@START[+LENGTH][:TARGET], times in seconds, for example drop=0.3@2+0.5:right"
             .to_owned(),
-        format!(
-            "{:10} {:>7}  {:26}  what happens",
-            "kind", "usually", "targets"
-        ),
+        format!("{:10} {:>7}  {:26}  effect", "kind", "default", "targets"),
     ];
     for fault in FaultKind::all() {
         let takes_value = fault.range != [0.0, 0.0];
@@ -120,7 +117,7 @@ pub(crate) fn errors() -> Result<(), Failure> {
     let mut lines = vec![
         "all, none, or NAME[=AMOUNT] separated by commas, for example crosstalk=3,yaw or all=0.5"
             .to_owned(),
-        format!("{:15} {:>6}  usual amount", "name", "unit"),
+        format!("{:15} {:>6}  default amount", "name", "unit"),
     ];
     let line = |kind: &sim_backend::ErrorKind| {
         format!("{:15} {:>6}  {}", kind.name, kind.unit(), kind.about)

@@ -19,7 +19,7 @@ pub(crate) fn run(
 ) -> Result<(), Failure> {
     // Discards commands of an earlier world.
     session.newest_command()?;
-    while !stop.load(Ordering::Relaxed) && !session.has_lasted(duration) {
+    while !stop.load(Ordering::Relaxed) && !session.is_over(duration) {
         session.publish_truth()?;
         let command = match session.publish()? {
             Some(sequence) => match await_answer(session, sequence, stop)? {
@@ -48,7 +48,7 @@ pub(crate) fn await_answer(
         {
             return Ok(Some(command));
         }
-        wait.pause(|| session.greet())?;
+        wait.pause(|| session.connect_readers())?;
     }
     Ok(None)
 }

@@ -23,7 +23,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use atas_process::{command_line, end};
+use atas_process::{command_line, shutdown};
 use clap::Parser;
 use robot_model::RobotModel;
 use shm_bus::Bus;
@@ -37,12 +37,12 @@ const PROGRAM: &str = "atas-sim";
 
 fn main() -> ExitCode {
     match Cli::try_parse() {
-        Ok(Cli { command }) => atas_process::run(PROGRAM, || obey(command), Failure::exit_code),
-        Err(error) => command_line::end(PROGRAM, &error, Failure::UNWRITTEN),
+        Ok(Cli { command }) => atas_process::run(PROGRAM, || dispatch(command), Failure::exit_code),
+        Err(error) => command_line::exit_without_work(PROGRAM, &error),
     }
 }
 
-fn obey(command: Command) -> Result<(), Failure> {
+fn dispatch(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(args) => run(&args),
         Command::Field(args) => field_host::run(&args),
@@ -62,7 +62,7 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
     let world = World::new(&robot, &scene, args.seed)?;
     let bus = Bus::open(&args.bus, "atas-sim", shm_bus::Realtime::Yes)?;
     let mut session = Session::open(&bus, world, &args.faults, args.seed)?;
-    announce(args, &robot, &scene);
+    log_scene(args, &robot, &scene);
     let outcome = if args.lockstep {
         lockstep::run(&mut session, args.duration, &stop)
     } else {
@@ -73,7 +73,7 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
 }
 
 /// Logs the scene and an example client command.
-fn announce(args: &RunArgs, robot: &RobotModel, scene: &Scene) {
+fn log_scene(args: &RunArgs, robot: &RobotModel, scene: &Scene) {
     let pace = if args.lockstep { "lock-step" } else { "1 kHz" };
     let version = env!("CARGO_PKG_VERSION");
     tracing::info!(version, bus = %args.bus, robot = args.robot, seed = args.seed, pace, "simulating");
@@ -91,13 +91,14 @@ fn announce(args: &RunArgs, robot: &RobotModel, scene: &Scene) {
     }
     if let Some(place) = scene.place {
         let [x, y, z] = place.from_m;
-        tracing::info!(to_m = format!("{x:.3},{y:.3},{z:.3}"), "its place");
+        tracing::info!(to_m = format!("{x:.3},{y:.3},{z:.3}"), "target position");
     }
-    if let Some(command) = args.command(robot, scene) {
-        tracing::info!("a client would type: {command}");
+    if let Some(command) = args.example_command(robot, scene) {
+        tracing::info!("example client command: {command}");
     }
 }
 
 fn stop_on_signal() -> Result<Arc<AtomicBool>, Failure> {
-    end::on_signals(&end::SIGNALS, end::AT_ONCE).map_err(Failure::Signals)
+    shutdown::install_stop_flag(&shutdown::SIGNALS, shutdown::IMMEDIATE_EXIT)
+        .map_err(Failure::Signals)
 }

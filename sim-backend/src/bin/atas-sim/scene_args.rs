@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-use robot_model::{HandModel, RobotModel, Side};
+use robot_model::{HandModel, HandSide, RobotModel};
 use sim_backend::{Errors, GraspHint, Object, Placed, Scene};
 
 use crate::failure::Failure;
@@ -23,7 +23,7 @@ pub(crate) struct SceneArgs {
     /// Bottle of the cap: a built-in name or a TOML file with a neck [default: open-bottle]
     #[arg(long, value_name = "NAME|FILE")]
     bottle: Option<String>,
-    /// Hand in front of which objects without a position stand; in assembly, the hand that screws
+    /// Hand that objects without a position stand in front of; in assembly, the hand that screws
     /// [default: right, if present]
     #[arg(long, value_enum)]
     hand: Option<HandArg>,
@@ -61,10 +61,10 @@ enum HandArg {
 }
 
 impl HandArg {
-    fn side(self) -> Side {
+    fn side(self) -> HandSide {
         match self {
-            Self::Left => Side::Left,
-            Self::Right => Side::Right,
+            Self::Left => HandSide::Left,
+            Self::Right => HandSide::Right,
         }
     }
 }
@@ -91,7 +91,7 @@ impl FromStr for ObjectArg {
             Ok([x, y, yaw_deg]) => ([*x, *y], *yaw_deg),
             _ => {
                 return Err(format!(
-                    "its place was {place:?}, needs X,Y or X,Y,YAW in metres and degrees"
+                    "position is {place:?}, needs X,Y or X,Y,YAW in metres and degrees"
                 ));
             }
         };
@@ -107,8 +107,8 @@ impl SceneArgs {
         let side = self.side(robot);
         if !robot.hand(side).is_present() {
             return Err(Failure::Usage(match side {
-                Side::Left => "the robot has no left hand; leave out --hand",
-                Side::Right => "the robot has no right hand; leave out --hand",
+                HandSide::Left => "the robot has no left hand; leave out --hand",
+                HandSide::Right => "the robot has no right hand; leave out --hand",
             }));
         }
         let scene = Scene {
@@ -120,15 +120,23 @@ impl SceneArgs {
         Ok(scene.with_errors(&self.errors, seed))
     }
 
-    fn side(&self, robot: &RobotModel) -> Side {
+    fn side(&self, robot: &RobotModel) -> HandSide {
         self.hand.map_or(robot.acting_side(), HandArg::side)
     }
 
     /// Client command for the task of this scene, if any.
-    pub(crate) fn command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
+    pub(crate) fn example_command(&self, robot: &RobotModel, scene: &Scene) -> Option<String> {
         let first = scene.grasp_hint(0)?;
-        let (at, yaw_deg, width_mm) = (place(&first), first.yaw_rad.to_degrees(), mm(&first));
-        let to = scene.place.as_ref().map(place).unwrap_or_default();
+        let (at, yaw_deg, width_mm) = (
+            format_position(&first),
+            first.yaw_rad.to_degrees(),
+            format_width_mm(&first),
+        );
+        let to = scene
+            .place
+            .as_ref()
+            .map(format_position)
+            .unwrap_or_default();
         let task = match self.scene {
             SceneKind::Table => format!("grasp --at {at} --width {width_mm}"),
             SceneKind::PickPlace => {
@@ -142,37 +150,39 @@ impl SceneArgs {
             }
             SceneKind::Screw => format!("screw --at {at} --width {width_mm}"),
             SceneKind::Assembly => {
-                let bottle_mm = mm(&scene.grasp_hint(1)?);
+                let bottle_mm = format_width_mm(&scene.grasp_hint(1)?);
                 format!(
                     "assemble --cap {at} --cap-width {width_mm} --on {to} --bottle-width {bottle_mm}"
                 )
             }
         };
         let hand = match self.side(robot) {
-            Side::Left => " --hand left",
-            Side::Right => "",
+            HandSide::Left => " --hand left",
+            HandSide::Right => "",
         };
         Some(format!("atas {task} --yaw {yaw_deg:.0}{hand}"))
     }
 
-    fn nominal(&self, robot: &RobotModel, side: Side) -> Result<Scene, Failure> {
+    fn nominal(&self, robot: &RobotModel, side: HandSide) -> Result<Scene, Failure> {
         let hand = robot.hand(side);
         let has_parts = self.cap.is_some() || self.bottle.is_some();
         match self.scene {
             SceneKind::Table | SceneKind::PickPlace if has_parts => Err(Failure::Usage(
-                "--cap and --bottle belong to other scenes; add --scene screw or --scene assembly",
+                "--cap and --bottle need another scene; add --scene screw or --scene assembly",
             )),
             SceneKind::Screw | SceneKind::Assembly if !self.objects.is_empty() => Err(
-                Failure::Usage("it has no place for --object; use --cap and --bottle"),
+                Failure::Usage("--object does not apply to this scene; use --cap and --bottle"),
             ),
             SceneKind::Table => self.table(hand),
-            SceneKind::PickPlace => Ok(self.pick_place(side)?.before(hand)),
-            SceneKind::Screw => Ok(Scene::screw(self.cap()?, self.bottle()?, side).before(hand)),
+            SceneKind::PickPlace => Ok(self.pick_place(side)?.moved_to_hand(hand)),
+            SceneKind::Screw => {
+                Ok(Scene::screw(self.cap()?, self.bottle()?, side).moved_to_hand(hand))
+            }
             SceneKind::Assembly if robot.sides().count() < 2 => Err(Failure::Usage(
-                "it needs both hands; choose a robot that has them",
+                "assembly needs both hands; choose a robot with two hands",
             )),
             SceneKind::Assembly => {
-                Ok(Scene::assembly(self.cap()?, self.bottle()?, side).before(hand))
+                Ok(Scene::assembly(self.cap()?, self.bottle()?, side).moved_to_hand(hand))
             }
         }
     }
@@ -181,7 +191,7 @@ impl SceneArgs {
         let mut scene = Scene::default();
         let yaw_rad = hand.home_yaw_rad();
         for ObjectArg { name, place } in &self.objects {
-            let object = Object::named_or_file(name)?;
+            let object = Object::from_name_or_file(name)?;
             scene.objects.push(match *place {
                 Some((position_m, yaw_rad)) => Placed::new(object, position_m, yaw_rad),
                 None => Placed::new(object, hand.object_m(), yaw_rad),
@@ -190,52 +200,52 @@ impl SceneArgs {
         Ok(scene)
     }
 
-    fn pick_place(&self, side: Side) -> Result<Scene, Failure> {
+    fn pick_place(&self, side: HandSide) -> Result<Scene, Failure> {
         let name = match &self.objects[..] {
             [] => Scene::OBJECT,
             [ObjectArg { name, place: None }] => name,
             [_] => {
                 return Err(Failure::Usage(
-                    "its object has a place of its own; leave out @X,Y",
+                    "the object of pick-place has a fixed position; leave out @X,Y",
                 ));
             }
             _ => {
                 return Err(Failure::Usage(
-                    "it needs one --object; leave out the others",
+                    "pick-place needs one --object; leave out the others",
                 ));
             }
         };
-        Ok(Scene::pick_place(Object::named_or_file(name)?, side))
+        Ok(Scene::pick_place(Object::from_name_or_file(name)?, side))
     }
 
     fn cap(&self) -> Result<Object, Failure> {
-        let cap = Object::named_or_file(self.cap.as_deref().unwrap_or(Scene::CAP))?;
+        let cap = Object::from_name_or_file(self.cap.as_deref().unwrap_or(Scene::CAP))?;
         match cap.thread {
             Some(_) => Ok(cap),
             None => Err(Failure::Usage(
-                "its cap has no thread; name one that has one with --cap",
+                "the cap has no thread; choose one with a thread with --cap",
             )),
         }
     }
 
     fn bottle(&self) -> Result<Object, Failure> {
-        let bottle = Object::named_or_file(self.bottle.as_deref().unwrap_or(Scene::BOTTLE))?;
+        let bottle = Object::from_name_or_file(self.bottle.as_deref().unwrap_or(Scene::BOTTLE))?;
         match bottle.neck {
             Some(_) => Ok(bottle),
             None => Err(Failure::Usage(
-                "its bottle has no neck; name one that has one with --bottle",
+                "the bottle has no neck; choose one with a neck with --bottle",
             )),
         }
     }
 }
 
 /// Position as a command-line argument.
-fn place(hint: &GraspHint) -> String {
+fn format_position(hint: &GraspHint) -> String {
     let [x, y, z] = hint.from_m;
     format!("{x:.3},{y:.3},{z:.4}")
 }
 
 /// Width, mm.
-fn mm(hint: &GraspHint) -> String {
+fn format_width_mm(hint: &GraspHint) -> String {
     format!("{:.1}", hint.width_m * 1e3)
 }

@@ -2,24 +2,24 @@
 
 use std::time::Duration;
 
-use robot_model::Side;
+use robot_model::HandSide;
 use shm_bus::{Bus, BusError, Publisher, Subscriber};
 use shm_schemas::{HandFrame, JointCommand, JointState, WorldTruth, service};
-use sim_backend::faults::{Delivery, Fault, Injector};
+use sim_backend::faults::{Delivery, Fault, FaultPipeline};
 use sim_backend::{Sensed, World};
 
 use crate::failure::Failure;
 
 pub(crate) struct Session {
     pub(crate) world: World,
-    injector: Injector,
+    injector: FaultPipeline,
     sensed: Sensed,
     frames: [Publisher<HandFrame>; 2],
     joints: Publisher<JointState>,
     truth: Publisher<WorldTruth>,
     commands: Subscriber<JointCommand>,
     command: JointCommand,
-    truths: u64,
+    truth_sequence: u64,
     first_ns: u64,
     missed_ticks: u64,
 }
@@ -35,20 +35,20 @@ impl Session {
         Ok(Self {
             first_ns: world.now_ns(),
             world,
-            injector: Injector::new(faults, seed),
+            injector: FaultPipeline::new(faults, seed),
             sensed: Sensed::default(),
             frames: [bus.publisher(left)?, bus.publisher(right)?],
             joints: bus.publisher(service::JOINT_STATE)?,
             truth: bus.publisher(service::WORLD_TRUTH)?,
             commands: bus.subscriber(service::JOINT_COMMAND)?,
             command: JointCommand::default(),
-            truths: 0,
+            truth_sequence: 0,
             missed_ticks: 0,
         })
     }
 
     /// Synchronises the world's clock to the machine's and takes a new epoch, for real time.
-    pub(crate) fn follow_clock(&mut self, now_ns: u64) {
+    pub(crate) fn use_real_time(&mut self, now_ns: u64) {
         self.world.set_writer_epoch(shm_bus::writer_epoch());
         self.world.skip_to(now_ns);
         self.first_ns = self.world.now_ns();
@@ -76,15 +76,15 @@ impl Session {
 
     pub(crate) fn publish_truth(&mut self) -> Result<(), Failure> {
         let mut truth = self.world.truth();
-        truth.stamp.sequence = self.truths;
+        truth.stamp.sequence = self.truth_sequence;
         truth.missed_ticks = self.missed_ticks;
-        self.truths += 1;
+        self.truth_sequence += 1;
         Ok(self.truth.send(&truth)?)
     }
 
     /// Sends the last frames, joint state and truth to late readers.
-    pub(crate) fn greet(&self) -> Result<(), Failure> {
-        for side in Side::BOTH {
+    pub(crate) fn connect_readers(&self) -> Result<(), Failure> {
+        for side in HandSide::BOTH {
             self.frames[side.index()].connect_readers()?;
         }
         self.joints.connect_readers()?;
@@ -105,11 +105,11 @@ impl Session {
     }
 
     /// Counts ticks missed while the process did not run.
-    pub(crate) fn miss(&mut self, ticks: u64) {
+    pub(crate) fn count_missed(&mut self, ticks: u64) {
         self.missed_ticks += ticks;
     }
 
-    pub(crate) fn has_lasted(&self, duration: Option<Duration>) -> bool {
+    pub(crate) fn is_over(&self, duration: Option<Duration>) -> bool {
         let elapsed_ns = u128::from(self.world.now_ns() - self.first_ns);
         duration.is_some_and(|duration| elapsed_ns >= duration.as_nanos())
     }

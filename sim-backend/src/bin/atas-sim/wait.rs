@@ -11,7 +11,7 @@ const SPIN_NS: u64 = 50_000;
 /// Time until sleeping instead of yielding, ns. Design choice.
 const YIELD_NS: u64 = 2_000_000;
 /// Sleep between two checks. Design choice.
-const NAP: Duration = Duration::from_micros(500);
+const SLEEP: Duration = Duration::from_micros(500);
 
 pub(crate) struct Wait {
     begin_ns: u64,
@@ -23,15 +23,18 @@ impl Wait {
     }
 
     /// Pauses between two checks; a long wait also calls `connect_readers` for late readers.
-    pub(crate) fn pause(&self, greet: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+    pub(crate) fn pause(
+        &self,
+        connect_readers: impl FnOnce() -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
         let waited_ns = now_ns() - self.begin_ns;
         if waited_ns < SPIN_NS {
             std::hint::spin_loop();
         } else if waited_ns < YIELD_NS {
             std::thread::yield_now();
         } else {
-            greet()?;
-            std::thread::sleep(NAP);
+            connect_readers()?;
+            std::thread::sleep(SLEEP);
         }
         Ok(())
     }

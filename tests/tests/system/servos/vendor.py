@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The servo emulator, checked by the vendors' own clients: `vendor.py dynamixel|feetech TERMINAL`.
+"""Verifies the servo emulator with the vendors' clients: `vendor.py dynamixel|feetech TERMINAL`.
 
-Needs `pip install "dynamixel-sdk==4.*" "feetech-servo-sdk==1.*"`. The terminal plays servos 1, 2 and 3 of the models that vendor.rs names;
-nobody answers as 9. Ends with 77 where the clients are not installed, with 1 and a word where the emulator differs from what they expect.
+Needs `pip install "dynamixel-sdk==4.*" "feetech-servo-sdk==1.*"`. The terminal has servos 1, 2 and 3 of the models in vendor.rs
+and no servo 9. Exit codes: 77 if the clients are not installed, 1 with a message if the emulator differs.
 """
 
 import sys
@@ -26,12 +26,12 @@ def expect(what, found, wanted):
 
 
 def rests(what, ask):
-    """Waits until something holds and goes on holding: a shaft may swing past its goal."""
+    """Waits until a condition is true ten times in a row: a shaft may overshoot its goal."""
     deadline, in_a_row = time.monotonic() + PATIENCE_S, 0
     while in_a_row < 10:
         in_a_row = in_a_row + 1 if ask() else 0
         if time.monotonic() > deadline:
-            sys.exit(f"{what} never came")
+            sys.exit(f"timed out waiting for {what}")
         time.sleep(0.02)
 
 
@@ -42,8 +42,8 @@ def bytes_of(value, length):
 def opened(sdk, terminal):
     port = sdk.PortHandler(terminal)
     if not (port.openPort() and port.setBaudRate(1_000_000)):
-        sys.exit(f"{terminal} cannot be opened")
-    # A busy machine may let an answer wait for longer than a wire would.
+        sys.exit(f"could not open {terminal}")
+    # Long timeout: a busy machine may delay a reply.
     port.setPacketTimeout = lambda _length: port.setPacketTimeoutMillis(SLOW_MS)
     return port
 
@@ -69,14 +69,14 @@ def dynamixel(terminal):
     expect("pings", models, [(1020, 0, 0), (1200, 0, 0), (1060, 0, 0)])
     found, result = packets.broadcastPing(port)
     expect("a broadcast ping", (sorted(found), result), (IDS, 0))
-    expect("nobody", packets.ping(port, 9)[1], sdk.COMM_RX_TIMEOUT)
+    expect("an absent servo", packets.ping(port, 9)[1], sdk.COMM_RX_TIMEOUT)
 
-    # What looks like a header inside a packet is stuffed on the way and is the same afterwards.
+    # A header pattern inside a packet is byte-stuffed and must arrive unchanged.
     packets.write4ByteTxRx(port, 1, 108, 0x00FDFFFF)
     expect("stuffed bytes", packets.read4ByteTxRx(port, 1, 108), (0x00FDFFFF, 0, 0))
     packets.write4ByteTxRx(port, 1, 108, 0)
 
-    # What is kept without power is locked while torque is on.
+    # Persistent registers are locked while torque is on.
     expect("a mode", packets.write1ByteTxRx(port, 2, 11, 5), (0, 0))
     for servo in IDS:
         expect("torque", packets.write1ByteTxRx(port, servo, 64, 1), (0, 0))
@@ -92,20 +92,20 @@ def dynamixel(terminal):
         fast.addParam(servo)
     expect("a fast sync read", fast.fastSyncRead(), 0)
     expect("its values", [fast.getData(servo, 132, 4) for servo in IDS], list(goals.values()))
-    expect("a read of all that is measured", len(packets.readTxRx(port, 1, 126, 21)[0]), 21)
+    expect("a read of all measurements", len(packets.readTxRx(port, 1, 126, 21)[0]), 21)
 
     expect("a reboot", packets.reboot(port, 1), (0, 0))
     expect("no torque after it", packets.read1ByteTxRx(port, 1, 64), (0, 0, 0))
 
 
 def feetech(terminal):
-    """Protocol 1.0 as Feetech speaks it, STS3215."""
+    """Protocol 1.0, Feetech variant, STS3215."""
     sdk, port = scservo_sdk, opened(scservo_sdk, terminal)
     packets = sdk.PacketHandler(0)
     expect("pings", [packets.ping(port, servo) for servo in IDS], [(777, 0, 0)] * 3)
-    expect("nobody", packets.ping(port, 9)[1], sdk.COMM_RX_TIMEOUT)
+    expect("an absent servo", packets.ping(port, 9)[1], sdk.COMM_RX_TIMEOUT)
 
-    # What is kept without power is not written while the lock is closed.
+    # Persistent registers are not written while the lock is closed.
     packets.write1ByteTxRx(port, 1, 33, 1)
     expect("a locked register", packets.read1ByteTxRx(port, 1, 33), (0, 0, 0))
     packets.write1ByteTxRx(port, 1, 55, 0)
@@ -121,4 +121,4 @@ def feetech(terminal):
 
 
 {"dynamixel": dynamixel, "feetech": feetech}[sys.argv[1]](sys.argv[2])
-print(f"{sys.argv[1]}: as its vendor's client expects")
+print(f"{sys.argv[1]}: emulator works with the vendor's client")

@@ -1,4 +1,4 @@
-//! One hand: each finger's forces between the thresholds, and its elements.
+//! Block of one hand: forces of each fingertip between the thresholds, and its elements.
 
 use atas_client::layouts;
 use atas_console::number;
@@ -8,34 +8,35 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 use shm_schemas::{FingerReport, Hand, HandFrame, HandReport, Layout};
 
-use super::Look;
-use crate::top::seen::Seen;
+use super::Palette;
+use crate::top::state::ScreenState;
 
-/// Characters of a bar, at most.
-const BAR: usize = 18;
-/// Rows of a fingertip, and its columns at most.
+/// Largest length of a force bar, characters.
+const BAR_COLUMNS_MAX: usize = 18;
+/// Rows and maximum columns of a fingertip map.
 const MAP: [usize; 2] = [5, 13];
-/// Columns between two fingertips, and for the force of the strongest shade.
+/// Columns between two fingertip maps, and columns of the scale.
 const GAP: usize = 2;
 const SCALE: usize = 9;
-/// Fingers with a line for each of their forces; more have one for both.
-const ROOMY: usize = 2;
-/// From nothing to the strongest.
+/// Most fingertips with separate lines for normal and tangential force.
+const TWO_LINE_FINGERTIPS_MAX: usize = 2;
+/// Shades from zero to the largest force.
 const SHADES: [char; 8] = ['·', ':', '-', '=', '+', '*', '#', '@'];
-/// Least force of the strongest shade, N (ours: above the sensors' noise).
-const LEAST_N: f32 = 0.05;
-/// Elements nearer to each other than this are not drawn apart to the rim, m (ours: less than any fingertip is wide).
+/// Smallest force of the darkest shade, N. Design choice: above the sensor noise.
+const FULL_SCALE_MIN_N: f32 = 0.05;
+/// Smallest radius of the map scale, m. Design choice: smaller than any fingertip. Keeps close
+/// elements from filling the map.
 const SPREAD_MIN_M: f64 = 0.0045;
-/// Limits beyond this are none: nothing has set them yet, N.
+/// Larger limits count as not set, N.
 const NO_LIMIT_N: f32 = 100.0;
 
-/// Draws the hand with this index and so many fingers.
+/// Draws a hand, given by its index and number of fingertips.
 pub(super) fn draw(
     frame: &mut Frame<'_>,
     area: Rect,
-    seen: &Seen,
+    seen: &ScreenState,
     (hand, fingers): (usize, usize),
-    look: Look,
+    look: Palette,
 ) {
     let report = &seen.watch.report.hands[hand];
     let width = usize::from(area.width);
@@ -49,7 +50,7 @@ pub(super) fn draw(
         )),
     ])];
     for finger in 0..fingers {
-        if fingers > ROOMY {
+        if fingers > TWO_LINE_FINGERTIPS_MAX {
             lines.push(on_one_line(report, finger, width, look));
         } else {
             lines.extend(on_two_lines(report, finger, look));
@@ -59,50 +60,58 @@ pub(super) fn draw(
     frame.render_widget(Paragraph::new(lines), area);
 }
 
-fn on_two_lines(report: &HandReport, finger: usize, look: Look) -> [Line<'static>; 2] {
-    let felt = &report.fingers[finger];
+fn on_two_lines(report: &HandReport, finger: usize, look: Palette) -> [Line<'static>; 2] {
+    let measured = &report.fingers[finger];
     let pressed = Line::from(vec![
         Span::raw(format!("{} F_n ", finger + 1)),
-        Span::styled(bar(felt.normal_n, report, BAR), look.finger(finger)),
-        Span::raw(format!(" {} N", number(felt.normal_n.into(), 2))),
+        Span::styled(
+            bar(measured.normal_n, report, BAR_COLUMNS_MAX),
+            look.fingertip(finger),
+        ),
+        Span::raw(format!(" {} N", number(measured.normal_n.into(), 2))),
     ]);
     let sheared = Line::from(vec![
         Span::raw("  F_t "),
-        Span::styled(bar(felt.tangential_n, report, BAR), look.soft()),
+        Span::styled(
+            bar(measured.tangential_n, report, BAR_COLUMNS_MAX),
+            look.dim(),
+        ),
         Span::raw(format!(
             " {} N {}",
-            number(felt.tangential_n.into(), 2),
-            slip(felt)
+            number(measured.tangential_n.into(), 2),
+            slip(measured)
         )),
     ]);
     [pressed, sheared]
 }
 
-/// Both forces of a finger, in as many characters as there are.
-fn on_one_line(report: &HandReport, finger: usize, width: usize, look: Look) -> Line<'static> {
-    let felt = &report.fingers[finger];
+/// Formats both forces of a fingertip on one line of the given width.
+fn on_one_line(report: &HandReport, finger: usize, width: usize, look: Palette) -> Line<'static> {
+    let measured = &report.fingers[finger];
     let head = format!("{} F_n ", finger + 1);
     let tail = format!(
         " {} F_t {} N {:6}",
-        number(felt.normal_n.into(), 2),
-        number(felt.tangential_n.into(), 2),
-        slip(felt)
+        number(measured.normal_n.into(), 2),
+        number(measured.tangential_n.into(), 2),
+        slip(measured)
     );
-    let left = width.saturating_sub(head.len() + tail.len()).min(BAR);
-    let bar = bar(felt.normal_n, report, left);
+    let left = width
+        .saturating_sub(head.len() + tail.len())
+        .min(BAR_COLUMNS_MAX);
+    let bar = bar(measured.normal_n, report, left);
     Line::from(vec![
         Span::raw(head),
-        Span::styled(bar, look.finger(finger)),
+        Span::styled(bar, look.fingertip(finger)),
         Span::raw(tail),
     ])
 }
 
-/// How much of its friction a finger uses; at 1 it slides.
-fn slip(felt: &FingerReport) -> String {
-    if felt.utilisation >= 1.0 {
+/// Formats the friction utilisation S; at 1 the fingertip slips.
+fn slip(measured: &FingerReport) -> String {
+    if measured.utilisation >= 1.0 {
         "SLIPS".into()
     } else {
-        format!("S {}", number(felt.utilisation.into(), 2))
+        format!("S {}", number(measured.utilisation.into(), 2))
     }
 }
 
@@ -114,7 +123,7 @@ fn stiffness(n_m: f32) -> String {
     }
 }
 
-/// A force as a bar of so many characters, with a mark at each threshold.
+/// Draws a force as a bar with marks at the thresholds F_1 and F_2.
 fn bar(force_n: f32, report: &HandReport, columns: usize) -> String {
     let f2_n = if report.f2_n < NO_LIMIT_N {
         report.f2_n
@@ -137,22 +146,25 @@ fn bar(force_n: f32, report: &HandReport, columns: usize) -> String {
         .collect()
 }
 
-/// The fingertips side by side.
-fn maps(seen: &Seen, hand: usize, fingers: usize, width: usize, look: Look) -> Vec<Line<'static>> {
+/// Draws the fingertip maps side by side.
+fn maps(
+    seen: &ScreenState,
+    hand: usize,
+    fingers: usize,
+    width: usize,
+    look: Palette,
+) -> Vec<Line<'static>> {
     let view = &seen.watch.view;
     let frame = &view.frames[hand];
     if view.has_frame[hand] == 0 {
-        return vec![Line::styled("no frame yet", look.soft())];
+        return vec![Line::styled("no frame yet", look.dim())];
     }
     let Some(layout) = layouts::named(frame.layout_hash) else {
-        return vec![Line::styled(
-            "elements of a layout that has no name",
-            look.soft(),
-        )];
+        return vec![Line::styled("unknown element layout", look.dim())];
     };
     let tips = frame.force_n.iter().take(fingers);
     let pressed = tips.flat_map(|f| &f[..layout.count]);
-    let full_n = pressed.fold(LEAST_N, |most, force| most.max(force[0]));
+    let full_n = pressed.fold(FULL_SCALE_MIN_N, |most, force| most.max(force[0]));
     let columns = columns(fingers, width);
     (0..MAP[0])
         .map(|row| {
@@ -164,7 +176,7 @@ fn maps(seen: &Seen, hand: usize, fingers: usize, width: usize, look: Look) -> V
                     })
                     .collect();
                 [
-                    Span::styled(text, look.finger(finger)),
+                    Span::styled(text, look.fingertip(finger)),
                     Span::raw(" ".repeat(GAP)),
                 ]
             });
@@ -172,7 +184,7 @@ fn maps(seen: &Seen, hand: usize, fingers: usize, width: usize, look: Look) -> V
             if row == 0 {
                 spans.push(Span::styled(
                     format!("@ {} N", number(full_n.into(), 2)),
-                    look.soft(),
+                    look.dim(),
                 ));
             }
             Line::from(spans)
@@ -180,18 +192,19 @@ fn maps(seen: &Seen, hand: usize, fingers: usize, width: usize, look: Look) -> V
         .collect()
 }
 
-/// Columns of a fingertip beside the others.
+/// Returns the width of one fingertip map, columns.
 fn columns(fingers: usize, width: usize) -> usize {
     let each = width.saturating_sub(SCALE) / fingers.max(1);
     each.saturating_sub(GAP).min(MAP[1])
 }
 
-/// The middle of a cell, from −1 to 1 over all of them.
+/// Returns the centre of a cell, normalised to −1 to 1.
 fn middle(at: usize, of: usize) -> f64 {
     (2.0 * at as f64 + 1.0) / of as f64 - 1.0
 }
 
-/// The shade of the nearest element; nothing outside the skin. Up is −x of the tip, right is y.
+/// Returns the shade of the nearest element, or a space outside the skin. Up is −x of the
+/// fingertip, right is y.
 fn shade(
     layout: &Layout,
     frame: &HandFrame,
@@ -225,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bar_ends_at_its_force_and_marks_its_limits() {
+    fn bar_shows_force_and_thresholds() {
         let check = |force_n, f1_n, f2_n, expected: &str| {
             let report = HandReport {
                 f1_n,
@@ -242,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_fingertips_as_a_hand_may_have_fit_beside_their_scale() {
+    fn maximum_fingertips_fit_next_to_scale() {
         for (fingers, width, expected) in [(2, 39, 13), (3, 39, 8), (4, 39, 5), (3, 80, 13)] {
             assert_eq!(columns(fingers, width), expected, "{fingers} in {width}");
             let used = fingers * (columns(fingers, width) + GAP) + SCALE;
@@ -251,11 +264,11 @@ mod tests {
     }
 
     #[test]
-    fn a_line_for_both_forces_fits_into_half_a_screen() {
+    fn two_force_line_fits_half_screen() {
         let mut report = HandReport::default();
         (report.fingers[2].normal_n, report.fingers[2].tangential_n) = (12.25, 3.5);
         report.fingers[2].utilisation = 1.25;
-        let look = Look { colours: false };
+        let look = Palette { colours: false };
         let line = on_one_line(&report, 2, 39, look).to_string();
         assert_eq!(line.chars().count(), 39, "{line}");
         assert!(

@@ -1,18 +1,24 @@
-//! A lane per module that was active in the last seconds.
+//! One lane per recently active module.
 
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 
-use super::Look;
-use crate::top::seen::Seen;
+use super::Palette;
+use crate::top::state::ScreenState;
 
-/// Characters of a module's name.
-const NAME: usize = 15;
+/// Width of a module name, characters.
+const NAME_COLUMNS: usize = 15;
 
-pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, seen: &Seen, hand: usize, look: Look) {
-    let columns = usize::from(area.width).saturating_sub(NAME + 1);
+pub(super) fn draw(
+    frame: &mut Frame<'_>,
+    area: Rect,
+    seen: &ScreenState,
+    hand: usize,
+    look: Palette,
+) {
+    let columns = usize::from(area.width).saturating_sub(NAME_COLUMNS + 1);
     let mut lines: Vec<Line<'_>> = seen
         .modules(hand, columns)
         .into_iter()
@@ -28,15 +34,15 @@ pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, seen: &Seen, hand: usize, 
             let is_on = lane.back().is_some_and(|bits| bits >> id.0 & 1 == 1);
             Line::from(vec![
                 Span::styled(
-                    format!("{name:NAME$.NAME$} "),
-                    if is_on { look.strong() } else { look.soft() },
+                    format!("{name:NAME_COLUMNS$.NAME_COLUMNS$} "),
+                    if is_on { look.strong() } else { look.dim() },
                 ),
                 Span::styled(format!("{marks:>columns$}"), look.limit()),
             ])
         })
         .collect();
     if lines.is_empty() {
-        lines.push(Line::styled("no module was active lately", look.soft()));
+        lines.push(Line::styled("no module active recently", look.dim()));
     }
     frame.render_widget(Paragraph::new(lines), area);
 }

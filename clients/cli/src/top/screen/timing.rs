@@ -1,4 +1,4 @@
-//! How punctual the ticks are, and how often everybody speaks.
+//! Tick timing and service rates.
 
 use atas_client::histogram::{BINS, Histogram};
 use atas_console::number;
@@ -8,13 +8,12 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Paragraph;
 use shm_schemas::{Hand, Percentiles};
 
-use super::Look;
-use crate::top::seen::Seen;
+use super::Palette;
+use crate::top::state::ScreenState;
 
-/// Heights of a histogram's columns.
 const HEIGHTS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 
-pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
+pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, seen: &ScreenState, look: Palette) {
     let status = &seen.watch.status;
     let lines = vec![
         distribution("wake-up late", &seen.watch.wake, &status.wake, look),
@@ -28,12 +27,18 @@ pub(super) fn draw(frame: &mut Frame<'_>, area: Rect, seen: &Seen, look: Look) {
     frame.render_widget(Paragraph::new(lines), area);
 }
 
-/// Columns from a microsecond to ten milliseconds, 1, 2, 5; logarithmic in height, so that a single tick is seen.
-fn distribution(name: &str, counted: &Histogram, since: &Percentiles, look: Look) -> Line<'static> {
+/// Draws a histogram from 1 µs to 10 ms with bins in steps of 1, 2, 5. The height is logarithmic,
+/// so that a single tick is visible.
+fn distribution(
+    name: &str,
+    counted: &Histogram,
+    since: &Percentiles,
+    look: Palette,
+) -> Line<'static> {
     let us = |ns: u64| number(ns as f64 * 1e-3, 1);
     Line::from(vec![
         Span::raw(format!("{name:12} 1µs ")),
-        Span::styled(columns(&counted.counts()), look.finger(0)),
+        Span::styled(columns(&counted.counts()), look.fingertip(0)),
         Span::raw(format!(
             " 10ms  p50 {} p99 {} max {} µs",
             us(since.p50_ns),
@@ -52,7 +57,7 @@ fn columns(counts: &[u64; BINS]) -> String {
     counts.iter().map(|count| HEIGHTS[height(*count)]).collect()
 }
 
-fn services(seen: &Seen) -> String {
+fn services(seen: &ScreenState) -> String {
     let (status, rates) = (&seen.watch.status, &seen.rates);
     let hz = |hz: f64| {
         if hz < 0.0 {
@@ -93,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_single_tick_is_seen_beside_thousands() {
+    fn single_tick_is_visible_among_thousands() {
         let mut counts = [0; BINS];
         assert_eq!(columns(&counts), " ".repeat(BINS));
         counts[2] = 100_000;

@@ -14,16 +14,16 @@ fn truth(lifted_m: f64, pressed_n: f64) -> WorldTruth {
 fn end(state: GoalState, cause: Cause) -> GoalUpdate {
     GoalUpdate {
         state,
-        reason: Reason::of(cause),
+        reason: Reason::new(cause),
         ..GoalUpdate::default()
     }
 }
 
 #[test]
-fn outcomes() {
+fn outcomes_follow_ground_truth() {
     let check = |state, cause, truth: WorldTruth, expected: Outcome| {
         assert_eq!(
-            Outcome::of(&end(state, cause), &truth, 1, LIFT_M),
+            Outcome::evaluate(&end(state, cause), &truth, 1, LIFT_M),
             expected,
             "{state} {cause}"
         );
@@ -78,7 +78,7 @@ fn outcomes() {
 }
 
 #[test]
-fn keys_of_failures() {
+fn failures_have_their_keys() {
     let check = |outcome: Outcome, step, expected| assert_eq!(outcome.key(step), expected);
     check(Outcome::Crushed, "lift", "crushed");
     let heavy = Cause::TOO_HEAVY;
@@ -98,7 +98,7 @@ fn keys_of_failures() {
 }
 
 #[test]
-fn only_held_and_refused_are_ever_expected() {
+fn only_held_and_refused_can_be_expected() {
     let heavy = Cause::TOO_HEAVY;
     let check = |outcome: Outcome, feasible: bool, expected: bool| {
         assert_eq!(

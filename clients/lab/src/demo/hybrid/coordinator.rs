@@ -22,7 +22,7 @@ use sim_backend::{START_NS, TICK_NS};
 use std::time::Duration;
 
 /// Longest time until the daemon replies (design choice: two hundred of its rounds).
-const ANSWER: Duration = Duration::from_millis(900);
+const REPLY_TIMEOUT: Duration = Duration::from_millis(900);
 
 pub(super) struct Coordinator {
     session: Session,
@@ -38,7 +38,7 @@ pub(super) struct Coordinator {
     truth: WorldTruth,
     report: TickReport,
     /// True while a base state waits for its command.
-    is_asked: bool,
+    has_request: bool,
 }
 
 impl Coordinator {
@@ -58,22 +58,22 @@ impl Coordinator {
             state: BaseState::default(),
             truth: WorldTruth::default(),
             report: TickReport::default(),
-            is_asked: false,
+            has_request: false,
         })
     }
 
     /// Polls all topics and answers a frame when its inputs are complete. Returns the phase that
     /// has begun, with its time, s.
-    pub(super) fn look(&mut self) -> anyhow::Result<Option<(&'static str, f64)>> {
-        self.hear_goal()?;
+    pub(super) fn poll(&mut self) -> anyhow::Result<Option<(&'static str, f64)>> {
+        self.receive_goal_updates()?;
         self.reports.newest(&mut self.report)?;
         self.truths.newest(&mut self.truth)?;
-        self.is_asked |= self.states.newest(&mut self.state)?;
-        if !self.is_asked || !self.knows_all() {
+        self.has_request |= self.states.newest(&mut self.state)?;
+        if !self.has_request || !self.is_frame_complete() {
             return Ok(None);
         }
-        self.is_asked = false;
-        self.pilot.hear_report(&self.report);
+        self.has_request = false;
+        self.pilot.process_report(&self.report);
         let decision = self.pilot.frame(&self.state, &self.truth);
         if let Some(goal) = decision.goal {
             self.send(&goal)?;
@@ -87,7 +87,7 @@ impl Coordinator {
 
     /// Returns true if the report of the tick before the frame, the end of the goal and the
     /// object's state have arrived.
-    fn knows_all(&self) -> bool {
+    fn is_frame_complete(&self) -> bool {
         let tick = self.first_tick(self.state.frame);
         // Ticks before frame 0 may precede this process; no hand is in contact then.
         let has_heard = self.state.frame == 0 || self.report.tick + 1 == tick;
@@ -99,11 +99,11 @@ impl Coordinator {
         SETTLE_TICKS + frame * FRAME_TICKS
     }
 
-    fn hear_goal(&mut self) -> anyhow::Result<()> {
+    fn receive_goal_updates(&mut self) -> anyhow::Result<()> {
         while let Some(pending) = &mut self.pending
             && let Some(update) = pending.next()?
         {
-            self.pilot.hear_goal(&update);
+            self.pilot.process_goal_update(&update);
             if update.state.is_final() {
                 self.pending = None;
                 self.advance()?;
@@ -125,10 +125,10 @@ impl Coordinator {
             value: self.first_tick(self.state.frame + 1) as f64,
             ..ControlRequest::default()
         };
-        let reply = self.controls.call(&request, ANSWER)?;
+        let reply = self.controls.call(&request, REPLY_TIMEOUT)?;
         anyhow::ensure!(
             reply.outcome == ControlOutcome::DONE,
-            "the daemon did not let time go on: {}",
+            "the daemon rejected the request to advance virtual time: {}",
             reply.text
         );
         Ok(())
@@ -138,7 +138,7 @@ impl Coordinator {
         self.pilot.ended().is_some()
     }
 
-    pub(super) fn end(&self) -> (&Pilot, &WorldTruth) {
+    pub(super) fn result(&self) -> (&Pilot, &WorldTruth) {
         (&self.pilot, &self.truth)
     }
 }

@@ -13,11 +13,11 @@ mod coordinator;
 mod processes;
 
 use atas_console::arguments::DemoHybrid;
-use atas_console::{Ended, Exit, Interrupt, Output, Progress, number, table};
+use atas_console::{Exit, ExitError, Interrupt, Output, Progress, number, table};
 use atas_evaluation::hybrid::{HybridTrial, Reflexes, RobotTrial};
 use comfy_table::Cell;
 use ebts::course::table_file::CourseFile;
-use sim_backend::course::Cast;
+use sim_backend::course::Scenario;
 
 use processes::Processes;
 
@@ -26,21 +26,22 @@ pub(super) fn hybrid(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let usage = |error: String| Ended::with(Exit::Usage, error);
+    let usage = |error: String| ExitError::with_code(Exit::Usage, error);
     let (file, _) =
-        CourseFile::named(&arguments.table).map_err(|error| usage(error.to_string()))?;
+        CourseFile::from_name(&arguments.table).map_err(|error| usage(error.to_string()))?;
     let object = super::object(&arguments.object)?;
     let objects = vec![object; arguments.robots.into()];
-    let cast = Cast::drawn(arguments.seed, &objects).map_err(|error| usage(error.to_string()))?;
+    let cast =
+        Scenario::random(arguments.seed, &objects).map_err(|error| usage(error.to_string()))?;
     let reflexes = match arguments.frozen {
         true => Reflexes::Frozen,
         false => Reflexes::On,
     };
     let mut progress = Progress::new("hybrid");
-    progress.note("starting atas-sim course, and atasd and ebts agents for every robot");
-    let processes = Processes::set(arguments, &cast, reflexes)?;
+    progress.show_activity("starting atas-sim course, and atasd and ebts agents for every robot");
+    let processes = Processes::start(arguments, &cast, reflexes)?;
     let trial = processes.watch(interrupt, |robot, phase, now_s| {
-        progress.note(&format!(
+        progress.show_activity(&format!(
             "{:>6} s  robot {}: {phase}",
             number(now_s, 1),
             robot + 1
@@ -54,21 +55,21 @@ pub(super) fn hybrid(
     }
     match trial.failure() {
         None => Ok(()),
-        Some(failure) => Err(Ended::with(
+        Some(failure) => Err(ExitError::with_code(
             Exit::Unexpected,
-            format!("the course was not done: {failure}"),
+            format!("the course failed: {failure}"),
         )),
     }
 }
 
 fn print(trial: &HybridTrial, hash: &str, output: &mut Output) -> anyhow::Result<()> {
-    let mut lines = table(&["robot", "phase", "who has the say", "began at s", "took s"]);
+    let mut lines = table(&["robot", "phase", "control owner", "began at s", "took s"]);
     for (index, robot) in (1..).zip(&trial.robots) {
         for time in &robot.phases {
             lines.add_row(vec![
                 Cell::new(index),
                 Cell::new(time.phase),
-                Cell::new(say(time.phase)),
+                Cell::new(control_owner(time.phase)),
                 Cell::new(number(time.began_s, 1)),
                 Cell::new(number(time.took_s, 1)),
             ]);
@@ -76,7 +77,7 @@ fn print(trial: &HybridTrial, hash: &str, output: &mut Output) -> anyhow::Result
     }
     output.table(lines)?;
     for (index, robot) in (1..).zip(&trial.robots) {
-        output.line(format!("robot {index}: {}", account(robot)))?;
+        output.line(format!("robot {index}: {}", summary(robot)))?;
     }
     output.line(format!(
         "seed {}, table {hash}, {} s simulated",
@@ -85,21 +86,21 @@ fn print(trial: &HybridTrial, hash: &str, output: &mut Output) -> anyhow::Result
     ))
 }
 
-fn say(name: &str) -> &'static str {
-    use atas_evaluation::hybrid::{PHASES, Say};
+fn control_owner(name: &str) -> &'static str {
+    use atas_evaluation::hybrid::{ControlOwner, PHASES};
     let phase = PHASES.iter().find(|phase| phase.name == name);
-    match phase.map(|phase| phase.say) {
-        Some(Say::Table) => "table",
-        Some(Say::Hand(_)) => "modules",
-        Some(Say::Nobody) | None => "nobody: the base brakes",
+    match phase.map(|phase| phase.owner) {
+        Some(ControlOwner::Table) => "table",
+        Some(ControlOwner::Hand(_)) => "modules",
+        Some(ControlOwner::Brake) | None => "none: the base brakes",
     }
 }
 
-fn account(robot: &RobotTrial) -> String {
+fn summary(robot: &RobotTrial) -> String {
     let mut text = match (&robot.failure, robot.off_goal_m) {
         (Some(failure), _) => format!("{}: {failure}", robot.object),
         (None, Some(off_m)) => format!(
-            "{}: set down {} mm from the goal",
+            "{}: placed {} mm from the goal",
             robot.object,
             number(off_m * 1e3, 1)
         ),
@@ -107,8 +108,8 @@ fn account(robot: &RobotTrial) -> String {
     };
     if let Some(drive) = &robot.drive {
         text += &format!(
-            "; carried for {} s, pressing {} N at first, {} to {} N on the way (F_2 {} N), slip {} mm; shaken by {} m/s² along the \
-             floor, {} m/s² upwards",
+            "; carried for {} s, grip force {} N at first, {} to {} N while driving (F_2 {} N), \
+             slip {} mm; base acceleration {} m/s² horizontal, {} m/s² vertical",
             number(drive.took_s, 1),
             number(drive.began_n, 2),
             number(drive.least_n, 2),

@@ -9,7 +9,7 @@ use atas_console::Interrupt;
 use atas_console::arguments::DemoHybrid;
 use atas_evaluation::hybrid::{HybridTrial, Pilot, Reflexes, RobotTrial};
 use shm_bus::FreshBus;
-use sim_backend::course::{Cast, Ended};
+use sim_backend::course::{RobotResult, Scenario};
 
 use super::super::child::Child;
 use super::super::logs::{self, Logs};
@@ -17,9 +17,9 @@ use super::coordinator::Coordinator;
 
 /// Longest time for a daemon to start, and for the simulator to report and end (design choice:
 /// allows for a loaded machine).
-const WITHIN: Duration = Duration::from_secs(15);
+const TIMEOUT: Duration = Duration::from_secs(15);
 /// Poll interval (design choice: short compared with a round of the daemon).
-const LOOK: Duration = Duration::from_micros(200);
+const POLL_INTERVAL: Duration = Duration::from_micros(200);
 /// Configuration of the task without slip reaction while driving.
 const FROZEN: &str = include_str!("fetch-frozen.toml");
 
@@ -34,12 +34,12 @@ pub(super) struct Processes {
 }
 
 impl Processes {
-    pub(super) fn set(
+    pub(super) fn start(
         arguments: &DemoHybrid,
-        cast: &Cast,
+        cast: &Scenario,
         reflexes: Reflexes,
     ) -> anyhow::Result<Self> {
-        logs::sweep();
+        logs::remove_stale();
         let buses: Vec<FreshBus> = cast.robots.iter().map(|_| FreshBus::new("demo")).collect();
         let logs = buses.iter().map(|bus| Logs::new(bus));
         let logs: Vec<Logs> = logs.collect::<anyhow::Result<_>>()?;
@@ -86,7 +86,7 @@ impl Processes {
         let begin = Instant::now();
         while let Err(error) = session.watch_status() {
             self.check()?;
-            if begin.elapsed() > WITHIN {
+            if begin.elapsed() > TIMEOUT {
                 self.keep_logs();
                 return Err(error.into());
             }
@@ -110,7 +110,7 @@ impl Processes {
             }
             return Err(error);
         }
-        self.judge()
+        self.evaluate()
     }
 
     fn coordinate(
@@ -119,38 +119,44 @@ impl Processes {
         mut began: impl FnMut(usize, &'static str, f64),
     ) -> anyhow::Result<()> {
         while !self.coordinators.iter().all(Coordinator::is_done) {
-            interrupt.check("the demo ended its processes and wiped its buses")?;
+            interrupt.check("the demo terminated its processes and removed its buses")?;
             self.check()?;
             for (index, coordinator) in self.coordinators.iter_mut().enumerate() {
-                if let Some((phase, now_s)) = coordinator.look()? {
+                if let Some((phase, now_s)) = coordinator.poll()? {
                     began(index, phase, now_s);
                 }
             }
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
         Ok(())
     }
 
-    fn judge(&mut self) -> anyhow::Result<HybridTrial> {
+    fn evaluate(&mut self) -> anyhow::Result<HybridTrial> {
         let begin = Instant::now();
         let mut lines = self.simulator.results();
         while lines.len() < self.coordinators.len() {
-            if begin.elapsed() > WITHIN {
+            if begin.elapsed() > TIMEOUT {
                 self.keep_logs();
                 anyhow::bail!(
-                    "atas-sim did not say within {WITHIN:?} what became of the course; the end of its log:\n{}",
+                    "atas-sim did not report the results of the course within {TIMEOUT:?}; the end \
+                     of its log:\n{}",
                     self.simulator.tail()
                 );
             }
             std::thread::sleep(POLL);
             lines = self.simulator.results();
         }
-        let parse = |line: &String| serde_json::from_str(line).context("atas-sim spoke no JSON");
-        let ended: Vec<Ended> = lines.iter().map(parse).collect::<anyhow::Result<_>>()?;
+        let parse = |line: &String| {
+            serde_json::from_str(line).context(
+                "could not parse the output \
+            of atas-sim as JSON",
+            )
+        };
+        let ended: Vec<RobotResult> = lines.iter().map(parse).collect::<anyhow::Result<_>>()?;
         let robots = self.coordinators.iter().zip(&ended);
         let robots = robots.map(|(coordinator, ended)| {
-            let (pilot, truth) = coordinator.end();
-            RobotTrial::of(pilot, ended, truth)
+            let (pilot, truth) = coordinator.result();
+            RobotTrial::evaluate(pilot, ended, truth)
         });
         Ok(HybridTrial {
             seed: self.seed,

@@ -28,16 +28,16 @@ pub(super) struct Arena {
 impl Arena {
     /// Starts the field for which the table was evolved, then the agents; with a dashboard, waits
     /// until its page is open.
-    pub(super) fn set(
+    pub(super) fn start(
         arguments: &DemoSwarm,
         file: &TableFile,
         interrupt: &Interrupt,
         progress: &mut Progress,
     ) -> anyhow::Result<Self> {
-        logs::sweep();
+        logs::remove_stale();
         let bus = FreshBus::new("demo");
         let logs = Logs::new(&bus)?;
-        let field = host(arguments, file, &bus, &logs.folder)?;
+        let field = start_field(arguments, file, &bus, &logs.folder)?;
         // The field waits for its agents, and the agents start after the page is open.
         let mut page = arguments
             .dashboard
@@ -65,7 +65,7 @@ impl Arena {
         let watched = self.trials(interrupt, progress);
         self.logs.keep |= watched.is_err() && !interrupt.is_set();
         if let (Some(page), Ok(_)) = (&mut self.page, &watched) {
-            page.stay(progress, interrupt)?;
+            page.keep_running(progress, interrupt)?;
         }
         watched
     }
@@ -77,23 +77,23 @@ impl Arena {
     ) -> anyhow::Result<Vec<TrialReport>> {
         let bus = Bus::open(&self.bus, "atas-demo", Realtime::No)?;
         let mut frames = bus.subscriber::<AgentSensors>(service::AGENT_SENSORS)?;
-        let (mut frame, mut told) = (AgentSensors::default(), 0);
+        let (mut frame, mut reported) = (AgentSensors::default(), 0);
         loop {
-            interrupt.check("the demo ended its processes and wiped its bus")?;
+            interrupt.check("the demo terminated its processes and removed its bus")?;
             // The field ends after its last trial: read its output before its exit is treated as an
             // error.
             let (field, agents) = (self.field.check(), self.agents.check());
             let trials = self.reports()?;
-            for trial in &trials[told..] {
-                progress.note(&sentence(trial));
+            for trial in &trials[reported..] {
+                progress.show_activity(&trial_text(trial));
             }
-            told = trials.len();
-            if told == GOALS {
+            reported = trials.len();
+            if reported == GOALS {
                 return Ok(trials);
             }
             field.and(agents)?;
             if frames.newest(&mut frame)? {
-                progress.live(&format!("goal {}: frame {}", frame.trial + 1, frame.frame));
+                progress.show_live(&format!("goal {}: frame {}", frame.trial + 1, frame.frame));
             }
             std::thread::sleep(POLL);
         }
@@ -101,13 +101,18 @@ impl Arena {
 
     fn reports(&self) -> anyhow::Result<Vec<TrialReport>> {
         let lines = self.field.results();
-        let parse = |line: &String| serde_json::from_str(line).context("atas-sim spoke no JSON");
+        let parse = |line: &String| {
+            serde_json::from_str(line).context(
+                "could not parse the output \
+            of atas-sim as JSON",
+            )
+        };
         lines.iter().map(parse).collect()
     }
 }
 
 /// Starts the field for which a table was evolved, in lock-step or at the requested frame rate.
-fn host(
+fn start_field(
     arguments: &DemoSwarm,
     file: &TableFile,
     bus: &FreshBus,
@@ -130,13 +135,10 @@ fn host(
     Child::start("atas-sim", &words, logs)
 }
 
-fn sentence(trial: &TrialReport) -> String {
+fn trial_text(trial: &TrialReport) -> String {
     let px = trial.outcomes[0].evaluated.goal_px;
     match trial.solved() {
-        0 => format!("goal {}: the object is {px:.0} px away", trial.goal),
-        _ => format!(
-            "goal {}: carried there, {px:.0} px from its centre",
-            trial.goal
-        ),
+        0 => format!("goal {}: missed, the object is {px:.0} px away", trial.goal),
+        _ => format!("goal {}: reached, {px:.0} px from its centre", trial.goal),
     }
 }

@@ -9,7 +9,7 @@ mod report;
 
 use anyhow::Context;
 use atas_console::arguments::DemoSwarm;
-use atas_console::{Ended, Exit, Interrupt, Output, Progress};
+use atas_console::{Exit, ExitError, Interrupt, Output, Progress};
 use ebts::built_in;
 use ebts::table_file::TableFile;
 
@@ -22,10 +22,10 @@ pub(crate) fn swarm(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let file = built_in::table(&arguments.table)
-        .map_err(|error| Ended::with(Exit::Usage, error.to_string()))?;
+        .map_err(|error| ExitError::with_code(Exit::Usage, error.to_string()))?;
     let mut progress = Progress::new("swarm");
-    progress.note("starting atas-sim field and ebts agents");
-    let arena = Arena::set(arguments, &file, interrupt, &mut progress)?;
+    progress.show_activity("starting atas-sim field and ebts agents");
+    let arena = Arena::start(arguments, &file, interrupt, &mut progress)?;
     let trials = arena.watch(interrupt, &mut progress)?;
     drop(progress);
     if let Some(path) = &arguments.replay {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use atas_console::{Ended, Exit, Output, number, table};
+use atas_console::{Exit, ExitError, Output, number, table};
 use ebts::table_file::TableFile;
 use serde_json::{Value, json};
 use sim_backend::swarm::TrialReport;
@@ -37,7 +37,7 @@ impl Report<'_> {
                 number(evolved.into(), 1).into(),
             ];
             let carried = trial.solved() == 1;
-            cells.push(output.verdict(
+            cells.push(output.rated_cell(
                 if carried { "carried" } else { "not carried" },
                 carried.into(),
             ));
@@ -63,10 +63,10 @@ impl Report<'_> {
             self.file.hash(),
         );
         text += &match (self.missed_frames(), self.is_as_evolved()) {
-            (0, true) => ". The same as in evolution, to the bit.".to_owned(),
+            (0, true) => ". Identical to evolution, bit for bit.".to_owned(),
             (missed, _) => format!(
-                ". {missed} frames went without an answer, and the robots stood still in them: this machine was too busy. \
-                 End other programs, or use --lockstep."
+                ". {missed} frames were not answered, and the robots stopped in them: the machine \
+                 was overloaded. End other programs, or use --lockstep."
             ),
         };
         text
@@ -77,8 +77,9 @@ impl Report<'_> {
         if self.missed_frames() > 0 || self.is_as_evolved() {
             return Ok(());
         }
-        let sentence = "the goals are worth other points than the table file says; look at it with `ebts show`";
-        Err(Ended::with(Exit::Unexpected, sentence))
+        let sentence = "the points of the goals differ from those in the table file; inspect it \
+            with `ebts show`";
+        Err(ExitError::with_code(Exit::Unexpected, sentence))
     }
 
     fn is_as_evolved(&self) -> bool {

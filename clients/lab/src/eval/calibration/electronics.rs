@@ -9,11 +9,11 @@ use sim_backend::random::Random;
 const COUNTS_PER_N: [f64; 2] = [200.0, 2000.0];
 /// Largest rotation of the axes from those of the element, rad (design choice: 10°, in addition to
 /// permutation and sign).
-const TURNED_RAD: f64 = 0.17;
+const ROTATION_MAX_RAD: f64 = 0.17;
 /// Crosstalk of all elements together, and of each element (same values as the error `crosstalk`).
 const CROSSTALK: [f64; 2] = [0.08, 0.05];
 /// Largest offset without contact, counts.
-const OFFSET: f64 = 500.0;
+const OFFSET_MAX: f64 = 500.0;
 
 pub(super) struct Electronics {
     /// Gain per element, counts per newton.
@@ -34,13 +34,13 @@ impl Electronics {
             mixed(CROSSTALK[0]),
             (0..elements).map(|_| mixed(CROSSTALK[1])).collect(),
         );
-        let mut small = || TURNED_RAD * random.between(-1.0, 1.0) / (AXES as f64).sqrt();
+        let mut small = || ROTATION_MAX_RAD * random.between(-1.0, 1.0) / (AXES as f64).sqrt();
         let turned = Rotation3::new(Vector3::new(small(), small(), small()));
-        let axes = gain * turned.matrix() * swapped(random) * all;
+        let axes = gain * turned.matrix() * random_permutation(random) * all;
         Self {
             counts_per_n: each.iter().map(|own| axes * own).collect(),
             zero: (0..elements)
-                .map(|_| Vector3::from_fn(|_, _| OFFSET * random.between(-1.0, 1.0)))
+                .map(|_| Vector3::from_fn(|_, _| OFFSET_MAX * random.between(-1.0, 1.0)))
                 .collect(),
         }
     }
@@ -66,7 +66,7 @@ impl Electronics {
         };
         Some(Calibration {
             format: FORMAT,
-            source: "the electronics themselves".to_owned(),
+            source: "exact inverse of the simulated electronics".to_owned(),
             model: Model::Matrix,
             zero: self
                 .zero
@@ -80,7 +80,7 @@ impl Electronics {
     }
 }
 
-fn swapped(random: &mut Random) -> Matrix3<f64> {
+fn random_permutation(random: &mut Random) -> Matrix3<f64> {
     let mut order = [0, 1, 2];
     for last in (1..AXES).rev() {
         order.swap(last, (random.uniform() * (last + 1) as f64) as usize);
@@ -96,10 +96,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_exact_calibration_undoes_them_within_a_count() {
+    fn exact_calibration_inverts_electronics_within_one_count() {
         for seed in 0..20 {
             let tip = Electronics::draw(2, &mut Random::new(seed, 1));
-            let exact = tip.exact().expect("it can be undone");
+            let exact = tip.exact().expect("invertible");
             let readings_n = [[1.5, -0.2, 0.1], [0.0, 0.3, -0.4]];
             let counts = tip.counts(&readings_n);
             for (element, reading_n) in readings_n.iter().enumerate() {

@@ -21,17 +21,17 @@ use atas_console::arguments::CalibrationEvaluation;
 use atas_console::{Interrupt, Output, number, table};
 use atas_core::Settings;
 use atas_evaluation::{
-    Condition, Named, Noise, Plan, Task, Worn, WornTrial, median, seeds, wilson,
+    Condition, NamedErrors, Noise, Plan, SensorVariant, Task, VariantTrial, median, seeds, wilson,
 };
 use atas_sensors::calibration::{AXES, Calibration};
-use robot_model::{RobotFiles, Side};
+use robot_model::{HandSide, RobotFiles};
 use serde::Serialize;
 use shm_schemas::HandFrame;
 use sim_backend::World;
 use sim_backend::random::Random;
 
 use electronics::Electronics;
-use session::Made;
+use session::SessionResult;
 
 /// Random stream of electronics and person (arbitrary, unused by the world).
 const STREAM: u64 = 0x6361_6c69;
@@ -44,8 +44,8 @@ struct Report {
     trials: u64,
     first_seed: u64,
     purpose: &'static str,
-    exact: Under,
-    fitted: Under,
+    exact: CalibrationResults,
+    fitted: CalibrationResults,
     /// Success rate with the exact calibration minus that with the fitted one, percentage points.
     lost_points: f64,
     /// Trials that succeeded with one of the calibrations only.
@@ -55,7 +55,7 @@ struct Report {
 }
 
 #[derive(Serialize)]
-struct Under {
+struct CalibrationResults {
     successes: u64,
     success: f64,
     /// Wilson score interval of `success`, 95 %.
@@ -85,12 +85,12 @@ pub(super) fn calibration(
 ) -> anyhow::Result<()> {
     let plan = plan(arguments)?;
     let side = plan.robot.load()?.acting_side();
-    let trials = super::behind_a_bar(plan.jobs(), |done| {
-        plan.run_worn(interrupt.flag(), done, |world, seed| {
-            wear(world, side, seed)
+    let trials = super::with_progress_bar(plan.jobs(), |done| {
+        plan.run_variants(interrupt.flag(), done, |world, seed| {
+            make_variants(world, side, seed)
         })
     })?;
-    let report = Report::of(&plan, &trials);
+    let report = Report::from_trials(&plan, &trials);
     if output.is_json() {
         return output.json(&report);
     }
@@ -98,14 +98,14 @@ pub(super) fn calibration(
 }
 
 fn plan(arguments: &CalibrationEvaluation) -> anyhow::Result<Plan> {
-    let named: Named = ERRORS.parse()?;
+    let named: NamedErrors = ERRORS.parse()?;
     Ok(Plan {
         robot: RobotFiles::find(&arguments.robot)?,
         skin: None,
         task: Task::Grasp,
         objects: Task::Grasp.objects()?,
         trials: arguments.trials,
-        first_seed: arguments.first_seed.unwrap_or(seeds::JUDGED_FROM),
+        first_seed: arguments.first_seed.unwrap_or(seeds::EVALUATION_START),
         conditions: vec![Condition {
             noise: Noise::Between(NOISE),
             rate_hz: arguments.rate_hz,
@@ -118,7 +118,11 @@ fn plan(arguments: &CalibrationEvaluation) -> anyhow::Result<Plan> {
     })
 }
 
-fn wear(world: &World, side: Side, seed: u64) -> anyhow::Result<(Vec<Worn>, Fit)> {
+fn make_variants(
+    world: &World,
+    side: HandSide,
+    seed: u64,
+) -> anyhow::Result<(Vec<SensorVariant>, Fit)> {
     let mut random = Random::new(seed, STREAM);
     let mut tips: Vec<_> = (0..)
         .map_while(|finger| world.fingertip(side.index(), finger))
@@ -127,8 +131,8 @@ fn wear(world: &World, side: Side, seed: u64) -> anyhow::Result<(Vec<Worn>, Fit)
         |tip: &mut sim_backend::Fingertip| Electronics::draw(tip.sample().len(), &mut random);
     let electronics: Vec<_> = tips.iter_mut().map(draw).collect();
     let exact: Option<Vec<_>> = electronics.iter().map(Electronics::exact).collect();
-    let mut exact = Made {
-        calibrations: exact.context("could not undo the electronics that were drawn")?,
+    let mut exact = SessionResult {
+        calibrations: exact.context("could not invert the simulated electronics")?,
         settings: Settings::default(),
     };
     let folder = tempfile::tempdir().context("could not make a folder for the tables")?;
@@ -148,19 +152,19 @@ fn wear(world: &World, side: Side, seed: u64) -> anyhow::Result<(Vec<Worn>, Fit)
             .abs(),
     };
     let electronics = std::rc::Rc::new(electronics);
-    let worn = [exact, fitted].map(|made| Worn {
+    let corrupted = [exact, fitted].map(|made| SensorVariant {
         settings: made.settings,
-        skin: felt_through(electronics.clone(), made.calibrations, side),
+        frame_filter: electronics_filter(electronics.clone(), made.calibrations, side),
     });
-    Ok((worn.into(), fit))
+    Ok((corrupted.into(), fit))
 }
 
 /// Returns a filter that converts each frame of a hand to counts, and back to newtons with the
 /// calibrations.
-fn felt_through(
+fn electronics_filter(
     electronics: std::rc::Rc<Vec<Electronics>>,
     calibrations: Vec<Calibration>,
-    side: Side,
+    side: HandSide,
 ) -> Box<dyn FnMut(&mut HandFrame)> {
     Box::new(move |frame| {
         if frame.hand.index() != Some(side.index()) {
@@ -183,7 +187,7 @@ fn felt_through(
 }
 
 impl Report {
-    fn of(plan: &Plan, trials: &[WornTrial<Fit>]) -> Self {
+    fn from_trials(plan: &Plan, trials: &[VariantTrial<Fit>]) -> Self {
         let failure = |which: usize| {
             trials
                 .iter()
@@ -192,7 +196,10 @@ impl Report {
         let pairs = || failure(0).zip(failure(1));
         let only =
             |is: fn(&(Option<&str>, Option<&str>)) -> bool| pairs().filter(is).count() as u64;
-        let (exact, fitted) = (Under::of(failure(0)), Under::of(failure(1)));
+        let (exact, fitted) = (
+            CalibrationResults::from_failures(failure(0)),
+            CalibrationResults::from_failures(failure(1)),
+        );
         Self {
             trials: plan.trials,
             first_seed: plan.first_seed,
@@ -202,13 +209,13 @@ impl Report {
             fitted,
             only_exact: only(|(exact, fitted)| exact.is_none() && fitted.is_some()),
             only_fitted: only(|(exact, fitted)| exact.is_some() && fitted.is_none()),
-            fit: Quality::of(trials.iter().map(|(_, fit)| fit)),
+            fit: Quality::from_fits(trials.iter().map(|(_, fit)| fit)),
         }
     }
 }
 
-impl Under {
-    fn of<'a>(failures: impl Iterator<Item = Option<&'a str>>) -> Self {
+impl CalibrationResults {
+    fn from_failures<'a>(failures: impl Iterator<Item = Option<&'a str>>) -> Self {
         let (mut trials, mut counted) = (0, BTreeMap::new());
         for failure in failures {
             trials += 1;
@@ -227,7 +234,7 @@ impl Under {
 }
 
 impl Quality {
-    fn of<'a>(fits: impl Iterator<Item = &'a Fit> + Clone) -> Self {
+    fn from_fits<'a>(fits: impl Iterator<Item = &'a Fit> + Clone) -> Self {
         let tips: Vec<[f64; AXES]> = fits
             .clone()
             .flat_map(|fit| fit.error_share.clone())
@@ -244,7 +251,7 @@ impl Quality {
 }
 
 fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
-    let mut rows = table(&["calibration", "success", "95 % interval", "otherwise"]);
+    let mut rows = table(&["calibration", "success", "95 % interval", "failures"]);
     for (name, under) in [("exact", &report.exact), ("fitted", &report.fitted)] {
         let [low, high] = under.ci95.map(|share| number(100.0 * share, 1));
         let otherwise = under
@@ -262,13 +269,14 @@ fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> {
     let fit = &report.fit;
     let [n, a, b] = fit.error_share.map(|share| number(100.0 * share, 1));
     output.line(format_args!(
-        "{} fingertips fitted: error {n}, {a} and {b} % of what was pressed along f_n, f_t1, f_t2, compression {} % off, medians",
+        "{} fingertips fitted, medians: relative error {n}, {a} and {b} % along f_n, f_t1, f_t2, \
+         compression error {} %",
         fit.fingertips,
         number(100.0 * fit.compression_error, 1)
     ))?;
     output.line(format_args!(
-        "{} grasps, of which {} succeeded under the exact calibration only, {} under the fitted one only; seeds from {} on of each \
-         object, for {}",
+        "{} grasps: {} succeeded with the exact calibration only, {} with the fitted one only; \
+         seeds from {} for each object, purpose: {}",
         report.trials, report.only_exact, report.only_fitted, report.first_seed, report.purpose
     ))
 }

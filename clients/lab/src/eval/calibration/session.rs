@@ -11,7 +11,7 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 use atas_console::arguments::{Arguments, Calibrate, Command};
 use atas_core::Settings;
-use atas_sensors::calibration::{AXES, Block, Calibration, press_block};
+use atas_sensors::calibration::{AXES, Block, Calibration, fit_block};
 use atas_sensors::continuity::Arrival;
 use atas_sensors::reading::{Batch, Condition, Output as _, Quantity, Reading, Shape};
 use atas_sensors::table::Table;
@@ -25,7 +25,7 @@ use crate::calibrate::guide::{STEPS, loads, row};
 
 /// Frame rate of the fingertip (design choice: a slow sensor), Hz, and duration of each load, s.
 const RATE_HZ: u64 = 100;
-const RESTS_S: u64 = 1;
+const LOAD_TIME_S: u64 = 1;
 /// Standard deviations of the applied force (relative) and its direction (rad). Design choice:
 /// kitchen scales, one degree.
 const FORCE_ERROR: f64 = 0.01;
@@ -40,7 +40,7 @@ const CLOSING_ERROR_M: f64 = 5e-6;
 const BEGIN_NS: u64 = 1_000_000_000;
 const FRAME_NS: u64 = 1_000_000_000 / RATE_HZ;
 
-pub(super) struct Made {
+pub(super) struct SessionResult {
     pub(super) calibrations: Vec<Calibration>,
     pub(super) settings: Settings,
 }
@@ -52,18 +52,18 @@ pub(super) fn calibrate(
     electronics: &[Electronics],
     random: &mut Random,
     folder: &Path,
-) -> anyhow::Result<Made> {
-    let mut made = Made {
+) -> anyhow::Result<SessionResult> {
+    let mut made = SessionResult {
         calibrations: Vec::new(),
         settings: Settings::default(),
     };
     let block = folder.join("block.csv");
-    let presses = pressed_block(tips, |deviation| deviation * random.gaussian());
+    let presses = press_rigid_block(tips, |deviation| deviation * random.gaussian());
     write(&block, &block_table(&presses)?)?;
     let fingertips = tips.len().to_string();
     for (index, (tip, electronics)) in tips.iter_mut().zip(electronics).enumerate() {
         let path = |name: &str| folder.join(format!("{index}-{name}"));
-        let (presses, steps) = recorded(tip, electronics, random)?;
+        let (presses, steps) = record_presses(tip, electronics, random)?;
         write(&path("presses.csv"), &presses)?;
         write(&path("steps.csv"), &steps)?;
         let word = |path: &Path| path.display().to_string();
@@ -77,38 +77,32 @@ pub(super) fn calibrate(
             ["--daemon", &word(&path("daemon.toml"))],
         ];
         let Calibrate::Fit(arguments) = action(&[&["fit"], words.as_flattened()].concat())? else {
-            return Err(anyhow!(
-                "could not fit because something else was asked for"
-            ));
+            return Err(anyhow!("could not fit: unexpected command"));
         };
         fit_files(&arguments)?;
         made.calibrations
             .push(Calibration::open(&path("tip.toml"))?);
-        tell(&mut made.settings, &path("daemon.toml"))?;
+        apply_config(&mut made.settings, &path("daemon.toml"))?;
     }
     Ok(made)
 }
 
 /// Parses arguments after `atas calibrate`, so that the user's defaults apply.
 fn action(words: &[&str]) -> anyhow::Result<Calibrate> {
-    match Arguments::of(&[&["atas", "calibrate"], words].concat())?.command {
+    match Arguments::from_words(&[&["atas", "calibrate"], words].concat())?.command {
         Command::Calibrate { action } => Ok(action),
-        _ => Err(anyhow!(
-            "could not calibrate because something else was asked for"
-        )),
+        _ => Err(anyhow!("could not calibrate: unexpected command")),
     }
 }
 
 /// Loads a fingertip as guided and records it; returns the tables of presses and steps.
-fn recorded(
+fn record_presses(
     tip: &mut Fingertip,
     electronics: &Electronics,
     random: &mut Random,
 ) -> anyhow::Result<(String, String)> {
     let Calibrate::Guide(guide) = action(&["guide", "--out", "steps.csv"])? else {
-        return Err(anyhow!(
-            "could not guide because something else was asked for"
-        ));
+        return Err(anyhow!("could not guide: unexpected command"));
     };
     let shape = Shape {
         quantity: Quantity::Force,
@@ -121,10 +115,10 @@ fn recorded(
     let mut steps = format!("{STEPS}\n");
     let mut frame = 0;
     for load_n in loads(&guide) {
-        tip.load(loaded(load_n, random));
+        tip.load(actual_load_n(load_n, random));
         let mut batch = Batch::new(shape);
         let from_ns = BEGIN_NS + frame * FRAME_NS;
-        for _ in 0..RESTS_S * RATE_HZ {
+        for _ in 0..LOAD_TIME_S * RATE_HZ {
             batch.push(reading(frame), &electronics.counts(&tip.sample()));
             frame += 1;
         }
@@ -149,7 +143,7 @@ fn reading(frame: u64) -> Reading {
         count: None,
         status: 0,
         temperature_c: None,
-        condition: Condition::Well,
+        condition: Condition::Normal,
         arrival: if frame == 0 {
             Arrival::First
         } else {
@@ -161,7 +155,7 @@ fn reading(frame: u64) -> Reading {
 }
 
 /// Returns the actual load of a person who aims at `load_n`, N, with errors of force and direction.
-fn loaded(load_n: [f64; AXES], random: &mut Random) -> [f64; AXES] {
+fn actual_load_n(load_n: [f64; AXES], random: &mut Random) -> [f64; AXES] {
     let mut draw = |deviation: f64| deviation * random.gaussian();
     let aim = Rotation3::new(Vector3::from_fn(|_, _| draw(AIM_ERROR_RAD)));
     (aim * Vector3::from(load_n) * (1.0 + draw(FORCE_ERROR))).into()
@@ -169,13 +163,13 @@ fn loaded(load_n: [f64; AXES], random: &mut Random) -> [f64; AXES] {
 
 /// Returns the exact compression law, fitted over all fingertips.
 pub(super) fn exact_block(tips: &mut [Fingertip]) -> anyhow::Result<Block> {
-    let presses = pressed_block(tips, |_| 0.0);
-    press_block(&presses, 0.0, tips.len() as u32).context("could not press a rigid block")
+    let presses = press_rigid_block(tips, |_| 0.0);
+    fit_block(&presses, 0.0, tips.len() as u32).context("could not press a rigid block")
 }
 
 /// Presses a rigid block between the fingertips; returns closing, m, and force, N. `err` draws an
 /// error of a given standard deviation.
-fn pressed_block(tips: &mut [Fingertip], mut err: impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
+fn press_rigid_block(tips: &mut [Fingertip], mut err: impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
     let press = |force_n: f64| {
         let closing_m: f64 = tips
             .iter_mut()
@@ -198,9 +192,9 @@ fn block_table(presses: &[(f64, f64)]) -> anyhow::Result<String> {
 }
 
 /// Applies a configuration file to settings, as the daemon does.
-fn tell(settings: &mut Settings, path: &Path) -> anyhow::Result<()> {
-    let told: toml::Table = std::fs::read_to_string(path)?.parse()?;
-    let perception = told.get("perception").and_then(toml::Value::as_table);
+fn apply_config(settings: &mut Settings, path: &Path) -> anyhow::Result<()> {
+    let reported: toml::Table = std::fs::read_to_string(path)?.parse()?;
+    let perception = reported.get("perception").and_then(toml::Value::as_table);
     // Set the lower threshold to 0 first and last (keys are sorted): every order of the two
     // thresholds is then valid.
     settings.perception.touch_off_n = 0.0;
@@ -208,7 +202,7 @@ fn tell(settings: &mut Settings, path: &Path) -> anyhow::Result<()> {
     for (key, value) in numbers.into_iter().rev() {
         let value = value
             .as_float()
-            .with_context(|| format!("{key} is no number"))?;
+            .with_context(|| format!("{key} is not a number"))?;
         settings
             .set(&format!("perception.{key}"), value)
             .map_err(|error| anyhow!("could not set {key}: {error}"))?;

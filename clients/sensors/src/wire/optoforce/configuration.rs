@@ -1,21 +1,21 @@
-//! The one message that goes to the device.
+//! Configuration message to the device.
 
 use super::checksum;
 
-/// How often the device sends, by its speed code.
+/// Frame rate of the device, by its speed code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Speed {
     code: u8,
     rate_hz: u32,
 }
 
-/// How the device filters: cut-off of its low-pass, by its filter code.
+/// Cut-off of the device's low-pass, by its filter code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
     code: u8,
 }
 
-/// A rate or a cut-off that the device does not have.
+/// Error: a rate or cut-off that the device does not have.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("the device has no {quantity} of {value} Hz, needs one of {allowed}")]
 pub struct OutOfRange {
@@ -39,10 +39,10 @@ const FILTERS: [(f64, u8); 7] = [
 ];
 
 impl Speed {
-    /// The speed with this rate.
+    /// Returns the speed with this rate.
     ///
     /// # Errors
-    /// When the device has no such rate.
+    /// The device has no such rate.
     pub fn from_hz(rate_hz: u32) -> Result<Self, OutOfRange> {
         let known = SPEEDS.iter().find(|(rate, _)| *rate == rate_hz);
         known
@@ -54,7 +54,7 @@ impl Speed {
             })
     }
 
-    /// Nominal time between two frames, ns.
+    /// Returns the nominal time between two frames, ns.
     #[must_use]
     pub fn period_ns(self) -> u64 {
         1_000_000_000 / u64::from(self.rate_hz)
@@ -62,10 +62,10 @@ impl Speed {
 }
 
 impl Filter {
-    /// The filter with this cut-off; 0 for none.
+    /// Returns the filter with this cut-off; 0 for none.
     ///
     /// # Errors
-    /// When the device has no such filter.
+    /// The device has no such filter.
     pub fn from_hz(cutoff_hz: f64) -> Result<Self, OutOfRange> {
         let known = FILTERS.iter().find(|(cutoff, _)| *cutoff == cutoff_hz);
         known.map(|&(_, code)| Self { code }).ok_or(OutOfRange {
@@ -76,19 +76,19 @@ impl Filter {
     }
 }
 
-/// What the device shall do. It answers with an acknowledgement and keeps the settings until power-off.
+/// Settings of the device. It acknowledges them and keeps them until power-off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Configuration {
-    /// How often to send.
+    /// Frame rate.
     pub speed: Speed,
-    /// How to filter.
+    /// Low-pass.
     pub filter: Filter,
-    /// Whether to take the present load as zero.
+    /// True to make the present load zero.
     pub zero: bool,
 }
 
 impl Configuration {
-    /// The message.
+    /// Returns the bytes of the message.
     #[must_use]
     pub fn to_bytes(self) -> [u8; 9] {
         message(
@@ -99,7 +99,7 @@ impl Configuration {
     }
 }
 
-/// The message that stops the stream: speed 0, zero kept.
+/// Message that stops the stream: speed 0, zero kept.
 pub const STOP: [u8; 9] = [0xAA, 0x00, 0x32, 0x03, 0, 0, 0, 0x00, 0xDF];
 
 fn message(speed: u8, filter: u8, zero: u8) -> [u8; 9] {
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_settings_are_refused_with_the_allowed_ones() {
+    fn unknown_setting_is_rejected_with_allowed_ones() {
         let rate = Speed::from_hz(500).unwrap_err().to_string();
         assert_eq!(
             rate,

@@ -1,18 +1,18 @@
-//! The driver and the options of its subcommand.
+//! Driver of OptoForce devices and the options of its subcommand.
 
 use clap::{ArgMatches, Args, FromArgMatches, ValueEnum};
 
 use super::{BAUD, Configuration, DataFrame, Decoder, DeviceStatus, Filter, Kind, MAX_VALUES};
 use super::{Message, STOP, Speed};
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
-use crate::wire::{Dialogue, Driver, Event, Request, SensorType, Way, Zero};
+use crate::wire::{DeviceMessages, Driver, Event, Interface, Request, SensorType, Zero};
 
-/// The line in the list of sensors.
+/// Entry in the list of sensors.
 pub const TYPE: SensorType = SensorType {
     name: "optoforce",
     about: "OptoForce / OnRobot OMD three-axis domes and six-axis sensors on a serial port",
     wire: "serial, 1000000 baud 8N1, big-endian frames with a 16-bit sum",
-    way: Way::Serial { baud: BAUD },
+    interface: Interface::Serial { baud: BAUD },
     taxels: 1,
     rate_hz: "1000",
     newtons_per_unit: None,
@@ -25,7 +25,7 @@ pub const TYPE: SensorType = SensorType {
     driver: make,
 };
 
-/// What the device sends.
+/// Kind of frames of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Channels {
     /// One three-axis dome.
@@ -40,7 +40,7 @@ enum Channels {
 
 #[derive(Debug, Args)]
 struct Options {
-    /// What the device sends.
+    /// Kind of frames of the device
     #[arg(long, value_enum, default_value = "1")]
     channels: Channels,
     /// Low-pass of the device, Hz: 500, 150, 50, 15, 5, 1.5, or 0 for none.
@@ -71,7 +71,7 @@ fn make(matches: &ArgMatches, request: &Request) -> Result<Box<dyn Driver>, Stri
     }))
 }
 
-/// One device.
+/// Driver of one device.
 struct OptoForce {
     kind: Kind,
     configuration: Configuration,
@@ -95,25 +95,25 @@ impl Driver for OptoForce {
         16
     }
 
-    fn dialogue(&self) -> Dialogue {
-        Dialogue {
+    fn messages(&self) -> DeviceMessages {
+        DeviceMessages {
             start: self.configuration.to_bytes().to_vec(),
             acknowledged: true,
             stop: STOP.to_vec(),
-            ..Dialogue::default()
+            ..DeviceMessages::default()
         }
     }
 
     fn receive(&mut self, bytes: &[u8], report: &mut dyn FnMut(Event<'_>)) {
         let kind = self.kind;
         self.decoder
-            .push(bytes, |message| pass_on(message, kind, report));
+            .push(bytes, |message| report_message(message, kind, report));
     }
 
     fn finish(&mut self, report: &mut dyn FnMut(Event<'_>)) {
         let kind = self.kind;
         self.decoder
-            .finish(|message| pass_on(message, kind, report));
+            .finish(|message| report_message(message, kind, report));
     }
 
     fn counts(&self) -> ByteCounts {
@@ -121,17 +121,17 @@ impl Driver for OptoForce {
     }
 }
 
-fn pass_on(message: Message, expected: Kind, report: &mut dyn FnMut(Event<'_>)) {
+fn report_message(message: Message, expected: Kind, report: &mut dyn FnMut(Event<'_>)) {
     match message {
         Message::Acknowledgement(answer) => report(Event::Acknowledged(answer.status.into())),
         Message::Data(frame) if frame.kind != expected => {
-            report(Event::Foreign(foreign(frame.kind)));
+            report(Event::OtherKind(other_kind(frame.kind)));
         }
-        Message::Data(frame) => pass_on_frame(&frame, report),
+        Message::Data(frame) => report_frame(&frame, report),
     }
 }
 
-fn pass_on_frame(frame: &DataFrame, report: &mut dyn FnMut(Event<'_>)) {
+fn report_frame(frame: &DataFrame, report: &mut dyn FnMut(Event<'_>)) {
     let mut values = [0.0; MAX_VALUES];
     for (value, &counts) in values.iter_mut().zip(frame.values()) {
         *value = f64::from(counts);
@@ -150,14 +150,14 @@ fn condition(status: DeviceStatus) -> Condition {
     if status.is_failed() {
         Condition::Failed
     } else if status.is_abnormal() {
-        Condition::Strained
+        Condition::Degraded
     } else {
-        Condition::Well
+        Condition::Normal
     }
 }
 
-/// What a frame of this kind is, and the option that selects it.
-fn foreign(kind: Kind) -> &'static str {
+/// Returns the description of a frame kind, with the option that selects it.
+fn other_kind(kind: Kind) -> &'static str {
     match kind {
         Kind::OneChannel => "one-channel frames; pass --channels 1",
         Kind::FourChannel => "four-channel frames; pass --channels 4",

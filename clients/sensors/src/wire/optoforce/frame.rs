@@ -1,15 +1,15 @@
-//! One message from the device, and how its bytes are recognised.
+//! Messages of the device, and their recognition.
 
 use super::{DeviceStatus, checksum};
 use crate::resync::{Candidate, Wire};
 
-/// Most values that one data frame carries: four channels of three axes.
+/// Largest number of values of a data frame: four channels of three axes.
 pub const MAX_VALUES: usize = 12;
 
 /// Bytes of every header.
 const HEADER_LENGTH: usize = 4;
 
-/// What kind of data frame a device sends; fixed per device.
+/// Kind of data frame; fixed per device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// One three-axis dome.
@@ -21,7 +21,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Values in one frame.
+    /// Returns the number of values.
     #[must_use]
     pub const fn value_count(self) -> usize {
         match self {
@@ -31,7 +31,7 @@ impl Kind {
         }
     }
 
-    /// Three-axis force sensors behind one frame.
+    /// Returns the number of three-axis force sensors.
     #[must_use]
     pub const fn channel_count(self) -> usize {
         match self {
@@ -40,7 +40,7 @@ impl Kind {
         }
     }
 
-    /// Bytes of one frame: header, count, status, values, checksum.
+    /// Returns the length of one frame: header, count, status, values, checksum.
     #[must_use]
     pub const fn length(self) -> usize {
         HEADER_LENGTH + 2 + 2 + 2 * self.value_count() + 2
@@ -62,23 +62,24 @@ impl core::fmt::Display for Kind {
 pub struct DataFrame {
     /// Offset of its first byte from the beginning of the stream.
     pub byte_offset: u64,
-    /// Its kind.
+    /// Kind of frame.
     pub kind: Kind,
-    /// The device's own frame counter, wraps at 2^16.
+    /// Frame counter of the device, wraps at 2^16.
     pub count: u16,
-    /// The device's report on itself.
+    /// Status of the device.
     pub status: DeviceStatus,
     values: [i16; MAX_VALUES],
 }
 
 impl DataFrame {
-    /// All values in wire order, as many as [`Kind::value_count`] says.
+    /// Returns all values in wire order; their number is [`Kind::value_count`].
     #[must_use]
     pub fn values(&self) -> &[i16] {
         &self.values[..self.kind.value_count()]
     }
 
-    /// Force counts `[Fx, Fy, Fz]` of every channel, as many as [`Kind::channel_count`] says. Torques are left out.
+    /// Returns force counts `[Fx, Fy, Fz]` of every channel; their number is
+    /// [`Kind::channel_count`]. Torques are omitted.
     pub fn forces(&self) -> impl ExactSizeIterator<Item = [i16; 3]> + '_ {
         (0..self.kind.channel_count())
             .map(|channel| core::array::from_fn(|axis| self.values[3 * channel + axis]))
@@ -102,32 +103,32 @@ impl DataFrame {
     }
 }
 
-/// The device's answer to a configuration.
+/// Answer of the device to a configuration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Acknowledgement {
     /// Offset of its first byte from the beginning of the stream.
     pub byte_offset: u64,
-    /// 0 when the device accepted the configuration.
+    /// 0 if the device accepted the configuration.
     pub status: u8,
 }
 
-/// Anything the device says.
+/// Message of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Message {
-    /// A reading.
+    /// Reading.
     Data(DataFrame),
-    /// An answer to a configuration.
+    /// Answer to a configuration.
     Acknowledgement(Acknowledgement),
 }
 
-/// What a header announces.
+/// Message that a header announces.
 #[derive(Clone, Copy)]
 enum Announced {
     Data(Kind),
     Acknowledgement,
 }
 
-/// Every header a device sends. The last byte is the number of bytes between header and checksum.
+/// All headers of a device. The last byte is the number of bytes between header and checksum.
 const HEADERS: [([u8; HEADER_LENGTH], Announced); 4] = [
     ([0xAA, 0x07, 0x08, 0x0A], Announced::Data(Kind::OneChannel)),
     ([0xAA, 0x07, 0x08, 0x10], Announced::Data(Kind::SixAxis)),
@@ -154,13 +155,13 @@ impl Announced {
     }
 }
 
-/// The format, for the decoder.
+/// Wire format for the decoder.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Protocol;
 
 impl Wire for Protocol {
     type Message = Message;
-    const LONGEST: usize = Kind::FourChannel.length();
+    const LENGTH_MAX: usize = Kind::FourChannel.length();
     const NESTED: bool = true;
 
     fn examine(&self, bytes: &[u8], byte_offset: u64) -> Candidate<Message> {

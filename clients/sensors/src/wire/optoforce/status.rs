@@ -1,52 +1,53 @@
-//! The status word of a data frame.
+//! Status word of a data frame.
 
-/// What the device says of itself. Bits 15–13 converter error, 12–10 sensor error, 9–4 overload of Fx, Fy, Fz, Tx, Ty,
-/// Tz, 3 several sensors concerned, 2–0 number of the sensor concerned (vendor's protocol).
+/// Status of the device. Bits 15–13 converter error, 12–10 sensor error, 9–4 overload of Fx, Fy,
+/// Fz, Tx, Ty, Tz, 3 several sensors affected, 2–0 number of the affected sensor (vendor's
+/// protocol).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeviceStatus(
-    /// The word as it came.
+    /// Received word.
     pub u16,
 );
 
 impl DeviceStatus {
-    /// Error code of the data-acquisition converter, 0 when it is well.
+    /// Returns the error code of the data-acquisition converter; 0 without an error.
     #[must_use]
     pub const fn converter_error(self) -> u16 {
         self.0 >> 13
     }
 
-    /// Error code of the sensor, 0 when it is well.
+    /// Returns the error code of the sensor; 0 without an error.
     #[must_use]
     pub const fn sensor_error(self) -> u16 {
         self.0 >> 10 & 0b111
     }
 
-    /// Overloaded axes, bit 5 Fx to bit 0 Tz: the reading is a lower bound.
+    /// Returns the overloaded axes, bit 5 Fx to bit 0 Tz: the reading is a lower bound.
     #[must_use]
     pub const fn overload(self) -> u16 {
         self.0 >> 4 & 0b11_1111
     }
 
-    /// Whether more than one sensor is concerned.
+    /// Returns true if more than one sensor is affected.
     #[must_use]
     pub const fn several_sensors(self) -> bool {
         self.0 >> 3 & 1 == 1
     }
 
-    /// Number of the sensor that the error or overload concerns.
+    /// Returns the number of the affected sensor.
     #[must_use]
     pub const fn sensor_number(self) -> u16 {
         self.0 & 0b111
     }
 
-    /// Whether the readings mean nothing: converter or sensor report an error. An overload is not among them, because
-    /// a saturated reading still says "very large".
+    /// Returns true if the readings are invalid: converter or sensor report an error. An overload
+    /// is not a failure, because a saturated reading is still a lower bound.
     #[must_use]
     pub const fn is_failed(self) -> bool {
         self.converter_error() != 0 || self.sensor_error() != 0
     }
 
-    /// Whether the device reports any error or overload.
+    /// Returns true if the device reports any error or overload.
     #[must_use]
     pub const fn is_abnormal(self) -> bool {
         self.is_failed() || self.overload() != 0
@@ -80,7 +81,7 @@ mod tests {
     use super::DeviceStatus;
 
     #[test]
-    fn fields_sit_where_the_protocol_puts_them() {
+    fn status_fields_match_the_protocol() {
         let check = |word, fields, failed, abnormal| {
             let s = DeviceStatus(word);
             let found = (

@@ -15,7 +15,7 @@ use ebts::evaluate::GoalPoints;
 use ebts::ga::Settings;
 use field::Responses;
 
-use super::{Format, answer, spare, stop_flag, style, toml_file, unless_set};
+use super::{Format, answer, check_overwrite, continue_unless_set, stop_flag, style, toml_file};
 
 /// Held-out courses for the evaluation of an evolved table.
 pub(super) const HELD_OUT: u64 = 100;
@@ -57,42 +57,42 @@ struct Evolved<'a> {
 
 pub(in crate::cli) fn evolve(args: &EvolveCourseArgs, format: Format) -> Result<()> {
     let start = Instant::now();
-    spare(&args.out, args.overwrite)?;
+    check_overwrite(&args.out, args.overwrite)?;
     let stop = stop_flag()?;
     let bar = ProgressBar::new(args.generations.into()).with_style(style("generation"));
     let watch = |generation: u32, best: f32| {
         bar.set_position(generation.into());
         bar.set_message(format!("fitness {best:.0}"));
-        unless_set(&stop)
+        continue_unless_set(&stop)
     };
     let evolved = evolve_one(Settings::default(), args.seed, args.generations, watch)?;
     bar.finish_and_clear();
     let table = Responses::from_motor_bits(evolved.best.genome.words()[0]);
     let origin = (args.seed, args.generations);
-    let file = CourseFile::of(table, origin, evolved.best.points);
+    let file = CourseFile::new(table, origin, evolved.best.points);
     file.write(&args.out)?;
-    let told = Evolved {
+    let reported = Evolved {
         table: &args.out,
         seed: args.seed,
         generations: args.generations,
         fitness: file.fitness(),
         points: file.points,
         held_out: [held_out(table, 1, HELD_OUT)?, held_out(table, 2, HELD_OUT)?],
-        groups_driven: evolved.driven,
+        groups_driven: evolved.simulated_groups,
         hash: &file.hash,
         wall_s: start.elapsed().as_secs_f64(),
     };
-    answer(format, &told, || {
-        let [one, two] = told.held_out.map(|share| share * 100.0);
+    answer(format, &reported, || {
+        let [one, two] = reported.held_out.map(|share| share * 100.0);
         format!(
             "{}: fitness {:.1} of 800 after {} generations, in {:.1} s\n\
-             of {HELD_OUT} fresh courses with hands that only take their time: {one:.0} % with one robot, {two:.0} % with two\n\
+             of {HELD_OUT} unseen courses with hands as time delays: {one:.0} % with one robot, {two:.0} % with two\n\
              hash {}\n",
             args.out.display(),
-            told.fitness,
-            told.generations,
-            told.wall_s,
-            told.hash,
+            reported.fitness,
+            reported.generations,
+            reported.wall_s,
+            reported.hash,
         )
     })
 }

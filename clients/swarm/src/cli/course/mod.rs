@@ -5,7 +5,7 @@ mod show;
 
 use super::options::toml_file;
 use super::progress::style;
-use super::{Format, answer, spare, stop_flag, unless_set};
+use super::{Format, answer, check_overwrite, continue_unless_set, stop_flag};
 
 pub(super) use evolve::{EvolveCourseArgs, evolve};
 pub(super) use show::{is_course_file, show};

@@ -25,7 +25,7 @@ const NAMES: [&str; SENSORS] = [
 ];
 
 pub(in crate::cli) fn is_course_file(path: &Path) -> Result<bool> {
-    Ok(CourseFile::is_one(&read_text(path)?))
+    Ok(CourseFile::is_course_file(&read_text(path)?))
 }
 
 #[derive(Serialize)]
@@ -51,9 +51,9 @@ pub(in crate::cli) fn show(path: &Path, format: Format) -> Result<()> {
     let (file, table, rows_read) = CourseFile::read(path)?;
     let row = |row: usize| {
         let wheels = table.get(row as u8);
-        let told = (0..SENSORS).filter(|bit| row >> bit & 1 == 1);
+        let reported = (0..SENSORS).filter(|bit| row >> bit & 1 == 1);
         ShownRow {
-            sensors: told.map(|bit| NAMES[bit]).collect(),
+            sensors: reported.map(|bit| NAMES[bit]).collect(),
             wheels: [wheels.left, wheels.right],
             behaviour: behaviour(wheels.left.into(), wheels.right.into()),
             read: rows_read >> row & 1 == 1,
@@ -75,7 +75,7 @@ fn describe(path: &Path, shown: &Shown) -> String {
     let [one, two] = shown.held_out.map(|share| share * 100.0);
     let mut text = format!(
         "{}: fitness {:.1} of 800, seed {}, {} generations, hash {}\n\
-         of {HELD_OUT} fresh courses with hands that only take their time: {one:.0} % with one robot, {two:.0} % with two\n\
+         of {HELD_OUT} unseen courses with hands as time delays: {one:.0} % with one robot, {two:.0} % with two\n\
          Rows that were read:\n",
         path.display(),
         shown.fitness,

@@ -31,12 +31,12 @@ pub(in crate::cli) fn agreement(args: AgreementArgs, format: Format) -> Result<(
     let measured = agreement::measure(args.seeds, args.first_seed, args.threads, &stop, tick)?;
     bar.finish_and_clear();
     let measured = measured.ok_or_else(|| {
-        Error::Interrupted("interrupted: nothing was saved, a measurement begins anew".to_owned())
+        Error::Interrupted("interrupted: nothing was saved; run the command again".to_owned())
     })?;
-    answer(format, &measured, || in_words(&measured))
+    answer(format, &measured, || describe(&measured))
 }
 
-fn in_words(measured: &Agreement) -> String {
+fn describe(measured: &Agreement) -> String {
     let Agreement {
         pairs,
         agree,
@@ -45,7 +45,7 @@ fn in_words(measured: &Agreement) -> String {
         ..
     } = measured;
     let mut text = format!(
-        "The reduced grasp agrees with the full one on {agree} of {pairs} pairs of object and rule ({:.1} %), seeds from {first_seed}.\n\
+        "Reduced and full simulation agree on {agree} of {pairs} pairs of object and rule ({:.1} %), seeds from {first_seed}.\n\
          Verdicts, full / reduced:\n",
         share * 100.0
     );

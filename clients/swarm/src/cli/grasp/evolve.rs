@@ -17,7 +17,7 @@ use ebts::grasp::course::{self, Family};
 use ebts::grasp::evolve::{Evaluator, evolve as evolve_one};
 use ebts::grasp::table_file::GraspFile;
 
-use super::{Format, answer, spare, stop_flag, style, toml_file, unless_set};
+use super::{Format, answer, check_overwrite, continue_unless_set, stop_flag, style, toml_file};
 
 #[derive(Debug, Args)]
 pub(super) struct EvolutionArgs {
@@ -59,7 +59,7 @@ struct Evolved<'a> {
 
 pub(in crate::cli) fn evolve(args: &EvolveGraspArgs, format: Format) -> Result<()> {
     let start = Instant::now();
-    spare(&args.out, args.overwrite)?;
+    check_overwrite(&args.out, args.overwrite)?;
     let (families, stop) = (course::families()?, stop_flag()?);
     let bar = ProgressBar::new(args.evolution.generations.into()).with_style(style("generation"));
     let (file, simulated) = run(
@@ -105,12 +105,12 @@ pub(super) fn run(
     args: &EvolutionArgs,
     seed: u64,
     stop: &AtomicBool,
-    mut tell: impl FnMut(u32, f32),
+    mut progress: impl FnMut(u32, f32),
 ) -> Result<(GraspFile, u64)> {
     let mut evaluator = Evaluator::new(families, Engine::fastest(), args.with_module_3);
     let watch = |generation, best| {
-        tell(generation, best);
-        unless_set(stop)
+        progress(generation, best);
+        continue_unless_set(stop)
     };
     let evolved = evolve_one(
         &mut evaluator,
@@ -121,6 +121,6 @@ pub(super) fn run(
     )?;
     let table = course::table(&evolved.best.genome);
     let origin = (seed, args.generations);
-    let file = GraspFile::of(&table, origin, args.with_module_3, evolved.best.points);
+    let file = GraspFile::new(&table, origin, args.with_module_3, evolved.best.points);
     Ok((file, evolved.simulated))
 }

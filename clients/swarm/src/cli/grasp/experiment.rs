@@ -15,11 +15,11 @@ use ebts::error::{Error, Result};
 use ebts::experiment::Shard;
 use ebts::files::write_atomically;
 use ebts::grasp::course::{self, Family};
+use ebts::grasp::description::{ModuleMatch, ModuleMatches, match_modules};
 use ebts::grasp::evolve::evaluate_table;
 use ebts::grasp::figure;
 use ebts::grasp::table_file::GraspFile;
-use ebts::grasp::verdict::{self, Judged, Score};
-use ebts::grasp::words::{Again, Found, found_again};
+use ebts::grasp::verdict::{self, PolicyScores, Score};
 use ebts::run::Job;
 use ebts::workers::pool;
 
@@ -27,7 +27,7 @@ use super::evolve::{EvolutionArgs, run};
 use super::{Format, answer, stop_flag, style};
 
 /// First seed of the family members of the verdict; they are used neither in evolution nor tuning.
-const JUDGED_FROM: u64 = 7_600_001;
+const VERDICT_FIRST_SEED: u64 = 7_600_001;
 
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
@@ -69,7 +69,7 @@ struct Verdict {
     /// Number of tables that correspond to each module in every row to which it applies.
     again: Vec<(&'static str, usize)>,
     #[serde(flatten)]
-    judged: Judged,
+    judged: PolicyScores,
     seeds: u64,
     members: u64,
     members_from: u64,
@@ -80,7 +80,7 @@ struct Verdict {
 pub(in crate::cli) fn experiment(args: &ExperimentGraspArgs, format: Format) -> Result<()> {
     let start = Instant::now();
     let (families, stop) = (course::families()?, stop_flag()?);
-    std::fs::create_dir_all(&args.out).map_err(Error::io("make", &args.out))?;
+    std::fs::create_dir_all(&args.out).map_err(Error::io("create folder", &args.out))?;
     let threads = match args.threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         threads => threads,
@@ -102,17 +102,18 @@ pub(in crate::cli) fn experiment(args: &ExperimentGraspArgs, format: Format) -> 
         .collect();
     let bar =
         ProgressBar::new(verdict::jobs(tables.len(), args.members)).with_style(style("grasp"));
-    let members = (args.members, JUDGED_FROM);
-    let judged = verdict::judge(&candidates, members, threads, &stop, || bar.inc(1))?;
+    let members = (args.members, VERDICT_FIRST_SEED);
+    let judged = verdict::evaluate(&candidates, members, threads, &stop, || bar.inc(1))?;
     bar.finish_and_clear();
     let judged = judged.ok_or_else(|| {
         Error::Interrupted(
-            "interrupted: all runs are saved, only the verdict begins anew".to_owned(),
+            "interrupted: all runs are saved; run the command again to repeat the verdict"
+                .to_owned(),
         )
     })?;
     let figure_path = args.out.join("verdict.svg");
     figure::draw(&judged, &figure_path)?;
-    let found = concluded(args, &families, &tables, judged, start)?;
+    let found = conclude(args, &families, &tables, judged, start)?;
     let text = serde_json::to_string_pretty(&found).map_err(Error::from_part)?;
     write_atomically(&args.out.join("verdict.json"), text.as_bytes())?;
     answer(format, &found, || describe(&found, &figure_path))
@@ -144,7 +145,7 @@ fn runs(
                     file.seed, file.generations
                 ),
                 "runs of the same settings in one folder",
-                "name another --out",
+                "choose another --out",
             ));
         }
         bar.inc(1);
@@ -155,11 +156,11 @@ fn runs(
     tables
 }
 
-fn concluded(
+fn conclude(
     args: &ExperimentGraspArgs,
     families: &[Family],
     tables: &[(GraspFile, BehaviourTable)],
-    judged: Judged,
+    judged: PolicyScores,
     start: Instant,
 ) -> Result<Verdict> {
     let success: Vec<f64> = judged
@@ -171,17 +172,18 @@ fn concluded(
         .iter()
         .fold(0.0, |best: f64, success| best.max(*success));
     let first = judged.tables.first().map(|table| table.score.clone());
-    let words: Vec<Again> = tables
+    let words: Vec<ModuleMatches> = tables
         .iter()
         .filter_map(|(file, table)| Some((file, table, course::genome(table)?)))
         .map(|(file, table, genome)| {
             let (_, read, _) = evaluate_table(families, &genome, file.force_limit);
-            found_again(table, read)
+            match_modules(table, read)
         })
         .collect();
-    let whole = |get: fn(&Again) -> Found| {
-        let found =
-            |again: &&Again| get(again).asked > 0 && get(again).answered == get(again).asked;
+    let whole = |get: fn(&ModuleMatches) -> ModuleMatch| {
+        let found = |again: &&ModuleMatches| {
+            get(again).asked > 0 && get(again).answered == get(again).asked
+        };
         words.iter().filter(found).count()
     };
     Ok(Verdict {
@@ -198,7 +200,7 @@ fn concluded(
         judged,
         seeds: args.seeds,
         members: args.members,
-        members_from: JUDGED_FROM,
+        members_from: VERDICT_FIRST_SEED,
         generations: args.evolution.generations,
         wall_s: start.elapsed().as_secs_f64(),
     })
@@ -228,7 +230,7 @@ fn describe(found: &Verdict, figure: &Path) -> String {
     };
     let judged = &found.judged;
     row("fittest evolved table", &found.table);
-    row("the same, Module 3 beside it", &judged.with_module_3);
+    row("fittest table with Module 3", &judged.with_module_3);
     row("the paper's rules as a table", &judged.rules);
     row("hand-written modules", &judged.modules);
     for (module, score) in &judged.without {
@@ -251,7 +253,7 @@ fn describe(found: &Verdict, figure: &Path) -> String {
         .collect();
     let _ = writeln!(
         text,
-        "Found again in every row that asks for it: {}",
+        "Tables that correspond to a module in every applicable row: {}",
         again.join(", ")
     );
     text

@@ -8,7 +8,7 @@ mod show;
 
 use super::options::toml_file;
 use super::progress::style;
-use super::{Format, answer, print, spare, stop_flag, unless_set};
+use super::{Format, answer, check_overwrite, continue_unless_set, print, stop_flag};
 
 pub(super) use agreement::{AgreementArgs, agreement};
 pub(super) use evolve::{EvolveGraspArgs, evolve};

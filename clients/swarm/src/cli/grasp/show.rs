@@ -9,14 +9,14 @@ use ebts::error::{Error, Result};
 use ebts::evaluate::GoalPoints;
 use ebts::files::read_text;
 use ebts::grasp::course;
+use ebts::grasp::description::{ModuleMatches, describe_rows, match_modules};
 use ebts::grasp::evolve::evaluate_table;
 use ebts::grasp::table_file::GraspFile;
-use ebts::grasp::words::{Again, found_again, sentences};
 
 use super::{Format, answer, print};
 
 pub(in crate::cli) fn is_grasp_file(path: &Path) -> Result<bool> {
-    Ok(GraspFile::is_one(&read_text(path)?))
+    Ok(GraspFile::is_grasp_file(&read_text(path)?))
 }
 
 #[derive(Serialize)]
@@ -27,19 +27,24 @@ struct Shown {
     points: GoalPoints,
     hash: String,
     rows_read: Vec<String>,
-    again: Again,
+    again: ModuleMatches,
 }
 
 pub(in crate::cli) fn show(path: &Path, task: Option<&str>, format: Format) -> Result<()> {
     let families = course::families()?;
     let (file, table) = GraspFile::read(path, &families)?;
     if let Some(name) = task {
-        return print(file.task(name).as_bytes());
+        return print(file.to_task(name).as_bytes());
     }
-    let genome = course::genome(&table).ok_or_else(|| Error::from_part("not of the course"))?;
+    let genome = course::genome(&table).ok_or_else(|| {
+        Error::from_part(
+            "the bits or levels are not \
+        those of the course",
+        )
+    })?;
     let (_, read, outcomes) = evaluate_table(&families, &genome, file.force_limit);
-    let rows = sentences(&table, read);
-    let again = found_again(&table, read);
+    let rows = describe_rows(&table, read);
+    let again = match_modules(&table, read);
     let shown = Shown {
         seed: file.seed,
         generations: file.generations,
@@ -65,20 +70,23 @@ pub(in crate::cli) fn show(path: &Path, task: Option<&str>, format: Format) -> R
                 family.name,
                 outcome.end,
                 outcome.normal_n,
-                family.members[0].needed_n(),
+                family.members[0].required_n(),
                 outcome.time_s
             );
         }
         text += "Rows that were read:\n";
         text += &rows;
-        text += "Of the rows that ask for it, so many do what it says:\n";
+        text += "Rows with the action of a module, of the rows to which it applies:\n";
         for (name, found) in [
             ("module 1: close below F_1", again.module_1),
             ("module 2: close while slipping below F_2", again.module_2),
             ("module 3: do not close above F_2", again.module_3),
-            ("refusing: back from what slips above F_2", again.refusing),
             (
-                "giving back: open while friction is spare",
+                "refusing: withdraw from an object that slips above F_2",
+                again.refusing,
+            ),
+            (
+                "giving back: open while friction is in excess",
                 again.giving_back,
             ),
         ] {

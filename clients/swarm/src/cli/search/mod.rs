@@ -1,6 +1,6 @@
 //! `ebts search`: searches for a preset on which chosen findings of the paper hold.
 
-mod words;
+mod text;
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,9 @@ use ebts::error::{Error, Result};
 use ebts::experiment::{Plan, Shard};
 use ebts::files::write_atomically;
 use ebts::run::Record;
-use ebts::search::{Candidate, Halving, Range, Score, Stage, Together, candidates, together};
+use ebts::search::{
+    Candidate, CoOccurrence, Halving, Range, Score, Stage, candidates, co_occurrences,
+};
 use ebts::workers::{Workers, pool};
 use field::Preset;
 
@@ -31,8 +33,8 @@ const EXAMPLES: &str = "Examples:
 Findings: five-times, five-times-run-by-run, three-beat-four, two-beat-four,
 three-beat-two, trapped, circles, keep-out.
 
-The same command goes on where Ctrl-C or a power cut ended it. Every candidate
-is an experiment in the folder, for ebts analyse, compare, find.";
+The same command continues after Ctrl-C or a power cut. Every candidate is an
+experiment in the folder, for ebts analyse, compare and find.";
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -90,7 +92,7 @@ struct Searched {
     /// Presets by their verdict, the most probable first.
     best: Vec<Found>,
     /// Co-occurrence over the candidates of the first stage.
-    together: Vec<Together>,
+    together: Vec<CoOccurrence>,
 }
 
 #[derive(Serialize)]
@@ -105,7 +107,7 @@ struct Found {
     all_hold: bool,
 }
 
-struct Tried {
+struct ScoredCandidate {
     candidate: Candidate,
     records: Vec<Record>,
     score: Score,
@@ -137,7 +139,7 @@ pub(super) fn search(args: SearchArgs, format: Format) -> Result<()> {
     let (tried, together) = search.tune(candidates)?;
     let mut best = tried
         .into_iter()
-        .map(|tried| search.judge(tried))
+        .map(|tried| search.run_verdict(tried))
         .collect::<Result<Vec<_>>>()?;
     best.sort_by(|a, b| b.verdict.chance_of_all.total_cmp(&a.verdict.chance_of_all));
     let searched = Searched {
@@ -149,16 +151,19 @@ pub(super) fn search(args: SearchArgs, format: Format) -> Result<()> {
         best,
         together,
     };
-    answer(format, &searched, || words::describe(&searched))
+    answer(format, &searched, || text::describe(&searched))
 }
 
 impl Search<'_> {
     /// Runs all stages. Returns the best candidates of the last and the co-occurrence of findings
     /// in the first.
-    fn tune(&self, candidates: Vec<Candidate>) -> Result<(Vec<Tried>, Vec<Together>)> {
-        let mut tried: Vec<Tried> = candidates
+    fn tune(
+        &self,
+        candidates: Vec<Candidate>,
+    ) -> Result<(Vec<ScoredCandidate>, Vec<CoOccurrence>)> {
+        let mut tried: Vec<ScoredCandidate> = candidates
             .into_iter()
-            .map(|candidate| Tried {
+            .map(|candidate| ScoredCandidate {
                 candidate,
                 records: Vec::new(),
                 score: Score {
@@ -170,9 +175,9 @@ impl Search<'_> {
         let mut pairs = None;
         for stage in self.halving.stages() {
             tried.truncate(stage.candidates);
-            self.stage(&stage, &mut tried)?;
+            self.run_stage(&stage, &mut tried)?;
             pairs.get_or_insert_with(|| {
-                together(&tried.iter().map(|tried| &tried.score).collect::<Vec<_>>())
+                co_occurrences(&tried.iter().map(|tried| &tried.score).collect::<Vec<_>>())
             });
             tried.sort_by(|a, b| b.score.chance_of_all.total_cmp(&a.score.chance_of_all));
         }
@@ -180,7 +185,7 @@ impl Search<'_> {
         Ok((tried, pairs.unwrap_or_default()))
     }
 
-    fn stage(&self, stage: &Stage, tried: &mut [Tried]) -> Result<()> {
+    fn run_stage(&self, stage: &Stage, tried: &mut [ScoredCandidate]) -> Result<()> {
         let bar = ProgressBar::new(tried.len() as u64).with_style(style("preset"));
         let mut best = 0.0_f64;
         for tried in tried {
@@ -202,8 +207,8 @@ impl Search<'_> {
     }
 
     /// Runs the verdict of one candidate as a complete experiment.
-    fn judge(&self, tried: Tried) -> Result<Found> {
-        let Tried {
+    fn run_verdict(&self, tried: ScoredCandidate) -> Result<Found> {
+        let ScoredCandidate {
             candidate, score, ..
         } = tried;
         let watch = Stopwatch::start();
@@ -242,8 +247,8 @@ impl Search<'_> {
         let workers = (&self.workers, threads);
         match run(plan, Shard::WHOLE, folder, workers, &hidden) {
             Err(Error::Interrupted(_)) => Err(Error::Interrupted(format!(
-                "interrupted at {}: runs that finished are stored, those under way are saved; run the same command again to \
-                 go on",
+                "interrupted at {}: finished runs are stored, runs in progress are saved; run the \
+                 same command again to continue",
                 folder.display()
             ))),
             ended => ended.map(|(records, _)| records),

@@ -21,9 +21,7 @@ pub(super) struct ClusterArgs {
 fn image(text: &str) -> Result<String, String> {
     match !text.is_empty() && text.chars().all(|c| c.is_ascii_graphic()) {
         true => Ok(text.to_owned()),
-        false => {
-            Err("an image's name has no spaces, as in registry.example.org/ebts:0.1".to_owned())
-        }
+        false => Err("an image name has no spaces, as in registry.example.org/ebts:0.1".to_owned()),
     }
 }
 
@@ -38,7 +36,7 @@ fn object_name(text: &str) -> Result<String, String> {
     match text.len() <= 253 && text.split('.').all(label) {
         true => Ok(text.to_owned()),
         false => Err(
-            "a claim's name has small letters, digits, '-' and '.', as in sweep-data".to_owned(),
+            "a claim name has lower-case letters, digits, '-' and '.', as in sweep-data".to_owned(),
         ),
     }
 }

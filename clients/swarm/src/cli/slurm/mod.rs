@@ -22,7 +22,7 @@ const EXAMPLES: &str = "Example:
   ebts slurm --shards 100 --out big -- fig14 --preset LB3 --seeds 10000
   bash big/submit.sh                        # the array, and a merge that waits for it
   ebts slurm --shards 9 --out k --image registry.example.org/ebts --claim sweeps -- fig14
-  kubectl apply -f k/job.json               # and k/merge.json when it has ended
+  kubectl apply -f k/job.json               # and k/merge.json after its end
   cat big/shard-*/runs.jsonl | wc -l        # how many runs are finished";
 
 #[derive(Debug, Args)]
@@ -69,7 +69,7 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
         .canonicalize()
         .map_err(Error::io("find folder", &args.out))?;
     let program = std::env::current_exe().map_err(Error::io("find program", &args.out))?;
-    let words = args.experiment.iter().map(|word| from_anywhere(word));
+    let words = args.experiment.iter().map(|word| with_absolute_path(word));
     let words = std::iter::once("experiment".to_owned()).chain(words);
     let arguments: Vec<String> = words.map(|word| quoted(&word)).collect();
     let parts = Parts {
@@ -89,7 +89,7 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
     for (name, text) in [
         ("shard.sh", parts.shard()),
         ("array.sbatch", parts.array()),
-        ("merge.sbatch", parts.collect()),
+        ("merge.sbatch", parts.merge()),
         ("submit.sh", parts.submit()),
         ("parallel.sh", parts.parallel()),
         ("claim.json", json(parts.claim())?),
@@ -105,8 +105,8 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
         let out = args.out.display();
         format!(
             "{runs} runs in {} shards\nSlurm:         bash {out}/submit.sh\nGNU parallel:  bash {out}/parallel.sh\n\
-             Kubernetes:    kubectl apply -f {out}/job.json, when it has ended {out}/merge.json; {out}/claim.json is for those \
-             who have no volume yet\n\
+             Kubernetes:    kubectl apply -f {out}/job.json, then {out}/merge.json after its end; {out}/claim.json creates a \
+             volume if there is none\n\
              progress:      cat {out}/shard-*/runs.jsonl | wc -l\n",
             args.shards
         )
@@ -117,7 +117,12 @@ pub(super) fn slurm(args: SlurmArgs, format: Format) -> Result<()> {
 fn check(experiment: &[String]) -> Result<usize> {
     let refuse = |was: String| {
         let needs = "arguments of ebts experiment without --shard, --out and --threads";
-        Error::refused("write scripts", was, needs, "correct what stands after --")
+        Error::refused(
+            "write scripts",
+            was,
+            needs,
+            "correct the arguments after --",
+        )
     };
     if let Some(own) = experiment.iter().find(|word| {
         ["--shard", "--out", "--threads"]
@@ -128,8 +133,8 @@ fn check(experiment: &[String]) -> Result<usize> {
     }
     let words = std::iter::once("ebts experiment").chain(experiment.iter().map(String::as_str));
     let parsed = Experiment::try_parse_from(words).map_err(|error| {
-        let said = error.to_string();
-        refuse(said.lines().next().unwrap_or_default().to_owned())
+        let message = error.to_string();
+        refuse(message.lines().next().unwrap_or_default().to_owned())
     })?;
     if parsed.args.is_of_grasps() {
         return Err(refuse("grasp has no shards that merge".to_owned()));
@@ -140,7 +145,7 @@ fn check(experiment: &[String]) -> Result<usize> {
 
 /// Replaces the path of an existing file in an argument by its absolute path: `own.toml`,
 /// `--preset=own.toml`.
-fn from_anywhere(word: &str) -> String {
+fn with_absolute_path(word: &str) -> String {
     let (option, value) = match word.split_once('=') {
         Some((option, value)) if option.starts_with("--") => (format!("{option}="), value),
         _ => (String::new(), word),
@@ -213,7 +218,7 @@ impl Parts {
         )
     }
 
-    fn collect(&self) -> String {
+    fn merge(&self) -> String {
         let (program, out) = (&self.program, self.out());
         format!(
             "#!/usr/bin/env bash\n#SBATCH --job-name=ebts-merge\nset -eu\n{program} merge {out}/whole {out}/shard-*/\n"
@@ -246,7 +251,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_read_back_from_a_shell() {
+    fn quoted_words_round_trip_through_a_shell() {
         for (word, expected) in [
             ("--seeds", "--seeds"),
             ("", "''"),
@@ -278,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_warned_task_is_queued_again_alone_and_says_if_it_was_not() {
+    fn warned_task_is_requeued_or_fails() {
         let parts = parts();
         let check =
             |text: String, wanted: &str| assert!(text.contains(wanted), "{wanted}:\n{text}");
@@ -290,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn what_pods_find_stays_on_the_claim() {
+    fn pods_mount_the_claim() {
         let parts = parts();
         let claim = parts.claim();
         assert_eq!(claim["metadata"]["name"], "data");
@@ -319,21 +324,21 @@ mod tests {
     }
 
     #[test]
-    fn files_are_found_from_every_folder() {
+    fn file_arguments_become_absolute() {
         let here = std::env::current_dir().expect("a folder");
         let file = here.join("Cargo.toml").display().to_string();
-        assert_eq!(from_anywhere("Cargo.toml"), file);
+        assert_eq!(with_absolute_path("Cargo.toml"), file);
         assert_eq!(
-            from_anywhere("--preset=Cargo.toml"),
+            with_absolute_path("--preset=Cargo.toml"),
             format!("--preset={file}")
         );
         for word in ["R3", "--preset=R3", "--seeds", "src"] {
-            assert_eq!(from_anywhere(word), word);
+            assert_eq!(with_absolute_path(word), word);
         }
     }
 
     #[test]
-    fn what_is_no_experiment_is_refused_here() {
+    fn invalid_experiments_are_rejected() {
         let check = |text: &str| {
             let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
             check(&words).map_err(|error| error.to_string())
@@ -347,8 +352,8 @@ mod tests {
             ("fig14 --preset R9", "neither a preset nor a file"),
             ("fig14 --agents 5", "could not place 5 agents"),
         ] {
-            let said = check(text).expect_err(text);
-            assert!(said.contains(expected), "{text}: {said}");
+            let message = check(text).expect_err(text);
+            assert!(message.contains(expected), "{text}: {message}");
         }
     }
 }

@@ -39,7 +39,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
             let from = (self.x[i], self.y[i]);
             let to = self.turn_and_step(i, codes[i]);
             (self.x[i], self.y[i]) = match WALLED && self.near[i].obstacles {
-                true => self.settled(Body::Agent, from, to),
+                true => self.move_or_stay(Body::Agent, from, to),
                 false => to,
             };
         });
@@ -62,7 +62,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         if met {
             each_agent!(i of N {
                 let to = (self.inside(self.x[i]), self.inside(self.y[i]));
-                (self.x[i], self.y[i]) = self.settled(Body::Agent, (before.0[i], before.1[i]), to);
+                (self.x[i], self.y[i]) = self.move_or_stay(Body::Agent, (before.0[i], before.1[i]), to);
             });
         }
         met
@@ -117,13 +117,13 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
             self.clamp(from.0 + part * sum_x, self.c.object_limit),
             self.clamp(from.1 + part * sum_y, self.c.object_limit),
         );
-        (self.object_x, self.object_y) = self.settled(Body::Object, from, to);
-        each_agent!(i of N { self.give_way(i, pushed) });
+        (self.object_x, self.object_y) = self.move_or_stay(Body::Object, from, to);
+        each_agent!(i of N { self.move_back(i, pushed) });
     }
 
     /// Moves agent `i` out of a pushed object.
     #[inline(always)]
-    fn give_way(&mut self, i: usize, pushed: T::Mask) {
+    fn move_back(&mut self, i: usize, pushed: T::Mask) {
         let (touch, dx, dy, sq) = self.overlap(i);
         let touch = touch & pushed;
         if touch.any() {
@@ -134,7 +134,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
                 self.inside(self.x[i] - per_px * dx),
                 self.inside(self.y[i] - per_px * dy),
             );
-            (self.x[i], self.y[i]) = self.settled(Body::Agent, (self.x[i], self.y[i]), to);
+            (self.x[i], self.y[i]) = self.move_or_stay(Body::Agent, (self.x[i], self.y[i]), to);
         }
     }
 
@@ -144,15 +144,15 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         let [one, two, three, four] = self.c.push;
         let mut several = self.v(two);
         if N > 2 && (two != three || two != four) {
-            several = T::select(self.are(agents, 3), self.v(three), several);
-            several = T::select(self.are(agents, 4), self.v(four), several);
+            several = T::select(self.count_equals(agents, 3), self.v(three), several);
+            several = T::select(self.count_equals(agents, 4), self.v(four), several);
         }
         let alone = T::is_zero(agents.shr(self.int(1)));
         T::select(alone, self.v(one), several)
     }
 
     #[inline(always)]
-    fn are(&self, agents: T::Ints, count: i32) -> T::Mask {
+    fn count_equals(&self, agents: T::Ints, count: i32) -> T::Mask {
         T::is_zero(agents + self.int(-count))
     }
 
@@ -172,10 +172,10 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         let mut to = self.turn_and_step(i, code);
         let mut blocked = T::mask(self.cpu, 0);
         if WALLED && self.near[i].obstacles {
-            (to, blocked) = self.settle(Body::Agent, from, to);
+            (to, blocked) = self.resolve_move(Body::Agent, from, to);
         }
         if *met || self.near[i].agents {
-            blocked = blocked | self.others_press(i, from, to, self.c.pair_sq);
+            blocked = blocked | self.would_press_other_agent(i, from, to, self.c.pair_sq);
         }
         if *met || self.near[i].object {
             *met |= self.push_ahead(i, &mut to, &mut blocked, push);
@@ -203,15 +203,15 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         let pushed = (object.0 + yielded * dx, object.1 + yielded * dy);
         let farthest = pushed.0.max_abs(pushed.1);
         let walled = self.v(self.c.object_limit).lt_among(farthest, touch);
-        let pressed = self.others_press(i, object, pushed, self.c.touch_sq);
+        let pressed = self.would_press_other_agent(i, object, pushed, self.c.touch_sq);
         *blocked = *blocked | walled | (touch & pressed);
         let back = (
             self.inside(to.0 - refused * dx),
             self.inside(to.1 - refused * dy),
         );
         if WALLED {
-            let barred = self.bars(Body::Object, object, pushed);
-            let (at, stopped) = self.settle(Body::Agent, *to, back);
+            let barred = self.forbids_move(Body::Object, object, pushed);
+            let (at, stopped) = self.resolve_move(Body::Agent, *to, back);
             *blocked = *blocked | (touch & barred) | stopped;
             *to = at;
         } else {
@@ -226,7 +226,13 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     /// Lanes in which the move brings a body within contact of an agent other than `i`, and closer
     /// than before.
     #[inline(always)]
-    fn others_press(&self, i: usize, from: (T, T), to: (T, T), contact_sq: f32) -> T::Mask {
+    fn would_press_other_agent(
+        &self,
+        i: usize,
+        from: (T, T),
+        to: (T, T),
+        contact_sq: f32,
+    ) -> T::Mask {
         let mut press = T::mask(self.cpu, 0);
         each_agent!(j of N {
             if j != i {

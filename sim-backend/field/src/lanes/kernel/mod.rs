@@ -27,13 +27,13 @@ macro_rules! each_agent {
     };
 }
 
-mod chance;
 mod drive;
+mod noise;
 mod obstacles;
 mod sense;
 
-use super::results::Results;
-use super::seats::{Seats, WIDEST};
+use super::inputs::{LaneInputs, WIDEST};
+use super::results::LaneResults;
 use super::{Ints, Lanes, Mask};
 use crate::constants::Constants;
 use crate::obstacle::Obstacles;
@@ -79,7 +79,7 @@ struct Near {
 }
 
 /// Dynamic state; without noise the next frame depends on nothing else.
-pub(in crate::lanes) struct Stance<T, const N: usize> {
+pub(in crate::lanes) struct State<T, const N: usize> {
     x: Team<T, N>,
     y: Team<T, N>,
     cos: Team<T, N>,
@@ -117,7 +117,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
 
     /// Starts the trials of `inputs` in the lanes of the mask.
     #[inline(always)]
-    pub(in crate::lanes) fn admit(&mut self, lanes: T::Mask, seats: &Seats<N>) {
+    pub(in crate::lanes) fn start_trials(&mut self, lanes: T::Mask, seats: &LaneInputs<N>) {
         let (zero, none) = (self.v(0.0), self.int(0));
         for i in 0..N {
             self.x[i] = T::select(lanes, T::load(self.cpu, &seats.x[i]), self.x[i]);
@@ -142,7 +142,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
     }
 
     #[inline(always)]
-    pub(in crate::lanes) fn advance(&mut self, seats: &Seats<N>) {
+    pub(in crate::lanes) fn advance(&mut self, seats: &LaneInputs<N>) {
         let codes = self.sense(seats);
         match self.c.contact {
             Contact::Sliding => self.drive_sliding(codes),
@@ -150,7 +150,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
         }
         self.frame = self.frame + self.int(1);
         if self.object_moved {
-            self.note_arrivals();
+            self.record_arrivals();
             self.object_moved = false;
         }
     }
@@ -186,7 +186,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
     }
 
     #[inline(always)]
-    fn note_arrivals(&mut self) {
+    fn record_arrivals(&mut self) {
         let beyond = self.v(self.c.goal_radius_sq).lt(self.goal_distance_sq());
         if beyond.all() {
             return;
@@ -207,7 +207,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
 
     /// Lanes whose state equals `before`; none with noise.
     #[inline(always)]
-    pub(in crate::lanes) fn back_at(&self, before: &Stance<T, N>) -> u32 {
+    pub(in crate::lanes) fn equals_state(&self, before: &State<T, N>) -> u32 {
         if !self.c.noise.is_none() {
             return 0;
         }
@@ -220,7 +220,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
     }
 
     #[inline(always)]
-    pub(in crate::lanes) fn stance(&self) -> Stance<T, N> {
+    pub(in crate::lanes) fn state(&self) -> State<T, N> {
         let Self {
             x,
             y,
@@ -230,7 +230,7 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
             object_y,
             ..
         } = *self;
-        Stance {
+        State {
             x,
             y,
             cos,
@@ -241,8 +241,8 @@ impl<'a, T: Lanes, const N: usize, const WALLED: bool> Fields<'a, T, N, WALLED> 
     }
 
     #[inline(always)]
-    pub(in crate::lanes) fn measure(&self) -> Results<N> {
-        let mut results = Results {
+    pub(in crate::lanes) fn measure(&self) -> LaneResults<N> {
+        let mut results = LaneResults {
             goal_px: [0.0; WIDEST],
             agents_px: [[0.0; WIDEST]; N],
             rows_read: [0; WIDEST],

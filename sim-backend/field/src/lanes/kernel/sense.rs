@@ -1,12 +1,12 @@
 //! Sensors of the agents and responses of their tables.
 
 use super::{Fields, Near, Team};
-use crate::lanes::seats::Seats;
+use crate::lanes::inputs::LaneInputs;
 use crate::lanes::{Ints, Lanes, Mask};
 
 /// Target in the agent's frame.
 #[derive(Clone, Copy)]
-pub(super) struct Ray<T> {
+pub(super) struct RelativePoint<T> {
     pub(super) ahead: T,
     pub(super) left: T,
     distance_sq: T,
@@ -14,12 +14,12 @@ pub(super) struct Ray<T> {
 
 impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     #[inline(always)]
-    pub(super) fn sense(&mut self, seats: &Seats<N>) -> Team<T::Ints, N> {
-        let mut codes = self.see_agents();
+    pub(super) fn sense(&mut self, seats: &LaneInputs<N>) -> Team<T::Ints, N> {
+        let mut codes = self.detect_agents();
         self.facing = self.int(0);
         each_agent!(i of N {
             let mut ir = codes[i];
-            let object = self.ray(i, self.object_x - self.x[i], self.object_y - self.y[i]);
+            let object = self.relative(i, self.object_x - self.x[i], self.object_y - self.y[i]);
             self.near[i].object = object.distance_sq.lt(self.v(self.c.cull_object_sq)).any();
             if self.near[i].object {
                 ir = self.ir(ir, object, self.c.object_radius_sq);
@@ -29,12 +29,12 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
             let farthest = self.x[i].max_abs(self.y[i]);
             self.near[i].walls = self.v(self.c.cull_wall).lt(farthest).any();
             if self.near[i].walls {
-                ir = self.see_walls(ir, i);
+                ir = self.detect_border(ir, i);
             }
             if WALLED {
-                (ir, self.near[i].obstacles) = self.see_obstacles(ir, i);
+                (ir, self.near[i].obstacles) = self.detect_obstacles(ir, i);
             }
-            let photo = self.see_lights(i, object);
+            let photo = self.detect_lights(i, object);
             codes[i] = self.look_up(seats, i, ir, photo);
         });
         codes
@@ -42,19 +42,19 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
 
     /// Left and right photo sensor of agent `i`.
     #[inline(always)]
-    fn see_lights(&self, i: usize, object: Ray<T>) -> [T::Mask; 2] {
+    fn detect_lights(&self, i: usize, object: RelativePoint<T>) -> [T::Mask; 2] {
         let by_object = self.photo(object, self.c.object_light_sq);
         let (dx, dy) = (self.goal_x - self.x[i], self.goal_y - self.y[i]);
         if !(dx * dx + dy * dy).lt(self.v(self.c.goal_light_sq)).any() {
             return by_object;
         }
-        let by_goal = self.photo(self.ray(i, dx, dy), self.c.goal_light_sq);
+        let by_goal = self.photo(self.relative(i, dx, dy), self.c.goal_light_sq);
         [by_object[0] | by_goal[0], by_object[1] | by_goal[1]]
     }
 
     #[inline(always)]
-    pub(super) fn ray(&self, i: usize, dx: T, dy: T) -> Ray<T> {
-        Ray {
+    pub(super) fn relative(&self, i: usize, dx: T, dy: T) -> RelativePoint<T> {
+        RelativePoint {
             ahead: dx * self.cos[i] + dy * self.sin[i],
             left: dy * self.cos[i] - dx * self.sin[i],
             distance_sq: dx * dx + dy * dy,
@@ -64,13 +64,13 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     /// IR readings caused by other agents, as 4 left, 8 front, 16 right: four times their part of
     /// the row, the shift of a table word.
     #[inline(always)]
-    fn see_agents(&mut self) -> Team<T::Ints, N> {
+    fn detect_agents(&mut self) -> Team<T::Ints, N> {
         let mut ir = [self.int(0); N];
         self.near = [Near::default(); N];
         each_agent!(i of N {
             each_agent!(j of N {
                 if i < j {
-                    (ir[i], ir[j]) = self.see_each_other(i, j, ir[i], ir[j]);
+                    (ir[i], ir[j]) = self.detect_pair(i, j, ir[i], ir[j]);
                 }
             });
         });
@@ -78,7 +78,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     }
 
     #[inline(always)]
-    fn see_each_other(
+    fn detect_pair(
         &mut self,
         i: usize,
         j: usize,
@@ -91,7 +91,10 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
         }
         (self.near[i].agents, self.near[j].agents) = (true, true);
         let zero = self.v(0.0);
-        let (ahead_of_i, ahead_of_j) = (self.ray(i, dx, dy), self.ray(j, zero - dx, zero - dy));
+        let (ahead_of_i, ahead_of_j) = (
+            self.relative(i, dx, dy),
+            self.relative(j, zero - dx, zero - dy),
+        );
         (
             self.ir(seen_by_i, ahead_of_i, self.c.agent_radius_sq),
             self.ir(seen_by_j, ahead_of_j, self.c.agent_radius_sq),
@@ -103,7 +106,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     pub(super) fn ir(
         &self,
         seen: T::Ints,
-        Ray { ahead, left, .. }: Ray<T>,
+        RelativePoint { ahead, left, .. }: RelativePoint<T>,
         radius_sq: f32,
     ) -> T::Ints {
         let (cos, sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
@@ -128,22 +131,22 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
 
     /// Adds IR sensors whose segments end outside the field.
     #[inline(always)]
-    fn see_walls(&self, seen: T::Ints, i: usize) -> T::Ints {
+    fn detect_border(&self, seen: T::Ints, i: usize) -> T::Ints {
         let (side_cos, side_sin) = (self.v(self.c.ir_cos), self.v(self.c.ir_sin));
         let (cos_cos, sin_sin) = (self.cos[i] * side_cos, self.sin[i] * side_sin);
         let (cos_sin, sin_cos) = (self.cos[i] * side_sin, self.sin[i] * side_cos);
         seen | self.bit(
-            self.tip_beyond_wall(i, cos_cos - sin_sin, sin_cos + cos_sin),
+            self.ends_outside(i, cos_cos - sin_sin, sin_cos + cos_sin),
             4,
-        ) | self.bit(self.tip_beyond_wall(i, self.cos[i], self.sin[i]), 8)
+        ) | self.bit(self.ends_outside(i, self.cos[i], self.sin[i]), 8)
             | self.bit(
-                self.tip_beyond_wall(i, cos_cos + sin_sin, sin_cos - cos_sin),
+                self.ends_outside(i, cos_cos + sin_sin, sin_cos - cos_sin),
                 16,
             )
     }
 
     #[inline(always)]
-    fn tip_beyond_wall(&self, i: usize, cos: T, sin: T) -> T::Mask {
+    fn ends_outside(&self, i: usize, cos: T, sin: T) -> T::Mask {
         let range = self.v(self.c.ir_range);
         let (x, y) = (self.x[i] + range * cos, self.y[i] + range * sin);
         self.v(self.c.half_side).lt(x.max_abs(y))
@@ -152,11 +155,11 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     #[inline(always)]
     fn photo(
         &self,
-        Ray {
+        RelativePoint {
             ahead,
             left,
             distance_sq,
-        }: Ray<T>,
+        }: RelativePoint<T>,
         range_sq: f32,
     ) -> [T::Mask; 2] {
         let near = distance_sq.lt(self.v(range_sq));
@@ -182,17 +185,29 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
 
     /// Response code in the lowest four bits, after wheel slip; records the row.
     #[inline(always)]
-    fn look_up(&mut self, seats: &Seats<N>, i: usize, ir: T::Ints, photo: [T::Mask; 2]) -> T::Ints {
+    fn look_up(
+        &mut self,
+        seats: &LaneInputs<N>,
+        i: usize,
+        ir: T::Ints,
+        photo: [T::Mask; 2],
+    ) -> T::Ints {
         if self.c.noise.is_none() {
             return self.respond(seats, i, ir, photo);
         }
-        let (ir, photo) = self.mislead(ir, photo);
+        let (ir, photo) = self.apply_sensor_noise(ir, photo);
         let code = self.respond(seats, i, ir, photo);
-        self.slip(code)
+        self.apply_slip(code)
     }
 
     #[inline(always)]
-    fn respond(&mut self, seats: &Seats<N>, i: usize, ir: T::Ints, photo: [T::Mask; 2]) -> T::Ints {
+    fn respond(
+        &mut self,
+        seats: &LaneInputs<N>,
+        i: usize,
+        ir: T::Ints,
+        photo: [T::Mask; 2],
+    ) -> T::Ints {
         let row = ir.shr(self.int(2)) | self.bit(photo[0], 8) | self.bit(photo[1], 16);
         self.rows_read = self.rows_read | row.bit();
         let lit_left = T::int_select(photo[0], self.word(seats, 1, i), self.word(seats, 0, i));
@@ -202,7 +217,7 @@ impl<T: Lanes, const N: usize, const WALLED: bool> Fields<'_, T, N, WALLED> {
     }
 
     #[inline(always)]
-    fn word(&self, seats: &Seats<N>, photo: usize, i: usize) -> T::Ints {
+    fn word(&self, seats: &LaneInputs<N>, photo: usize, i: usize) -> T::Ints {
         T::int_load(self.cpu, &seats.words[photo][i])
     }
 }

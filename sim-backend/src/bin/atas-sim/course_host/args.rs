@@ -1,5 +1,6 @@
 //! Command line of `atas-sim course`.
 
+use atas_process::exit::Exit;
 use clap::Args;
 use shm_bus::BusName;
 use sim_backend::{Object, Scene};
@@ -14,7 +15,7 @@ Examples:
 ";
 
 #[derive(Debug, Args)]
-#[command(after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
+#[command(after_help = format!("{EXAMPLES}\n{}\n{}", Exit::TABLE, Failure::NOTES))]
 pub(crate) struct CourseArgs {
     /// Seed of the course, its floor, the objects and the sensor noise.
     #[arg(long, default_value_t = 1)]
@@ -35,7 +36,10 @@ pub(crate) struct CourseArgs {
 
 impl CourseArgs {
     pub(super) fn objects(&self) -> Result<Vec<Object>, Failure> {
-        let objects = self.objects.iter().map(|name| Object::named_or_file(name));
+        let objects = self
+            .objects
+            .iter()
+            .map(|name| Object::from_name_or_file(name));
         Ok(objects.collect::<Result<_, _>>()?)
     }
 

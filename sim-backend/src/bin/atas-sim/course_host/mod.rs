@@ -20,7 +20,7 @@ use robot_model::RobotModel;
 use shm_bus::{Bus, Realtime};
 use shm_schemas::WorldTruth;
 use sim_backend::World;
-use sim_backend::course::{Cast, Host, Player, SETTLE_TICKS};
+use sim_backend::course::{Host, RobotSetup, SETTLE_TICKS, Scenario};
 
 use crate::failure::Failure;
 use crate::lockstep::await_answer;
@@ -32,35 +32,35 @@ use ports::Ports;
 pub(crate) fn run(args: &CourseArgs) -> Result<(), Failure> {
     let stop = crate::stop_on_signal()?;
     let robot = RobotModel::two_hand_arm()?;
-    let cast = Cast::drawn(args.seed, &args.objects()?)?;
+    let cast = Scenario::random(args.seed, &args.objects()?)?;
     let buses = args.buses()?;
     let seats = cast.robots.iter().zip(&buses);
     let seats = seats.map(|(player, name)| {
         let bus = Bus::open(name, "atas-sim", Realtime::Yes)?;
-        Seat::take(&bus, &robot, player)
+        RobotSession::open(&bus, &robot, player)
     });
-    let mut stage = Stage {
-        seats: seats.collect::<Result<_, Failure>>()?,
+    let mut stage = CourseRun {
+        robots: seats.collect::<Result<_, Failure>>()?,
         host: Host::new(&cast),
         stop: &stop,
     };
-    let robots = stage.seats.len();
+    let robots = stage.robots.len();
     tracing::info!(
         seed = args.seed,
         robots,
         "hosting the course; waiting for daemons, tables and coordinators"
     );
-    stage.perform()?;
-    report::print(&stage.host, &stage.seats, args.format)
+    stage.run()?;
+    report::print(&stage.host, &stage.robots, args.format)
 }
 
-pub(crate) struct Seat {
+pub(crate) struct RobotSession {
     session: Session,
     ports: Ports,
 }
 
-impl Seat {
-    fn take(bus: &Bus, robot: &RobotModel, player: &Player) -> Result<Self, Failure> {
+impl RobotSession {
+    fn open(bus: &Bus, robot: &RobotModel, player: &RobotSetup) -> Result<Self, Failure> {
         let world = World::new(robot, &player.scene, player.seed)?;
         Ok(Self {
             session: Session::open(bus, world, &[], player.seed)?,
@@ -73,15 +73,15 @@ impl Seat {
     }
 }
 
-struct Stage<'a> {
-    seats: Vec<Seat>,
+struct CourseRun<'a> {
+    robots: Vec<RobotSession>,
     host: Host,
     stop: &'a AtomicBool,
 }
 
-impl Stage<'_> {
-    fn perform(&mut self) -> Result<(), Failure> {
-        for seat in &mut self.seats {
+impl CourseRun<'_> {
+    fn run(&mut self) -> Result<(), Failure> {
+        for seat in &mut self.robots {
             // Discards commands of an earlier world.
             seat.session.newest_command()?;
         }
@@ -95,15 +95,17 @@ impl Stage<'_> {
                 return Ok(());
             }
             self.host.step();
-            for (index, seat) in self.seats.iter_mut().enumerate() {
-                seat.session.world.ride(&self.host.ride(index))?;
+            for (index, seat) in self.robots.iter_mut().enumerate() {
+                seat.session
+                    .world
+                    .set_base_motion(&self.host.base_motion(index))?;
             }
             if !self.tick()? {
                 return Ok(());
             }
-            for (index, seat) in self.seats.iter().enumerate() {
+            for (index, seat) in self.robots.iter().enumerate() {
                 if !self.host.is_over(index) {
-                    self.host.watch(index, || seat.truth());
+                    self.host.measure(index, || seat.truth());
                 }
             }
         }
@@ -112,14 +114,17 @@ impl Stage<'_> {
     /// Queries the coordinators in turn, and tables that control a base; returns false if the
     /// process must end.
     fn frame(&mut self) -> Result<bool, Failure> {
-        for (index, seat) in self.seats.iter_mut().enumerate() {
+        for (index, seat) in self.robots.iter_mut().enumerate() {
             let truth = seat.truth();
-            let state = self.host.look(index, &truth);
+            let state = self.host.base_state(index, &truth);
             if self.host.is_over(index) {
                 continue;
             }
             seat.session.publish_truth()?;
-            let Some(command) = seat.ports.coordinate(state, &seat.session, self.stop)? else {
+            let Some(command) = seat
+                .ports
+                .request_command(state, &seat.session, self.stop)?
+            else {
                 return Ok(false);
             };
             let wheels = match self.host.row(index, &command) {
@@ -129,15 +134,15 @@ impl Stage<'_> {
                     wheels => wheels,
                 },
             };
-            self.host.obey(index, &command, wheels, &truth);
+            self.host.execute(index, &command, wheels, &truth);
         }
-        Ok(!(0..self.seats.len()).all(|index| self.host.is_over(index)))
+        Ok(!(0..self.robots.len()).all(|index| self.host.is_over(index)))
     }
 
     /// Simulates one tick of all robots on course; returns false if the process must end.
     fn tick(&mut self) -> Result<bool, Failure> {
         let host = &self.host;
-        let seats = self.seats.iter_mut().enumerate();
+        let seats = self.robots.iter_mut().enumerate();
         let mut acting: Vec<_> = seats.filter(|(index, _)| !host.is_over(*index)).collect();
         let mut asked = Vec::with_capacity(acting.len());
         for (_, seat) in &mut acting {

@@ -43,7 +43,7 @@ impl Ports {
     }
 
     /// Requests the coordinator's command; returns `None` if the process must end.
-    pub(super) fn coordinate(
+    pub(super) fn request_command(
         &mut self,
         state: BaseState,
         session: &Session,
@@ -56,14 +56,14 @@ impl Ports {
             let has_come = self.commands.newest(&mut command)?;
             let fits = command.frame == state.frame
                 && command.stamp.captured_ns == stamp.captured_ns
-                && command.say.is_known()
+                && command.owner.is_known()
                 && command.light.is_known();
             if has_come && fits {
                 return Ok(Some(command));
             }
             wait.pause(|| {
                 self.states.connect_readers()?;
-                session.greet()
+                session.connect_readers()
             })?;
         }
         Ok(None)

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use atas_process::exit::Exit;
 use clap::Args;
 use field::{Model, Preset, TeamSize};
 use shm_bus::BusName;
@@ -17,7 +18,7 @@ Examples:
 ";
 
 #[derive(Debug, Args)]
-#[command(after_help = format!("{EXAMPLES}\n{}", Failure::EXIT_CODES))]
+#[command(after_help = format!("{EXAMPLES}\n{}\n{}", Exit::TABLE, Failure::NOTES))]
 pub(crate) struct FieldArgs {
     /// Field: R3, N, N3, LB, LB2, LB3, LB4, paper, or the TOML file of a preset.
     #[arg(long, default_value = "R3")]

@@ -6,20 +6,20 @@
 //! wait for the first answer.
 
 mod args;
-mod onlookers;
+mod observers;
 mod ports;
 mod report;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use shm_bus::{Bus, Realtime, now_ns};
-use sim_backend::swarm::{Answer, Swarm};
+use sim_backend::swarm::{FrameCommands, Swarm};
 
 use crate::failure::Failure;
 use crate::free_run::sleep_until;
 use crate::wait::Wait;
 pub(crate) use args::FieldArgs;
-use onlookers::Onlookers;
+use observers::Observers;
 use ports::Ports;
 use report::Reporter;
 
@@ -32,20 +32,20 @@ pub(crate) fn run(args: &FieldArgs) -> Result<(), Failure> {
         ports: Ports::open(&bus)?,
         field: Field {
             swarm,
-            onlookers: Onlookers::open(&bus)?,
+            observers: Observers::open(&bus)?,
             reporter: Reporter::new(args.format),
-            asked_ns: 0,
+            published_ns: 0,
         },
         stop: &stop,
     };
     let pace = args.pace();
     tracing::info!(bus = %args.bus, pace, "hosting the field; waiting for an agents process");
     let late_periods = if args.lockstep {
-        host.in_step()?
+        host.run_lockstep()?
     } else {
-        host.at_rate(args.period_ns())?
+        host.run_at_rate(args.period_ns())?
     };
-    host.field.reporter.end(late_periods)
+    host.field.reporter.print_totals(late_periods)
 }
 
 struct Host<'a> {
@@ -56,29 +56,29 @@ struct Host<'a> {
 
 struct Field {
     swarm: Swarm,
-    onlookers: Onlookers,
+    observers: Observers,
     reporter: Reporter,
     /// Time of the last sensor publication.
-    asked_ns: u64,
+    published_ns: u64,
 }
 
 impl Host<'_> {
     /// Runs one frame per answer; no period is late.
-    fn in_step(&mut self) -> Result<u64, Failure> {
-        while self.goes_on() && self.frame_in_step()? {}
+    fn run_lockstep(&mut self) -> Result<u64, Failure> {
+        while self.is_running() && self.frame_in_step()? {}
         Ok(0)
     }
 
     /// Runs one frame per period at absolute deadlines. Returns the missed periods; they are
     /// skipped and the phase is kept.
-    fn at_rate(&mut self, period_ns: u64) -> Result<u64, Failure> {
+    fn run_at_rate(&mut self, period_ns: u64) -> Result<u64, Failure> {
         let mut late_periods = 0;
         if !self.frame_in_step()? {
             return Ok(late_periods);
         }
         let mut deadline_ns = now_ns();
-        while self.goes_on() {
-            self.ask()?;
+        while self.is_running() {
+            self.publish_sensors()?;
             deadline_ns += period_ns;
             while !self.stop.load(Ordering::Relaxed) && sleep_until(deadline_ns).is_err() {}
             let late = now_ns().saturating_sub(deadline_ns) / period_ns;
@@ -87,7 +87,7 @@ impl Host<'_> {
             let answer = self
                 .ports
                 .answer()?
-                .map_or(Answer::Missing, Answer::Commands);
+                .map_or(FrameCommands::Missing, FrameCommands::Commands);
             self.field.drive(answer)?;
         }
         Ok(late_periods)
@@ -95,56 +95,58 @@ impl Host<'_> {
 
     /// Runs one frame; returns false if the process must end.
     fn frame_in_step(&mut self) -> Result<bool, Failure> {
-        self.ask()?;
+        self.publish_sensors()?;
         let wait = Wait::begin();
         while !self.stop.load(Ordering::Relaxed) {
             if let Some(commands) = self.ports.answer()? {
-                let answer = Answer::Commands(commands);
+                let answer = FrameCommands::Commands(commands);
                 self.field.drive(answer)?;
                 return Ok(true);
             }
-            wait.pause(|| self.greet())?;
+            wait.pause(|| self.connect_readers())?;
         }
         Ok(false)
     }
 
     /// Publishes the sensors, then the previous frame to observers; the very first frame at once,
     /// because its answer may take long.
-    fn ask(&mut self) -> Result<(), Failure> {
+    fn publish_sensors(&mut self) -> Result<(), Failure> {
         let Field {
             swarm,
-            onlookers,
-            asked_ns,
+            observers: onlookers,
+            published_ns: asked_ns,
             ..
         } = &mut self.field;
         *asked_ns = self.ports.publish(swarm)?;
-        if onlookers.know_nothing() {
-            onlookers.note(swarm, Answer::Missing, *asked_ns);
+        if onlookers.have_no_frame() {
+            onlookers.record(swarm, FrameCommands::Missing, *asked_ns);
         }
-        onlookers.tell()
+        onlookers.publish()
     }
 
-    fn greet(&self) -> Result<(), Failure> {
-        self.ports.greet()?;
-        self.field.onlookers.greet()
+    fn connect_readers(&self) -> Result<(), Failure> {
+        self.ports.connect_readers()?;
+        self.field.observers.connect_readers()
     }
 
-    fn goes_on(&self) -> bool {
+    fn is_running(&self) -> bool {
         !self.field.swarm.is_over() && !self.stop.load(Ordering::Relaxed)
     }
 }
 
 impl Field {
     /// Simulates one frame; reports the end of a trial to observers at once.
-    fn drive(&mut self, answer: Answer<'_>) -> Result<(), Failure> {
-        if self.onlookers.are_due(self.asked_ns) {
-            self.onlookers.note(&self.swarm, answer, self.asked_ns);
+    fn drive(&mut self, answer: FrameCommands<'_>) -> Result<(), Failure> {
+        if self.observers.is_frame_due(self.published_ns) {
+            self.observers
+                .record(&self.swarm, answer, self.published_ns);
         }
         let ended = self.swarm.advance(answer);
         if ended.is_some() {
-            self.onlookers.note(&self.swarm, Answer::Missing, now_ns());
-            self.onlookers.tell()?;
+            self.observers
+                .record(&self.swarm, FrameCommands::Missing, now_ns());
+            self.observers.publish()?;
         }
-        self.reporter.note(ended)
+        self.reporter.record(ended)
     }
 }

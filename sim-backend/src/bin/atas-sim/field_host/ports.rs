@@ -46,7 +46,7 @@ impl Ports {
         Ok(fits.then_some(&self.commands))
     }
 
-    pub(super) fn greet(&self) -> Result<(), Failure> {
+    pub(super) fn connect_readers(&self) -> Result<(), Failure> {
         Ok(self.publisher.connect_readers()?)
     }
 }

@@ -24,15 +24,15 @@ impl Reporter {
         }
     }
 
-    pub(super) fn note(&mut self, ended: Option<TrialReport>) -> Result<(), Failure> {
+    pub(super) fn record(&mut self, ended: Option<TrialReport>) -> Result<(), Failure> {
         let Some(report) = ended else {
             return Ok(());
         };
         let line = match self.format {
             // Serialisation cannot fail: only numbers and strings.
             Format::Json => serde_json::to_string(&report).unwrap_or_default(),
-            Format::Human if self.trials == 0 => format!("{HEADER}\n{}", sentence(&report)),
-            Format::Human => sentence(&report),
+            Format::Human if self.trials == 0 => format!("{HEADER}\n{}", table_row(&report)),
+            Format::Human => table_row(&report),
         };
         print(&[line])?;
         self.trials += 1;
@@ -43,7 +43,7 @@ impl Reporter {
     }
 
     /// Prints the totals and logs them for programs.
-    pub(super) fn end(&self, late_periods: u64) -> Result<(), Failure> {
+    pub(super) fn print_totals(&self, late_periods: u64) -> Result<(), Failure> {
         let Self {
             trials,
             fitness,
@@ -57,7 +57,7 @@ impl Reporter {
                 100 * trials
             )])?;
         }
-        tracing::info!(trials, missed_frames, late_periods, "field closed");
+        tracing::info!(trials, missed_frames, late_periods, "field ended");
         Ok(())
     }
 }
@@ -65,7 +65,7 @@ impl Reporter {
 const HEADER: &str = "goal  distance px  reached at frame  points  missed frames  fields solved";
 
 /// Results of field 0, and the number of solved fields.
-fn sentence(report: &TrialReport) -> String {
+fn table_row(report: &TrialReport) -> String {
     let outcome = &report.outcomes[0];
     let reached = match outcome.reached_frame {
         0 => "never".to_owned(),

@@ -1,0 +1,204 @@
+//! Tests of servo failures: each is named, stops the joint states, causes no motion, and is
+//! recovered from.
+
+use std::time::Duration;
+
+use atas_robots::emulator::Servo;
+use rustix::process::Signal;
+
+use crate::rig::{HAND, Rig, STEP_RAD, middle_rad, shaft_rad, start_chains, two_hands, wait_until};
+
+/// Time in which joint states would arrive.
+const A_WHILE: Duration = Duration::from_millis(150);
+
+/// A failure of a servo, its message, and its end.
+struct Case {
+    joint: usize,
+    happens: fn(&mut Servo),
+    words: &'static str,
+    ends: fn(&mut Servo),
+    /// External rotation of the shaft meanwhile, rad.
+    turned_rad: f64,
+}
+
+fn turn_by(servo: &mut Servo, turn_rad: f64) {
+    let there_rad = servo.position_rad() + turn_rad;
+    servo.turn_to(there_rad);
+}
+
+#[test]
+fn servo_failures_are_named_and_recovered_without_jump() {
+    let cases = [
+        Case {
+            joint: 3,
+            happens: |servo| servo.set_silent(true),
+            words: "servo 4 does not answer (left_wrist_pitch)",
+            ends: |servo| servo.set_silent(false),
+            turned_rad: 0.0,
+        },
+        Case {
+            joint: HAND + 2,
+            happens: |servo| servo.set_power(false),
+            words: "servo 3 does not answer (right_elbow_pitch)",
+            ends: |servo| {
+                turn_by(servo, 0.2);
+                servo.set_power(true);
+            },
+            turned_rad: 0.2,
+        },
+        Case {
+            joint: 1,
+            happens: |servo| servo.set_power(false),
+            words: "servo 2 does not answer (left_shoulder_pitch)",
+            ends: |servo| {
+                turn_by(servo, -0.3);
+                servo.set_power(true);
+            },
+            turned_rad: -0.3,
+        },
+        Case {
+            joint: 4,
+            happens: |servo| servo.set_torque(false),
+            words: "servo 5 (left_wrist_roll) has no torque",
+            ends: |_| (),
+            turned_rad: 0.0,
+        },
+        Case {
+            joint: HAND + 8,
+            happens: |servo| servo.set_temperature(66.0),
+            words: "servo 9 (right_finger2_root) is at",
+            ends: |servo| servo.set_temperature(40.0),
+            turned_rad: 0.0,
+        },
+        Case {
+            joint: 9,
+            happens: |servo| servo.set_errors(1 << 5),
+            words: "servo 10 (left_finger2_knuckle) reports an error: overload",
+            ends: |servo| servo.set_errors(0),
+            turned_rad: 0.0,
+        },
+    ];
+    let mut rig = Rig::start();
+    let mut standing_rad = middle_rad();
+    for (nth, case) in cases.iter().enumerate() {
+        rig.begin_commands(20 + nth as u64);
+        rig.move_to(0, standing_rad[0]);
+        let (before, epoch) = (rig.command, rig.state.stamp.writer_epoch);
+        rig.reset_speeds();
+        rig.servo(case.joint, case.happens);
+        rig.program.wait_for(case.words);
+        let is_over = case.words.contains("no torque");
+        rig.has_new_state();
+        std::thread::sleep(A_WHILE);
+        assert!(
+            is_over || !rig.has_new_state(),
+            "state received after: {}",
+            case.words
+        );
+        let others = (0..22).filter(|joint| *joint != case.joint);
+        for joint in others {
+            assert!(
+                rig.servo(joint, |servo| servo.holds()),
+                "{joint} does not hold"
+            );
+        }
+        rig.servo(case.joint, case.ends);
+        wait_until("joint states again", || {
+            rig.has_new_state();
+            rig.state.stamp.writer_epoch != epoch
+        });
+        standing_rad[case.joint] += case.turned_rad
+            * if case.joint.is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
+        for (joint, here_rad) in standing_rad.iter().enumerate() {
+            let told_rad = rig.state.commanded_rad[joint];
+            assert!(
+                (told_rad - here_rad).abs() <= 2.0 * STEP_RAD,
+                "{joint}: {told_rad} {here_rad}"
+            );
+            assert!(rig.servo(joint, |servo| servo.holds()));
+        }
+        // A daemon that missed the failure continues with old positions; no servo moves.
+        rig.command = before;
+        (0..5).for_each(|_| rig.send());
+        std::thread::sleep(A_WHILE);
+        assert!(rig.fastest_rad_s() < 0.1, "jump after: {}", case.words);
+        rig.next_state();
+    }
+    rig.program.signal(Signal::TERM);
+    assert_eq!(rig.program.finish(), Some(0));
+}
+
+#[test]
+fn damaged_replies_are_counted_and_rejected() {
+    let mut rig = Rig::start();
+    for chain in &rig.chains {
+        chain.set_noise(20_000);
+    }
+    let mut seen = 0;
+    wait_until("500 states", || {
+        if rig.has_new_state() {
+            seen += 1;
+            for (joint, here_rad) in middle_rad().into_iter().enumerate() {
+                let told_rad = rig.state.position_rad[joint];
+                assert!((told_rad - here_rad).abs() < 0.05, "{joint}: {told_rad}");
+            }
+        }
+        seen >= 500
+    });
+    rig.program.signal(Signal::TERM);
+    rig.program.finish();
+    let log = rig.program.log();
+    let failures: u64 = log
+        .lines()
+        .filter_map(|line| {
+            line.split_once("; ")
+                .filter(|_| line.contains("a cycle every"))
+        })
+        .flat_map(|(_, counts)| counts.split(", ").take(2))
+        .filter_map(|count| count.split_whitespace().next()?.parse::<u64>().ok())
+        .sum();
+    assert!(failures > 0, "{log}");
+}
+
+#[test]
+fn servos_must_match_map_at_start() {
+    type Change = fn(&mut atas_robots::map::file::MapFile);
+    let cases: [(Change, &str); 4] = [
+        (
+            |map| map.ports[0].servos[2].id = 99,
+            "servo 99 does not answer (left_elbow_pitch); check its power, cable and id",
+        ),
+        (
+            |map| map.ports[0].servos[2].model = "xm430-w210".to_owned(),
+            "servo 3 (left_elbow_pitch) is xm430-w350, the map requires xm430-w210",
+        ),
+        (
+            |map| map.ports[0].servos[0].zero_rad += 2.5,
+            "servo 1 (left_shoulder_yaw) is at -2.",
+        ),
+        (
+            |map| map.ports[1].device = "/dev/nothing-there".to_owned(),
+            "could not open /dev/nothing-there",
+        ),
+    ];
+    for (change, words) in cases {
+        let bus = shm_bus::FreshBus::new("robot");
+        let folder = tempfile::TempDir::new().unwrap();
+        let mut map = two_hands();
+        let chains = start_chains(&mut map, &middle_rad());
+        change(&mut map);
+        let path = folder.path().join("robot.toml");
+        std::fs::write(&path, toml::to_string(&map).unwrap()).unwrap();
+        let mut program =
+            crate::rig::Program::start(&["run", path.to_str().unwrap(), "--bus", bus.as_str()]);
+        assert_eq!(program.finish(), Some(11), "{}", program.log());
+        assert!(program.log().contains(words), "{}", program.log());
+        let first_rad = chains[0].servo(1, |servo| servo.position_rad());
+        let moved_rad = first_rad - shaft_rad(0, middle_rad()[0]);
+        assert!(moved_rad.abs() <= STEP_RAD, "moved by {moved_rad}");
+    }
+}

@@ -1,0 +1,246 @@
+//! Step transitions: end of a step, its successor, and recovery.
+
+use super::*;
+use crate::tasks::Waypoint;
+
+impl TaskExecutor {
+    /// Evaluates this tick: verdict, end of the step, end of the task.
+    pub fn finish_tick(
+        &mut self,
+        verdict: Verdict,
+        arrived: bool,
+        percept: &Percept,
+        now: &GraspPose,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) -> Outcome {
+        if self.start_regrasp(verdict, percept, now, settings, modules) {
+            return Outcome::NextStep;
+        }
+        match verdict {
+            Verdict::Refuse(reason) if self.recovery.is_none() && !self.found_in_hand => {
+                let retreat = if reason.cause == Cause::OBSTRUCTED {
+                    Recovery::Withdraw
+                } else {
+                    Recovery::PutBack
+                };
+                let reason = self.reason_while_held(reason);
+                return self.start_recovery(retreat, reason, now, settings, modules);
+            }
+            Verdict::Stiffness(fit) => {
+                self.stiffness = Some(fit);
+                self.holds = true;
+                self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp)
+                    .with_force_limit(self.parameters.max_force_n, &settings.grasp);
+            }
+            Verdict::None | Verdict::Done | Verdict::Refuse(_) => {}
+        }
+        let is_refused = self
+            .out_of_force(percept)
+            .or_else(|| self.turning_before_verification());
+        if let Some(reason) = is_refused {
+            return self.start_recovery(Recovery::PutBack, reason, now, settings, modules);
+        }
+        if self.opening_requested() || self.fingertips_met(now) {
+            self.restart_teleop(now, settings, modules);
+            return Outcome::NextStep;
+        }
+        if let Some(reason) = self.failure(percept, now, settings) {
+            self.holds &= reason.cause != Cause::LOST_OBJECT;
+            return Outcome::Failed(reason);
+        }
+        let done = verdict == Verdict::Done;
+        if arrived && !done && self.step().motion == Motion::Lower {
+            let reason = Reason::with_limit(
+                Cause::NO_SUPPORT,
+                now.centre_m.z,
+                self.waypoints.expected_height_m(),
+            );
+            let reason = reason.with_module(ModuleId::TRANSFER);
+            return self.start_recovery(Recovery::Raise, reason, now, settings, modules);
+        }
+        if self.is_done(arrived, done, percept, now) {
+            self.advance(now, settings, modules)
+        } else {
+            Outcome::Running
+        }
+    }
+
+    fn is_done(&self, arrived: bool, concluded: bool, percept: &Percept, now: &GraspPose) -> bool {
+        match self.step().transition {
+            Transition::Arrived => arrived,
+            Transition::AllTouched => self.all_touched,
+            Transition::StiffnessKnown => self.stiffness.is_some(),
+            Transition::Gripped => {
+                let (weakest_n, strongest_n) = force_range_n(percept);
+                weakest_n > self.thresholds.f1_n || strongest_n > self.thresholds.f2_n
+            }
+            Transition::Held => self.step_s >= self.parameters.hold_s,
+            Transition::Concluded => concluded,
+            Transition::Met(point) => self.peer_meeting_point >= point,
+            Transition::GripRequested => self.grip_requested(percept, now),
+            // Restarts at the first step instead of entering the next one.
+            Transition::OpeningRequested => false,
+        }
+    }
+
+    fn advance(&mut self, now: &GraspPose, settings: &Settings, modules: &mut Modules) -> Outcome {
+        if self.advance_regrasp(now, settings, modules) {
+            return Outcome::NextStep;
+        }
+        if self.index + 1 == self.steps().len() {
+            return match self.recovery {
+                Some((Recovery::PutBack | Recovery::Withdraw, reason)) => Outcome::Refused(reason),
+                Some((Recovery::Raise, reason)) => Outcome::Failed(reason),
+                None => self.finish_task(),
+            };
+        }
+        self.enter(self.index + 1, now, settings, modules);
+        Outcome::NextStep
+    }
+
+    /// Ends the task once; later findings do not change its outcome.
+    fn finish_task(&mut self) -> Outcome {
+        let objection = self.in_hand.failure().filter(|_| !self.ended);
+        self.ended = true;
+        objection.map_or(Outcome::Succeeded, Outcome::Failed)
+    }
+
+    pub(super) fn enter(
+        &mut self,
+        index: usize,
+        now: &GraspPose,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) {
+        self.index = index;
+        self.step_s = 0.0;
+        if self.step().motion.waypoint() == Some(Waypoint::OverTarget) {
+            self.update_held_offset(now);
+        }
+        self.path = self.plan(now, settings);
+        self.init_step();
+        modules.restart_step();
+        match self.step().motion {
+            Motion::Carry(_) if self.recovery.is_none() => self.lifted_from_m = Some(now.centre_m),
+            Motion::Open | Motion::LetGo | Motion::Square => self.holds = false,
+            Motion::Teleop if self.holds => self.lifted_from_m = Some(now.centre_m),
+            Motion::Brake if self.step().transition == Transition::AllTouched => {
+                self.touched_opening_m = now.half_opening_m.iter().sum();
+            }
+            _ => {}
+        }
+    }
+
+    /// Initialises the state that a step needs at entry.
+    pub(super) fn init_step(&mut self) {
+        match self.step().transition {
+            Transition::Met(point) => self.meeting_point = point,
+            Transition::AllTouched => {
+                self.all_touched = false;
+                (self.suspended, self.minimises_grip) = (false, false);
+                self.verification = GripVerification::default();
+                self.in_hand = InHandMonitor::default();
+                self.lifted_from_m = None;
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn plan(&self, now: &GraspPose, settings: &Settings) -> Path {
+        path_of(
+            self.step().motion,
+            now,
+            &self.waypoints,
+            &self.path,
+            settings,
+        )
+    }
+
+    /// Converts a threshold rejection of a held object to `OUT_OF_FORCE`, because its load has
+    /// grown.
+    fn reason_while_held(&self, reason: Reason) -> Reason {
+        let held =
+            self.step().transition == Transition::Held || self.step().motion == Motion::Square;
+        if held && reason.cause == self.thresholds.refusal_cause() {
+            Reason {
+                cause: Cause::OUT_OF_FORCE,
+                ..reason
+            }
+        } else {
+            reason
+        }
+    }
+
+    fn start_recovery(
+        &mut self,
+        retreat: Recovery,
+        reason: Reason,
+        now: &GraspPose,
+        settings: &Settings,
+        modules: &mut Modules,
+    ) -> Outcome {
+        if self.is_teleoperated() {
+            return Outcome::Failed(reason);
+        }
+        self.recovery = Some((retreat, reason));
+        self.regrasp = Regrasp::default();
+        self.sequence = match retreat {
+            Recovery::PutBack => PUT_BACK,
+            Recovery::Raise => RAISE,
+            Recovery::Withdraw => WITHDRAW,
+        };
+        self.holds &= retreat == Recovery::Raise;
+        self.enter(0, now, settings, modules);
+        Outcome::NextStep
+    }
+
+    /// Returns the reason to put back an object that rotates before lift verification succeeded.
+    fn turning_before_verification(&self) -> Option<Reason> {
+        let is_tested = self.step().modules.contains(ModuleId::LIFT_VERIFICATION);
+        self.turning().filter(|_| is_tested && !self.suspended)
+    }
+
+    /// Returns the reason to stop carrying a rotating object. It stays in the hand, because it
+    /// would land on its edge.
+    pub(super) fn turning(&self) -> Option<Reason> {
+        let carries = matches!(self.step().motion, Motion::Carry(_) | Motion::Convey(_));
+        let goes_on = carries && self.recovery.is_none() && !self.found_in_hand;
+        self.in_hand.turning().filter(|_| goes_on)
+    }
+
+    /// Returns the reason if the task fails in this tick.
+    fn failure(&self, percept: &Percept, now: &GraspPose, settings: &Settings) -> Option<Reason> {
+        let step = self.step();
+        if self.holds && self.lifted_from_m.is_some() && self.no_contact_s > LOST_AFTER_S {
+            let (weakest_n, _) = force_range_n(percept);
+            return Some(Reason::with_limit(
+                Cause::LOST_OBJECT,
+                weakest_n,
+                settings.perception.touch_off_n,
+            ));
+        }
+        if let Some(reason) = self.in_hand.loss().filter(|_| self.holds) {
+            return Some(reason);
+        }
+        if let Some(reason) = self.turning() {
+            return Some(reason);
+        }
+        if step.transition == Transition::AllTouched {
+            let deepest_m =
+                (self.parameters.width_m / 2.0 - settings.motion.search_m).max(FINGERTIPS_MEET_M);
+            let closed_m = now
+                .half_opening_m
+                .iter()
+                .copied()
+                .fold(f64::INFINITY, f64::min);
+            if closed_m < deepest_m {
+                let reason =
+                    Reason::with_limit(Cause::NOTHING_TOUCHED, 2.0 * closed_m, 2.0 * deepest_m);
+                return Some(reason.with_module(ModuleId::FIRST_TOUCH));
+            }
+        }
+        (self.step_s > step.timeout_s)
+            .then(|| Reason::with_limit(Cause::TIMED_OUT, self.step_s, step.timeout_s))
+    }
+}

@@ -1,0 +1,222 @@
+//! Lift verification (not in the paper): detects whether a lifted object is suspended or still
+//! stands.
+//!
+//! Forces alone do not show this: a uniformly slipping object gives the same steady load as a
+//! suspended one. After enough travel for any held object to leave its support, the hand pulls back
+//! slightly. A suspended object keeps its load; a standing one transfers it to the support. The
+//! fingers then close further and the lift is repeated. At F_2, the object is refused as too heavy.
+//!
+//! The friction of an object that is suspended at first is known only from the sensor. Just above
+//! the support, where a slip costs a millimetre, the hand minimises the grip and pulls back again.
+//! If the object drops or stands, the grip is increased. The resulting grip does not depend on a
+//! friction reading.
+
+use super::drop_detector::DropDetector;
+use super::force_limit::too_heavy_reason;
+use super::{
+    Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n, force_up_n, load_n,
+};
+use crate::perception::Percept;
+use robot_model::GRASP_SIDES;
+use shm_schemas::ModuleId;
+
+/// Pull-back distance, m (design choice: more than the elastic stretch of a patch rim, less than
+/// the lift).
+const PULL_BACK_M: f64 = 0.0004;
+/// Share of the load that a suspended object keeps during the pull-back (design choice).
+const SUSPENDED_SHARE: f64 = 0.6;
+/// Load below which a pull-back gives no result, N (design choice: noise of two fingertips).
+const LOAD_FLOOR_N: f64 = 0.03;
+
+/// Frames required after the pull-back; the first may be older (design choice).
+const FRAMES: u32 = 2;
+
+/// Finger speed, m/s, and its duration, s, that end grip minimisation (design choice: longer than
+/// the steady time of grip relaxation).
+const STILL_M_S: f64 = 0.0002;
+const STILL_S: f64 = 0.3;
+/// Timeout of grip minimisation, s (design choice).
+const MINIMISE_MAX_S: f64 = 3.0;
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct LiftVerification {
+    phase: Phase,
+    /// Grip minimisation is done or skipped; the next success is final.
+    minimised: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum Phase {
+    #[default]
+    Ready,
+    /// The hand travels until this carried distance, m.
+    Travelling(f64),
+    PullingBack(PullBack),
+    /// The object is suspended; the hand waits for the minimum grip.
+    Minimising(GripMinimisation),
+    /// The object stands; the fingers close until the weaker side reaches this force, N.
+    Pressing(f64),
+    Suspended,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct GripMinimisation {
+    /// Carried distance to restore after the pull-back, m.
+    from_m: f64,
+    /// Time without finger motion and total time, s.
+    still_s: f64,
+    total_s: f64,
+    /// Load since the object is suspended.
+    drop_detector: DropDetector,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct PullBack {
+    /// Carried distance at its start, m.
+    from_m: f64,
+    /// Load before it, N.
+    load_n: f64,
+    /// Smallest load since, N.
+    min_load_n: f64,
+    /// Frames since the pull-back distance was reached.
+    frames: u32,
+}
+
+impl Module for LiftVerification {
+    const ID: ModuleId = ModuleId::LIFT_VERIFICATION;
+
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
+        let settings = &context.settings.grasp;
+        let (weakest_n, strongest_n) = force_range_n(percept);
+        let at_ceiling = strongest_n > RELEASE_SHARE * context.thresholds.f2_n;
+        let stands = self.advance(percept, context, weakest_n, at_ceiling);
+        let reason = too_heavy_reason(strongest_n, context);
+        let (closing_m_s, carry_ceiling) = match self.phase {
+            Phase::PullingBack(tug) if tug.frames == 0 => (0.0, -1.0),
+            Phase::PullingBack(_) => (0.0, 0.0),
+            Phase::Minimising(trying) if trying.has_begun(context.carried_m) => (0.0, 0.0),
+            Phase::Pressing(_) => (settings.enhance_m_s, 0.0),
+            _ => (0.0, 1.0),
+        };
+        Proposal {
+            active: carry_ceiling < 1.0,
+            closing_m_s: [closing_m_s; GRASP_SIDES],
+            carry_ceiling,
+            verdict: if stands && at_ceiling {
+                Verdict::Refuse(reason.with_module(ModuleId::LIFT_VERIFICATION))
+            } else {
+                Verdict::None
+            },
+            finding: Finding {
+                slips: stands,
+                suspended: self.phase == Phase::Suspended,
+                minimises_grip: matches!(self.phase, Phase::Minimising(t) if t.has_begun(context.carried_m)),
+            },
+            ..Proposal::default()
+        }
+    }
+}
+
+impl LiftVerification {
+    /// Advances the phase; true in the tick in which the object stands or drops.
+    fn advance(
+        &mut self,
+        percept: &Percept,
+        context: &Context<'_>,
+        weakest_n: f64,
+        at_ceiling: bool,
+    ) -> bool {
+        let settings = &context.settings.grasp;
+        let carried_m = context.carried_m;
+        match &mut self.phase {
+            Phase::Ready => self.phase = Phase::Travelling(settings.verification_travel_m),
+            Phase::Travelling(until_m) if carried_m > *until_m => {
+                self.phase = Phase::PullingBack(PullBack::new(carried_m, load_n(percept)));
+            }
+            Phase::PullingBack(tug) => match tug.is_suspended(percept, carried_m) {
+                Some(true) if self.minimised => self.phase = Phase::Suspended,
+                Some(true) => {
+                    let trying = GripMinimisation {
+                        from_m: tug.from_m,
+                        ..GripMinimisation::default()
+                    };
+                    (self.phase, self.minimised) = (Phase::Minimising(trying), true);
+                }
+                Some(false) => {
+                    let until_n = weakest_n * settings.verification_press;
+                    (self.phase, self.minimised) = (Phase::Pressing(until_n), true);
+                    return true;
+                }
+                None => {}
+            },
+            Phase::Minimising(trying) => {
+                let down_n = -force_up_n(percept, context.base_from_tip);
+                let shaken = !trying.has_begun(carried_m);
+                if trying
+                    .drop_detector
+                    .update(Some(down_n), shaken, percept.step_s)
+                {
+                    self.phase = Phase::Pressing(weakest_n * settings.verification_press);
+                    return true;
+                }
+                if trying.is_over(context) {
+                    self.phase = Phase::PullingBack(PullBack::new(carried_m, load_n(percept)));
+                }
+            }
+            Phase::Pressing(until_n) if weakest_n > *until_n || at_ceiling => {
+                self.phase = Phase::Travelling(carried_m + settings.verification_travel_m / 2.0);
+            }
+            _ => {}
+        }
+        false
+    }
+}
+
+impl GripMinimisation {
+    fn has_begun(&self, carried_m: f64) -> bool {
+        self.total_s > 0.0 || carried_m > self.from_m
+    }
+
+    fn is_over(&mut self, context: &Context<'_>) -> bool {
+        if !self.has_begun(context.carried_m) {
+            return false;
+        }
+        let moves = |closing_m_s: &f64| closing_m_s.abs() > STILL_M_S;
+        self.total_s += context.step_s;
+        self.still_s = if context.closing_m_s.iter().any(moves) {
+            0.0
+        } else {
+            self.still_s + context.step_s
+        };
+        self.still_s > STILL_S || self.total_s > MINIMISE_MAX_S
+    }
+}
+
+impl PullBack {
+    fn new(from_m: f64, load_n: f64) -> Self {
+        Self {
+            from_m,
+            load_n,
+            min_load_n: load_n,
+            frames: 0,
+        }
+    }
+
+    /// Returns whether the object is suspended, after enough frames.
+    fn is_suspended(&mut self, percept: &Percept, carried_m: f64) -> Option<bool> {
+        let load_n = load_n(percept);
+        if load_n < self.min_load_n {
+            self.min_load_n = load_n;
+        }
+        let back = self.frames > 0 || self.from_m - carried_m > PULL_BACK_M;
+        if back && percept.step_s > 0.0 {
+            self.frames += 1;
+        }
+        let keeps = self.load_n < LOAD_FLOOR_N || self.min_load_n >= SUSPENDED_SHARE * self.load_n;
+        (self.frames > FRAMES).then_some(keeps)
+    }
+}
