@@ -18,6 +18,7 @@ mod optoforce;
 mod readme;
 mod recorded;
 mod recordings;
+mod reference;
 mod replay;
 mod restarts;
 mod robots;
