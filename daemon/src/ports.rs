@@ -64,7 +64,7 @@ impl InputPorts {
     }
 
     /// Receives new payloads: hands before joints, in the order of sending, then targets. At most
-    /// [`FRAMES_PER_TICK`] frames per hand between two calls of [`InputPorts::begin`].
+    /// [`FRAMES_PER_TICK`] frames per hand between two calls of [`InputPorts::begin_tick`].
     pub fn poll(&mut self) {
         self.poll_frames();
         self.poll_joints();
@@ -104,7 +104,8 @@ impl InputPorts {
             && (!streams[0] || left.has_payload())
     }
 
-    /// Receives the newest joint state only; false if none has arrived since [`InputPorts::begin`].
+    /// Receives the newest joint state only; false if none has arrived since
+    /// [`InputPorts::begin_tick`].
     pub fn poll_joints(&mut self) -> bool {
         let taken = self.joints.newest(&mut self.newest);
         self.failures += u64::from(taken.is_err());

@@ -3,6 +3,8 @@
 //! Start `atas-sim run --object wood` and `atasd`, then
 //! `cargo run -p atas-client --example grasp`. The bus is `ATAS_BUS`, or `atas`.
 
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 

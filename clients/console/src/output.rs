@@ -84,7 +84,7 @@ impl Output {
         Ok(())
     }
 
-    /// Prints a table as wide as the terminal, or [`COLUMNS_DEFAULT`] columns without one.
+    /// Prints a table as wide as the terminal, or 80 columns without one.
     ///
     /// Columns that do not fit go into further tables below, each of which repeats the first
     /// column. Cells break at spaces; see [`no_break`].

@@ -151,7 +151,7 @@ impl OfflineRun {
             frames,
             joints: Some(&self.sensed.joints),
             targets: &self.targets,
-            request: request,
+            request,
         });
         self.targets.clear();
         self.command = outputs.command;

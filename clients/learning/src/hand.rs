@@ -114,7 +114,7 @@ impl PolicyHand {
             active: true,
             closing_m_s: self.within_opening([first, second].map(|share| share * CLOSING_M_S)),
             pose: Some(PoseCommand {
-                pose: pose,
+                pose,
                 with_fingers: false,
                 arrived: false,
             }),

@@ -132,7 +132,7 @@ impl FrameAssembler {
                 finger_count: end.unwrap_or(0) as u32,
                 ..HandFrame::default()
             },
-            slots: slots,
+            slots,
         }
     }
 

@@ -5,6 +5,8 @@
 //!
 //! `cargo run -p atas-core --example controller`
 
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
 use atas_core::kinematics::{gap_m, grasp_pose};
 use atas_core::{Controller, Inputs, OperatorRequest, SensorSetup, Settings, Tick, check};
 use robot_model::{HandSide, HandVector, RobotModel, RobotVector};

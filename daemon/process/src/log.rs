@@ -41,7 +41,7 @@ const FLUSH_TIMEOUT: Duration = Duration::from_millis(200);
 const FLUSH_POLL: Duration = Duration::from_millis(1);
 
 /// Handle of the running log. Dropping it waits for the last lines to be written, at most
-/// [`FLUSH_TIMEOUT`].
+/// `FLUSH_TIMEOUT`.
 #[derive(Debug)]
 pub struct Log {
     lines: Option<Sender<Vec<u8>>>,

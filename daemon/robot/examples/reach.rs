@@ -2,6 +2,8 @@
 //!
 //! `cargo run -p robot-model --example reach -- [NAME|FILE.toml]`
 
+#![allow(clippy::print_stdout, reason = "an example prints its result")]
+
 use robot_model::{GraspPose, RobotModel};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

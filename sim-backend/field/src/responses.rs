@@ -52,7 +52,7 @@ impl Wheels {
 ///     _ => Wheels::STOP,
 /// });
 /// assert_eq!(table.get(3), Wheels { left: 2, right: 2 });
-/// assert_eq!(Responses::from_fn(|row| table.get(row)), table);
+/// assert_eq!(Responses::from_fn(|row| table.get(row as u8)), table);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Responses(u128);

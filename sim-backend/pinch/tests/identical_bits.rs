@@ -31,7 +31,7 @@ fn interface(force_limit: bool, time_limit: TimeLimit) -> Interface<'static> {
         fingers_m_s: [0.0, -0.001, 0.002, 0.004],
         hand: [0.0, -0.1, 0.1, 1.0],
         force_limit,
-        time_limit: time_limit,
+        time_limit,
     }
 }
 

@@ -62,7 +62,7 @@ const TABLE: &[FaultInfo] = {
     use FaultKind::*;
     use Scope::*;
     const fn info(kind: FaultKind, name: &'static str, about: &'static str, value: f64, range: [f64; 2], scope: Scope) -> FaultInfo {
-        FaultInfo { kind, name, about, value, range, scope: scope }
+        FaultInfo { kind, name, about, value, range, scope }
     }
     &[
         info(Drop, "drop", "payloads are lost with this probability", 1.0, [0.0, 1.0], Any),

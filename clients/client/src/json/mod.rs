@@ -1,6 +1,6 @@
 //! Bus data as JSON: SI units, names instead of codes. Keys are an interface for scripts: new ones
 //! may be added, none removed. Lists of fingertips have the length of the hand if the run is known
-//! ([`crate::Run::fingers`]), else the capacity of the payload ([`CAPACITY`]) with zeros.
+//! ([`crate::Run::fingertips`]), else the capacity of the payload ([`CAPACITY`]) with zeros.
 
 mod streams;
 

@@ -15,7 +15,8 @@ const BORDERLINE_SHARE: f64 = 0.15;
 pub struct Load {
     /// Normal force that holds the object by friction: m·g / (2·μ), true static friction.
     pub needed_n: f64,
-    /// Normal force that also prevents rotation between the fingertips ([`Object::steady_n`]).
+    /// Normal force that also prevents rotation between the fingertips
+    /// ([`Object::required_normal_with_torsion_n`]).
     pub steady_n: f64,
     /// Normal force against rotation in a two-dome grasp, with the grasp's position error.
     pub gripped_n: f64,

@@ -53,7 +53,7 @@ pub fn evaluate(
 /// Fits the constants of one kind to a recording; all others stay as in `model`.
 ///
 /// # Errors
-/// As for [`judge`].
+/// As for [`evaluate`].
 pub fn train(sheet: &Sheet, labels: &Labels, model: &Model) -> anyhow::Result<Model> {
     let kind = Kind::from_sheet(sheet)?;
     let mut fitted = model.clone();

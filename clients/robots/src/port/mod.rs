@@ -95,7 +95,7 @@ impl Shared {
     /// Sets the positions, rad, for one session of the port.
     pub fn set_goals(&self, session: u32, position_rad: &[f64; JOINTS]) {
         *lock(&self.goals) = Goals {
-            session: session,
+            session,
             position_rad: Some(*position_rad),
         };
     }

@@ -54,8 +54,8 @@ impl fmt::Display for ReplaySummary {
 /// every case.
 ///
 /// # Errors
-/// [`Failure::Recording`] or [`Failure::Usage`] before the first frame, [`Failure::Torn`] at
-/// damage, [`Failure::Bus`].
+/// [`Failure::Recording`] or [`Failure::Usage`] before the first frame,
+/// [`Failure::RecordingDamaged`] at damage, [`Failure::Bus`].
 pub fn play(
     source: &Source,
     pace: Pace,

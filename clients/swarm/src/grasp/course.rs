@@ -160,7 +160,7 @@ impl Course {
             fingers_m_s: FINGERS_M_S.map(|level| level as f32),
             hand: HAND_SPEED_FACTORS.map(|level| level as f32),
             force_limit,
-            time_limit: time_limit,
+            time_limit,
         }
     }
 }
