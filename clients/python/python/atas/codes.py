@@ -30,8 +30,8 @@ class GoalKind(IntEnum):
     ASSEMBLE = 4
     RELEASE = 5
     CUSTOM = 6
-    FOLLOW = 7
-    FOLLOW_BOTH = 8
+    TELEOP = 7
+    TELEOP_BOTH = 8
 
 
 class GoalPolicy(IntEnum):
@@ -125,9 +125,9 @@ class ModuleId(IntEnum):
     CARRY = 9
     RELAX = 10
     CONTACT_GUARD = 11
-    LOAD_TEST = 12
+    LIFT_VERIFICATION = 12
     SLIP_REACTION = 13
-    FOLLOW = 14
+    TELEOP = 14
     BEHAVIOUR_TABLE = 15
 
 
@@ -191,7 +191,7 @@ class Cause(IntEnum):
     CANNOT_TURN = 62
     NO_WORKSPACE = 63
     HAND_EMPTY = 64
-    DOMES_ASKEW = 65
+    FINGERTIPS_MISALIGNED = 65
     TARGETS_STOPPED = 70
     TARGET_CORRUPT = 71
     TARGET_FOREIGN = 72
@@ -226,7 +226,7 @@ class SensorBit(IntEnum):
     SLIPPING = 3
     ABOVE_F2 = 4
     LIFTED = 5
-    SPARE = 6
+    FRICTION_MARGIN = 6
 
 
 class Light(IntEnum):
@@ -236,10 +236,10 @@ class Light(IntEnum):
     GOAL = 1
 
 
-class Say(IntEnum):
+class ControlOwner(IntEnum):
     """Subsystem that controls the robot."""
 
-    NOBODY = 0
+    NONE = 0
     TABLE = 1
     HAND = 2
     OVER = 3
