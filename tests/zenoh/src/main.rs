@@ -56,7 +56,7 @@ enum Transport {
     SharedMemory,
 }
 
-impl std::str::FromStr for By {
+impl std::str::FromStr for Transport {
     type Err = Failure;
 
     fn from_str(word: &str) -> Result<Self, Failure> {
@@ -71,8 +71,8 @@ impl std::str::FromStr for By {
 /// Creates a payload with one copy of the bytes, as a sensor process writes its frame.
 type Copied = Box<dyn Fn(&[u8]) -> Result<ZBytes, Failure>>;
 
-fn payload_factory(by: By) -> Result<Copied, Failure> {
-    if by == By::Tcp {
+fn payload_factory(by: Transport) -> Result<Copied, Failure> {
+    if by == Transport::Tcp {
         return Ok(Box::new(|bytes| Ok(bytes.into())));
     }
     let memory = ShmProviderBuilder::default_backend(SHARED_BYTES).wait()?;
@@ -84,11 +84,11 @@ fn payload_factory(by: By) -> Result<Copied, Failure> {
     }))
 }
 
-fn open(by: By, key: &str, place: &str) -> Result<Session, Failure> {
+fn open(by: Transport, key: &str, place: &str) -> Result<Session, Failure> {
     let mut config = Config::default();
     config.insert_json5("mode", "\"peer\"")?;
     config.insert_json5(key, &format!("[\"{place}\"]"))?;
-    let is_shared = (by == By::SharedMemory).to_string();
+    let is_shared = (by == Transport::SharedMemory).to_string();
     config.insert_json5("transport/shared_memory/enabled", &is_shared)?;
     config.insert_json5("scouting/multicast/enabled", "false")?;
     config.insert_json5("scouting/gossip/enabled", "false")?;
@@ -127,11 +127,14 @@ impl<'a> Ports<'a> {
     }
 }
 
-fn echo(by: By, file: &Path) -> Result<(), Failure> {
+fn echo(by: Transport, file: &Path) -> Result<(), Failure> {
     let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
     let place = format!("tcp/127.0.0.1:{port}");
     let session = open(by, "listen/endpoints", &place)?;
-    let (ports, payload_factory) = (Ports::open(&session, BACK, REQUEST_KEY)?, payload_factory(by)?);
+    let (ports, payload_factory) = (
+        Ports::open(&session, REPLY_KEY, REQUEST_KEY)?,
+        payload_factory(by)?,
+    );
     let draft = file.with_extension("draft");
     std::fs::write(&draft, place)?;
     std::fs::rename(draft, file)?;
@@ -139,29 +142,35 @@ fn echo(by: By, file: &Path) -> Result<(), Failure> {
     while begin.elapsed() < LIFETIME {
         if let Some(sample) = ports.poll(RESEND_INTERVAL)? {
             // The measured transport must be the requested one.
-            if sample.payload().as_shm().is_some() != (by == By::SharedMemory) {
+            if sample.payload().as_shm().is_some() != (by == Transport::SharedMemory) {
                 return Err("the payload did not use the requested transport".into());
             }
-            ports.out.put(payload_factory(&sample.payload().to_bytes())?).wait()?;
+            ports
+                .out
+                .put(payload_factory(&sample.payload().to_bytes())?)
+                .wait()?;
         }
     }
     Ok(())
 }
 
-fn ping(by: By, file: &Path, bytes: usize) -> Result<(), Failure> {
+fn ping(by: Transport, file: &Path, bytes: usize) -> Result<(), Failure> {
     let begin = Instant::now();
     while !file.exists() {
-        if begin.elapsed() > PATIENCE {
+        if begin.elapsed() > TIMEOUT {
             return Err("timed out waiting for the address of the echo".into());
         }
         std::thread::sleep(RESEND_INTERVAL);
     }
     let session = open(by, "connect/endpoints", &std::fs::read_to_string(file)?)?;
-    let (ports, payload_factory) = (Ports::open(&session, REQUEST_KEY, BACK)?, payload_factory(by)?);
+    let (ports, payload_factory) = (
+        Ports::open(&session, REQUEST_KEY, REPLY_KEY)?,
+        payload_factory(by)?,
+    );
     let payload = vec![7_u8; bytes];
     let round = |limit| round(&ports, || payload_factory(&payload), limit);
     while round(RESEND_INTERVAL)?.is_none() {
-        if begin.elapsed() > PATIENCE {
+        if begin.elapsed() > TIMEOUT {
             return Err("timed out waiting for a reply of the echo".into());
         }
     }
@@ -169,7 +178,7 @@ fn ping(by: By, file: &Path, bytes: usize) -> Result<(), Failure> {
     while ports.poll(RESEND_INTERVAL)?.is_some() {}
     let mut halves_ns = Vec::with_capacity(ROUNDS);
     for index in 0..WARM_UP + ROUNDS {
-        let took = round(PATIENCE)?.ok_or("the echo stopped replying")?;
+        let took = round(TIMEOUT)?.ok_or("the echo stopped replying")?;
         if index >= WARM_UP {
             halves_ns.push(took.as_nanos() / 2);
         }
