@@ -182,6 +182,6 @@ fn run(ticks: u64) -> Value {
 
 /// Returns the page faults of this thread so far.
 fn page_faults() -> u64 {
-    let thread = Stat::read(Path::new("this thread exists"));
-    thread.expect("this thread lives").page_faults
+    let thread = Stat::read(Path::new("/proc/thread-self"));
+    thread.expect("this thread exists").page_faults
 }
