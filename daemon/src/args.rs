@@ -10,7 +10,7 @@ use crate::config::Source;
 
 /// The 1 kHz ATAS daemon: reads tactile sensors, commands joints, executes goals.
 #[derive(Clone, Debug, Parser)]
-#[command(version, after_help = format!("{AFTER_HELP}\n\n{}", Exit::TABLE), args_conflicts_with_subcommands = true)]
+#[command(version, long_version = shm_bus::long_version(), after_help = format!("{AFTER_HELP}\n\n{}", Exit::TABLE), args_conflicts_with_subcommands = true)]
 pub struct Args {
     /// Command to run instead of the daemon.
     #[command(subcommand)]

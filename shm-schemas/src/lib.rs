@@ -99,3 +99,8 @@ pub use text::Text;
 pub use tick::{FingerReport, HandReport, TickReport};
 pub use truth::{ObjectTruth, WorldTruth};
 pub use view::View;
+
+/// Tests of the programs in the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

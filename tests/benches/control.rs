@@ -1,7 +1,8 @@
 //! Benchmark of one simulated tick with the controller: grasp task, two-hand arm, 22 joints.
 
 use atas_core::{Goal, OperatorRequest, Settings};
-use atas_evaluation::offline::{OfflineRun, grasp_goal};
+use atas_evaluation::goals::grasp_goal;
+use atas_evaluation::offline::OfflineRun;
 use criterion::{Criterion, criterion_group, criterion_main};
 use robot_model::{HandSide, RobotModel};
 use sim_backend::{Object, Scene};

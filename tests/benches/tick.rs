@@ -12,7 +12,8 @@
 )]
 
 use atas_core::Settings;
-use atas_evaluation::offline::{OfflineRun, grasp_goal};
+use atas_evaluation::goals::grasp_goal;
+use atas_evaluation::offline::OfflineRun;
 use hdrhistogram::Histogram;
 use robot_model::{RobotFiles, RobotModel, SHIPPED, TWO_HAND_ARM};
 use sim_backend::{Object, Scene};

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use atas_core::goal::Goal;
 use atas_core::{Controller, OperatorRequest, SensorSetup, Settings};
-use atas_evaluation::offline::grasp_goal;
+use atas_evaluation::goals::grasp_goal;
 use atasd::input_log::LogReader;
 use atasd::link::{SupervisorSide, TickRecord, link};
 use atasd::pacer::{LockStep, Pacer};

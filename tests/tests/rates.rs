@@ -3,7 +3,7 @@
 
 use atas_core::check;
 use atas_core::{Controller, Inputs, OperatorRequest, SensorSetup, Settings, Tick};
-use atas_evaluation::offline::{grasp_goal, pick_place_goal};
+use atas_evaluation::goals::{grasp_goal, pick_place_goal};
 use robot_model::{HandSide, RobotModel};
 use shm_schemas::{GoalRequest, GoalState, GoalUpdate, HandFrame, JointCommand, JointState, Mode};
 use sim_backend::{Object, Scene, Sensed, TICK_NS, World};

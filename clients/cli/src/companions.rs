@@ -1,5 +1,5 @@
-//! Commands of the companion programs `atas-lab` and `atas-live`, which replace this process with
-//! the same arguments.
+//! Commands of the companion programs `atas-demo`, `atas-lab` and `atas-live`, which replace this
+//! process with the same arguments.
 //!
 //! The programs are next to this one in a build or installation, otherwise on the PATH.
 
@@ -20,6 +20,7 @@ pub(crate) fn exec_companion(program: Program) -> anyhow::Result<()> {
                 please report this"
             )
         }
+        Program::Demo => "atas-demo",
         Program::Lab => "atas-lab",
         Program::Live => "atas-live",
     };
@@ -36,7 +37,8 @@ pub(crate) fn exec_companion(program: Program) -> anyhow::Result<()> {
     Err(error).with_context(|| format!("could not start {}", program.display()))
 }
 
-fn path_next_to_this_program(name: &str) -> Option<PathBuf> {
+/// Returns the path of a program in the folder of this one, if it exists.
+pub(crate) fn path_next_to_this_program(name: &str) -> Option<PathBuf> {
     let this = std::env::current_exe().ok()?;
     let program = this.with_file_name(name);
     program.is_file().then_some(program)

@@ -8,7 +8,7 @@ use shm_bus::{BusName, Owner, now_ns};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
-use crate::rejections::{self, rejection_texts};
+use atas_client::rejections::{self, rejection_texts};
 
 /// Pause between two updates of a watched status.
 const UPDATE_PERIOD: Duration = Duration::from_millis(200);

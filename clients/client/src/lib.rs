@@ -39,6 +39,7 @@ pub mod layouts;
 mod observer;
 pub mod percentiles;
 mod progress;
+pub mod rejections;
 mod run;
 pub mod scenes;
 mod session;
@@ -54,3 +55,8 @@ pub use run::Run;
 pub use session::{POLL, Session};
 pub use standstill::{Stopped, standstill};
 pub use teleop::{TeleopHands, TeleopSender, TeleopTarget};
+
+/// Tests of the programs in the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

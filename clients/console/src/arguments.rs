@@ -56,7 +56,7 @@ pub use values::Place;
 
 /// Artificial tactile affordance system: robot manipulation controlled by tactile feedback
 #[derive(Debug, Parser)]
-#[command(name = "atas", version, after_help = Exit::TABLE, arg_required_else_help = true)]
+#[command(name = "atas", version, long_version = shm_bus::long_version(), after_help = Exit::TABLE, arg_required_else_help = true)]
 pub struct Arguments {
     /// Format of the results on standard output
     #[arg(
@@ -210,7 +210,7 @@ pub enum Command {
     /// Serve live topics and the robot to Foxglove over WebSocket
     Foxglove(Foxglove),
     /// Check computer, bus and daemon, and recommend fixes; exit code 1 if a check fails
-    Doctor(BusArgument),
+    Doctor(Doctor),
     /// Print the completion script of a shell
     Completions {
         /// Shell
@@ -230,16 +230,23 @@ impl Command {
     #[must_use]
     pub fn program(&self) -> Program {
         match self {
-            Self::Demo { .. }
+            Self::Demo {
+                task: Demo::Swarm(_) | Demo::Hybrid(_),
+            }
             | Self::Eval { .. }
             | Self::Plot { .. }
             | Self::Bench { .. }
             | Self::Calibrate { .. }
             | Self::Robot { .. }
-            | Self::Record { action: None, .. }
+            | Self::Record { .. }
             | Self::Replay { .. }
-            | Self::Explain(_) => Program::Lab,
-            Self::Dashboard(_) | Self::Foxglove(_) => Program::Live,
+            | Self::Diff { .. }
+            | Self::Explain(_)
+            | Self::Export(_) => Program::Lab,
+            Self::Demo { .. } => Program::Demo,
+            Self::Dashboard(_) | Self::Foxglove(_) | Self::Teleop(_) | Self::Top(_) => {
+                Program::Live
+            }
             _ => Program::Operator,
         }
     }
@@ -250,9 +257,11 @@ impl Command {
 pub enum Program {
     /// `atas`.
     Operator,
-    /// `atas-lab`: links the simulator and the controller.
+    /// `atas-demo`: demos of one robot; links the simulator.
+    Demo,
+    /// `atas-lab`: links the simulator, the controller and the recordings.
     Lab,
-    /// `atas-live`: servers for browser and Foxglove.
+    /// `atas-live`: full-screen terminal, and servers for browser and Foxglove.
     Live,
 }
 
@@ -262,6 +271,20 @@ pub struct BusArgument {
     /// Bus of the daemon
     #[arg(long, env = BusName::ENV, default_value_t, value_name = "NAME")]
     pub bus: BusName,
+}
+
+/// `atas doctor`.
+#[derive(Args, Clone, Debug)]
+pub struct Doctor {
+    /// Bus to check
+    #[command(flatten)]
+    pub bus: BusArgument,
+    /// Run the safe fixes first: remove bus files of dead processes, set the frequency governor
+    #[arg(long)]
+    pub fix: bool,
+    /// Print the fixes, but change nothing
+    #[arg(long, requires = "fix")]
+    pub dry_run: bool,
 }
 
 /// `atas status`.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use anyhow::Context;
 use clap::ValueEnum;
 use comfy_table::{
-    Cell, Color, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle, Width,
+    Cell, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle, Width,
 };
 use serde::Serialize;
 use shm_schemas::ModuleId;
@@ -92,25 +92,25 @@ impl Output {
     /// # Errors
     /// Standard output cannot be written.
     pub fn table(&mut self, table: Table) -> anyhow::Result<()> {
-        let terminal = table.width().filter(|columns| *columns >= COLUMNS_MIN);
+        let terminal = terminal_size::terminal_size_of(&self.out).map(|(columns, _)| columns.0);
+        let terminal = terminal.filter(|columns| *columns >= COLUMNS_MIN);
         let columns = terminal
             .filter(|_| self.is_terminal())
             .unwrap_or(COLUMNS_DEFAULT);
-        self.line(fit_to_width(table, columns))
+        self.line(coloured(fit_to_width(table, columns)))
     }
 
     /// Builds a table cell whose colour shows the rating.
     #[must_use]
     pub fn rated_cell(&self, text: &str, mood: Rating) -> Cell {
-        let cell = Cell::new(text);
         if !self.colour {
-            return cell;
+            return Cell::new(text);
         }
-        cell.fg(match mood {
-            Rating::Good => Color::Green,
-            Rating::Warning => Color::Yellow,
-            Rating::Bad => Color::Red,
-        })
+        let mark = mood.mark_and_colour().0;
+        let words = text
+            .split(' ')
+            .map(|word| format!("{mark}{word}{END_MARK}"));
+        Cell::new(words.collect::<Vec<_>>().join(" "))
     }
 }
 
@@ -123,6 +123,32 @@ pub enum Rating {
     Warning,
     /// Does not work.
     Bad,
+}
+
+/// Invisible character of width 0 after each word of a rated cell. [`coloured`] replaces it and the
+/// mark before the word, after the table has been laid out.
+const END_MARK: char = '\u{2064}';
+
+impl Rating {
+    const ALL: [Self; 3] = [Self::Good, Self::Warning, Self::Bad];
+
+    /// Returns the invisible mark before a word, and the terminal's code of the colour.
+    fn mark_and_colour(self) -> (char, &'static str) {
+        match self {
+            Self::Good => ('\u{2061}', "\x1b[32m"),
+            Self::Warning => ('\u{2062}', "\x1b[33m"),
+            Self::Bad => ('\u{2063}', "\x1b[31m"),
+        }
+    }
+}
+
+/// Replaces the marks of rated cells by colours.
+fn coloured(text: String) -> String {
+    let marks = Rating::ALL.map(Rating::mark_and_colour);
+    let text = marks
+        .into_iter()
+        .fold(text, |text, (mark, colour)| text.replace(mark, colour));
+    text.replace(END_MARK, "\x1b[39m")
 }
 
 impl From<bool> for Rating {
@@ -209,7 +235,10 @@ fn parts(least: &[u16], columns: u16) -> Vec<Range<usize>> {
 }
 
 fn longest_word(text: &str) -> u16 {
-    let lengths = text.split([' ', '\n']).map(|word| word.chars().count());
+    let is_visible = |c: &char| !('\u{2061}'..=END_MARK).contains(c);
+    let lengths = text
+        .split([' ', '\n'])
+        .map(|word| word.chars().filter(is_visible).count());
     lengths.max().unwrap_or(0).min(WORD_MAX) as u16
 }
 
@@ -251,6 +280,29 @@ mod tests {
         check(4.126, 2, "4.13");
         check(f64::NAN, 2, "NaN");
         check(f64::INFINITY, 2, "inf");
+    }
+
+    #[test]
+    fn colours_do_not_change_the_layout() {
+        let output = |colour| Output {
+            format: Format::Human,
+            colour,
+            out: std::io::stdout(),
+        };
+        let text = |colour| {
+            let mut rows = table(&["object", "outcome"]);
+            let outcome = "refused: object too heavy for its force limit";
+            let cell = output(colour).rated_cell(outcome, Rating::Bad);
+            rows.add_row(vec![Cell::new("heavy-block"), cell]);
+            coloured(fit_to_width(rows, 40))
+        };
+        let plain = text(true).replace("\x1b[31m", "").replace("\x1b[39m", "");
+        assert_eq!(plain, text(false));
+        assert!(
+            text(true).contains("\x1b[31mheavy\x1b[39m"),
+            "{}",
+            text(true)
+        );
     }
 
     #[test]

@@ -24,6 +24,7 @@ fn valid_lines_are_accepted() {
         }
     };
     check("atas demo grasp");
+    check("atas doctor --fix --dry-run --bus left-arm");
     check("atas demo grasp --object bottle --seed 7 --lockstep");
     check("atas demo grasp --all --realtime --format json");
     check("atas demo grasp --vary --seed 3");

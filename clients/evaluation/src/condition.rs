@@ -1,7 +1,13 @@
 //! Conditions of an evaluation: sensor noise, sensor rate and errors.
 
+use atas_tasks::Task;
 use serde::Serialize;
 use sim_backend::Errors;
+
+/// Sensor rates, Hz: one frame per tick, and two slower ones (acceptance criterion).
+const RATES_HZ: [u32; 3] = [1000, 100, 30];
+/// Range of the sensor noise scale in all tasks but the grasp (acceptance criterion: × 1 to 2).
+const NOISE: [f64; 2] = [1.0, 2.0];
 
 /// Condition of a trial: sensor quality, and deviations of the world from the nominal model.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,4 +69,45 @@ impl Noise {
             Self::Between([low, high]) => low + (high - low) * share,
         }
     }
+}
+
+/// Returns the conditions of the acceptance criteria: usual noise, double noise (grasp only),
+/// slower sensors.
+#[must_use]
+pub fn conditions(task: Task) -> Vec<Condition> {
+    let condition = |noise, rate_hz| Condition {
+        noise,
+        rate_hz,
+        errors: NamedErrors::none(),
+    };
+    let [full_hz, held_hz, slow_hz] = RATES_HZ;
+    let usual = match task {
+        Task::Grasp => Noise::Scale(NOISE[0]),
+        _ => Noise::Between(NOISE),
+    };
+    let mut conditions = vec![condition(usual, full_hz)];
+    if task == Task::Grasp {
+        conditions.push(condition(Noise::Scale(NOISE[1]), full_hz));
+    }
+    conditions.extend([held_hz, slow_hz].map(|rate_hz| condition(usual, rate_hz)));
+    conditions
+}
+
+/// Returns the usual condition with no error, with each kind of error alone, and with all at
+/// once.
+#[must_use]
+pub fn error_conditions(task: Task) -> Vec<Condition> {
+    let usual = conditions(task).swap_remove(0);
+    let kinds = Errors::KINDS.iter().map(|kind| (kind.name, kind.errors));
+    let named = [("none", Errors::NONE)].into_iter().chain(kinds);
+    named
+        .chain([("all", Errors::ALL)])
+        .map(|(name, errors)| Condition {
+            errors: NamedErrors {
+                name: name.to_owned(),
+                errors,
+            },
+            ..usual.clone()
+        })
+        .collect()
 }

@@ -6,9 +6,9 @@ use robot_model::{GRASP_SIDES, HandModel};
 use serde::{Deserialize, Serialize};
 use shm_schemas::{ObjectTruth, WorldTruth};
 
+use crate::Task;
 use crate::judge::{Assembly, Load, Outcome, Placing, Screwing};
 use crate::offline::Trial;
-use crate::task::Task;
 
 /// Evaluation of one trial.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

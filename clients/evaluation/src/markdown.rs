@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::Task;
 use crate::condition::Noise;
 use crate::physics::Physics;
 use crate::report::{Baseline, Report, Row};
 use crate::tally::Tally;
-use crate::task::Task;
 
 /// Text of an empty cell.
 const NONE: &str = "";

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, NamedLayout, fnv1a};
 use sim_backend::Object;
 
+use crate::Task;
 use crate::condition::Condition;
 use crate::policy::GripPolicy;
-use crate::task::Task;
 
 /// Plan of an evaluation.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@ use atas_core::modules::Selection;
 use atas_core::tasks::{self, BehaviourTable, Motion, Name, Step, StepSequence, Task, Transition};
 use shm_schemas::{GoalKind, GoalRequest, ModuleId, Text};
 
-use crate::task::Task as EvaluatedTask;
+use crate::Task as EvaluatedTask;
 
 /// Grip modules of the built-in tasks that a baseline omits.
 const GRIP_MODULES: [ModuleId; 4] = [

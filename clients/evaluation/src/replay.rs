@@ -77,7 +77,7 @@ fn start(
             frame_buffers(),
         ));
     };
-    let (controller, next_sequence) = crate::state::decode(state)?;
+    let (controller, next_sequence) = atas_controller_state::decode(state)?;
     Ok(Replay::resume(controller, next_sequence, frame_buffers()))
 }
 

@@ -1,12 +1,12 @@
 //! Production controller that runs beside a recorder. The recorder saves its state at the start of
 //! each file, so that the file can be replayed alone.
 
+use atas_controller_state::encode;
 use atas_core::record::Replay;
 use atas_recording::Follower;
 use shm_schemas::{HandFrame, RunHeader, TickInputs};
 
 use crate::replay::{frame_buffers, initial_controller};
-use crate::state::encode;
 
 /// Production controller that replays a run while it is recorded.
 #[derive(Debug, Default)]

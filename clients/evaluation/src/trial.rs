@@ -9,13 +9,13 @@ use shm_schemas::GoalRequest;
 use sim_backend::random::{split_mix, trial_seed};
 use sim_backend::{Scene, World};
 
+use crate::Task;
 use crate::drawn::Drawn;
 use crate::finding::{Finding, evaluate};
 use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
 use crate::sensor_variant::SensorVariant;
-use crate::task::Task;
 
 /// Derives the noise-scale seed from the trial's seed. The value is arbitrary.
 const NOISE_STREAM: u64 = 0x6e_6f69_7365;

@@ -4,7 +4,8 @@
 
 use atas_core::Settings;
 use atas_evaluation::Task;
-use atas_evaluation::offline::{OfflineRun, grasp_goal};
+use atas_evaluation::goals::grasp_goal;
+use atas_evaluation::offline::OfflineRun;
 use robot_model::{HandSide, RobotModel};
 use shm_schemas::ModuleId;
 use sim_backend::{Object, Scene};

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use atas_evaluation::{GripPolicy, Plan, Report, Task, trial_seed};
+use atas_evaluation::{GripPolicy, Plan, Report, Task, conditions, trial_seed};
 use serde_json::Value;
 use sim_backend::Object;
 
@@ -16,7 +16,7 @@ fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
         objects: objects.iter().map(object).collect(),
         trials: 2 * objects.len() as u64,
         first_seed: 1,
-        conditions: vec![task.conditions().swap_remove(0)],
+        conditions: vec![conditions(task).swap_remove(0)],
         baselines: Vec::new(),
         compare_everywhere: false,
         threads,

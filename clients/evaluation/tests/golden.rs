@@ -9,7 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use atas_evaluation::{Condition, GripPolicy, Plan, Task, TrialRow, seeds};
+use atas_evaluation::{
+    Condition, GripPolicy, Plan, Task, TrialRow, conditions, error_conditions, seeds,
+};
 use robot_model::{RobotFiles, SHIPPED, TWO_HAND_ARM};
 use shm_schemas::layout::NamedLayout;
 use sim_backend::Object;
@@ -91,7 +93,7 @@ impl Series {
         Self {
             skin: skin.map(|name| name.parse().expect("a layout")),
             robot,
-            ..Self::usual(Task::Grasp, Task::Grasp.conditions().swap_remove(0))
+            ..Self::usual(Task::Grasp, conditions(Task::Grasp).swap_remove(0))
         }
     }
 
@@ -147,7 +149,7 @@ fn table_trials_reproduce() {
     let kept = columns(golden("all.csv").as_bytes());
     for task in Task::ALL {
         // Assembly baselines are too slow for this test.
-        let usual = task.conditions().swap_remove(0);
+        let usual = conditions(task).swap_remove(0);
         Series::usual(task, usual).check(&kept, task != Task::Assembly);
     }
 }
@@ -156,7 +158,7 @@ fn table_trials_reproduce() {
 fn slow_sensor_trials_reproduce() {
     let kept = columns(golden("all.csv").as_bytes());
     for task in [Task::Grasp, Task::PickPlace] {
-        let slow = task.conditions().into_iter().filter(|c| c.rate_hz < 1000);
+        let slow = conditions(task).into_iter().filter(|c| c.rate_hz < 1000);
         for condition in slow {
             Series::usual(task, condition).check(&kept, false);
         }
@@ -167,7 +169,7 @@ fn slow_sensor_trials_reproduce() {
 fn error_trials_reproduce() {
     let kept = columns(golden("errors.csv").as_bytes());
     for task in [Task::Grasp, Task::PickPlace, Task::Screw] {
-        for condition in task.error_conditions() {
+        for condition in error_conditions(task) {
             Series::usual(task, condition).check(&kept, false);
         }
     }

@@ -1,8 +1,9 @@
 //! Regression tests with objects outside all families: whole tasks in process.
 
 use atas_core::Settings;
+use atas_evaluation::goals::{grasp_goal, pick_place_goal};
 use atas_evaluation::judge::Outcome;
-use atas_evaluation::offline::{OfflineRun, Trial, grasp_goal, pick_place_goal};
+use atas_evaluation::offline::{OfflineRun, Trial};
 use robot_model::{HandSide, RobotModel};
 use shm_schemas::{Cause, GoalState};
 use sim_backend::{Object, Scene};

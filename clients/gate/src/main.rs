@@ -19,7 +19,7 @@ use clap::Parser;
 
 /// Runs `atas` for members of group atas, as far as access.group of the configuration permits
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, long_version = shm_bus::long_version())]
 struct Args {
     /// Configuration file; repeatable, later files win [default: /etc/atas/atas.toml and
     /// /etc/atas/conf.d/*.toml]

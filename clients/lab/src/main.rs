@@ -1,8 +1,8 @@
 //! `atas-lab`: laboratory commands of `atas`, those that need the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|plot|robot|explain|calibrate|bench|record|replay ─▶ atas-lab
-//!   ├─ demo ────▶ starts atasd and atas-sim on a new bus, sends the goal, evaluates the result
+//!  atas demo|eval|plot|robot|explain|calibrate|bench|record|replay|diff|export ─▶ atas-lab
+//!   ├─ demo ────▶ runs a robot team, or with atas-demo one robot, and evaluates the result
 //!   ├─ eval ────▶ runs atas-evaluation on all cores
 //!   ├─ plot ────▶ draws recorded runs or an offline run
 //!   ├─ robot ───▶ prints model, workspace and capabilities of a robot
@@ -10,6 +10,7 @@
 //!   ├─ calibrate ▶ fits a sensor calibration to recorded presses
 //!   ├─ bench ───▶ measures this machine, cyclictest and other transports
 //!   ├─ record ──▶ records with atas-recording and a shadow controller
+//!   ├─ record check|repair, diff, export ─▶ atas-recording
 //!   └─ replay ──▶ runs the production controller on a recording
 //! ```
 //!
@@ -28,12 +29,13 @@ mod explain;
 mod picture;
 mod plot;
 mod record;
+mod recordings;
 mod replay;
 mod robot;
 
 use std::process::ExitCode;
 
-use atas_console::arguments::Command;
+use atas_console::arguments::{Command, RecordAction};
 use atas_console::{Exit, ExitError, Interrupt, Output};
 
 fn main() -> ExitCode {
@@ -55,6 +57,16 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
             action: None,
             options,
         } => record::record(options, interrupt, output),
+        Command::Record {
+            action: Some(RecordAction::Check { file }),
+            ..
+        } => recordings::check(file, output),
+        Command::Record {
+            action: Some(RecordAction::Repair { file, out }),
+            ..
+        } => recordings::repair(file, out.as_deref(), output),
+        Command::Diff { first, second } => recordings::diff(first, second, output),
+        Command::Export(arguments) => recordings::export(arguments, interrupt, output),
         Command::Replay { files } => replay::replay(files, output),
         _ => Err(ExitError::with_code(
             Exit::Usage,

@@ -1,10 +1,12 @@
-//! `atas-live`: observation in a browser or in Foxglove.
+//! `atas-live`: observation in a terminal, a browser or Foxglove, and teleoperation.
 //!
 //! ```text
 //!  bus ─▶ observe (a thread) ─▶ Feed ─▶ server ─▶ page    live: pictures, events, faults
 //!  recording ─▶ shelf ────────────────▶ server ─▶ page    recorded: the same pictures, by number
 //!  bus ─▶ foxglove ─▶ ROS 2 messages over a WebSocket     live, for custom layouts
 //!  page ─▶ server ─ guard ─▶ control ─▶ bus               stop and recovery, with a token
+//!  bus ─▶ top ─▶ terminal                                 live: forces, modules, timing
+//!  keyboard or file ─▶ teleop ─▶ bus                      stream of targets
 //! ```
 //!
 //! * **In:** non-real-time streams of the daemon, or a recording; files of the robot. **Out:** a
@@ -12,7 +14,7 @@
 //! * **Invariants:** the process does not take part in the 1 kHz loop. The server answers only its
 //!   own pages on this machine and loads nothing from elsewhere. Changes need the token. A page
 //!   that does not read costs a bounded amount of memory.
-//! * **Not included:** goals and parameters; they are in `atas`.
+//! * **Not included:** goals other than teleoperation, and parameters; they are in `atas`.
 
 mod arena;
 mod control;
@@ -21,6 +23,7 @@ mod faults;
 mod feed;
 mod foxglove;
 mod guard;
+mod keys;
 mod observe;
 mod page;
 mod picture;
@@ -28,6 +31,8 @@ mod polling;
 mod recorded;
 mod scene;
 mod server;
+mod teleop;
+mod top;
 
 use std::process::ExitCode;
 
@@ -42,9 +47,11 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
     match command {
         Command::Dashboard(arguments) => server::dashboard(arguments, interrupt, output),
         Command::Foxglove(arguments) => foxglove::foxglove(arguments, interrupt, output),
+        Command::Teleop(arguments) => teleop::teleop(arguments, interrupt, output),
+        Command::Top(bus) => top::top(bus, interrupt),
         _ => Err(ExitError::with_code(
             Exit::Usage,
-            "this program runs the observer commands only; run `atas` instead",
+            "this program runs dashboard, foxglove, teleop and top only; run `atas` instead",
         )),
     }
 }

@@ -60,6 +60,7 @@ mod _native {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("abi", shm_bus::Abi::current().to_string())?;
         module.add("FINGERS", shm_schemas::capacity::FINGERS)?;
         module.add("ELEMENTS", shm_schemas::capacity::ELEMENTS)?;
         let joint_names = super::robot::joint_names()?;

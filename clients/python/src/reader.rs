@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
-use shm_bus::Subscriber;
+use shm_bus::{StreamPayload, Subscriber};
 use shm_schemas::{Payload, Stamp};
 use zerocopy::FromBytes;
 
@@ -109,7 +109,7 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
-    pub(crate) fn new<T: Payload + Send + Sync>(
+    pub(crate) fn new<T: StreamPayload + Send + Sync>(
         bus: &shm_bus::Bus,
         service: &str,
     ) -> PyResult<Self> {

@@ -3,9 +3,8 @@
 use atas_client::GoalProgress;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use atas_core::{OperatorRequest, Outputs, Settings};
-use atas_evaluation::offline::{
-    OfflineRun, assemble_goal, grasp_goal, pick_place_goal, screw_goal,
-};
+use atas_evaluation::goals::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
+use atas_evaluation::offline::OfflineRun;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -129,4 +129,5 @@ def test_invalid_arguments_are_rejected(arguments: dict[str, Any], says: str) ->
 
 def test_import_registers_environments() -> None:
     assert atas.__version__
+    assert atas.abi.startswith("v")
     assert all(name in gymnasium.registry for name in NAMES)

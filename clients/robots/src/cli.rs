@@ -86,7 +86,7 @@ Example:
 
 /// Drives real servos as the daemon's robot.
 #[derive(Debug, Parser)]
-#[command(name = "atas-robot", version, after_help = format!("{AFTER}\n\n{}", Exit::TABLE), arg_required_else_help = true)]
+#[command(name = "atas-robot", version, long_version = shm_bus::long_version(), after_help = format!("{AFTER}\n\n{}", Exit::TABLE), arg_required_else_help = true)]
 pub struct Arguments {
     /// Subcommand.
     #[command(subcommand)]

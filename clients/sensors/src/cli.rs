@@ -252,6 +252,7 @@ pub fn command() -> Command {
     // This call replaces the description, so it must precede `about`.
     Tool::augment_subcommands(command)
         .version(env!("CARGO_PKG_VERSION"))
+        .long_version(shm_bus::long_version())
         .about("Reads real tactile sensors and publishes their frames")
         .after_help(format!("{AFTER}\n\n{}", Exit::TABLE))
         .subcommand_required(true)

@@ -72,3 +72,8 @@ pub use mode::ModeMachine;
 pub use sensor_setup::{HandSensorSetup, SensorSetup};
 pub use settings::Settings;
 pub use tick::{Stage, Tick};
+
+/// Tests of the programs in the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -54,3 +54,8 @@ pub fn run<E: Display>(
         }
     }
 }
+
+/// Tests of the programs in the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

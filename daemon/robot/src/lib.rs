@@ -128,3 +128,8 @@ pub use transform::Transform;
 pub use urdf::{ModelError, ModelFile, ModelProblem};
 pub use vector::{HandVector, JointVector, RobotVector};
 pub use workspace::Workspace;
+
+/// Tests of the programs in the README.
+#[cfg(all(doctest, feature = "std"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

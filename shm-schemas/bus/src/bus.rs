@@ -2,20 +2,29 @@
 
 use std::path::Path;
 use std::rc::Rc;
+use std::time::Duration;
 
 use crate::clean;
+use crate::clock::now_ns;
 use crate::error::BusError;
 use crate::folder::Folder;
 use crate::leftovers;
 use crate::location::Location;
+use crate::lock::{FileLock, OWNER_LOCK};
 use crate::log;
 use crate::member::Member;
 use crate::name::BusName;
 use crate::node::{self, Realtime};
+use crate::opaque::Opaque;
 use crate::owner::OwnerLock;
 use crate::peer::Peer;
 use crate::shortage::{self, require_space, require_stack};
 use crate::startup::StartupLock;
+use crate::version;
+
+/// Longest time between taking the ownership of a bus and joining it. Design choice: a daemon needs
+/// about 20 ms.
+const START_MAX: Duration = Duration::from_secs(2);
 
 /// Connection of one thread to a bus: opens ports, lists peers, removes dead ones.
 ///
@@ -37,8 +46,8 @@ impl Bus {
     /// `role` identifies the process to others, for example `atasd` or `sensor-left`.
     ///
     /// # Errors
-    /// The bus's folder is not private, `/dev/shm` is full, another process blocks the start-up, or
-    /// iceoryx2 fails.
+    /// The bus's folder is not private, `/dev/shm` is full, another process blocks the start-up,
+    /// iceoryx2 fails, or processes of another ABI use the bus ([`BusError::OtherVersion`]).
     pub fn open(name: &BusName, role: &str, realtime: Realtime) -> Result<Self, BusError> {
         require_stack("the bus")?;
         let folder = Folder::for_bus(name)?;
@@ -82,7 +91,7 @@ impl Bus {
             member: Rc::new(Member {
                 location: place,
                 realtime,
-                node,
+                node: Opaque::new(node),
                 role: role.to_owned(),
             }),
         })
@@ -158,19 +167,53 @@ impl Bus {
 /// lock.
 fn prepare_location(folder: &Folder) -> Result<Location, BusError> {
     let Some(place) = Location::read(folder)? else {
-        return Location::create(folder);
+        return create_location(folder);
     };
+    let other = version::other_version(folder)?;
     leftovers::remove_unfinished(&place);
-    if Peer::list(&place, &place.config()?)?
-        .iter()
-        .any(|peer| peer.alive)
-    {
-        return Ok(place);
+    let mut peers = Peer::list(&place, &place.config()?)?;
+    peers.retain(|peer| peer.alive);
+    let Some(creator) = other else {
+        return match peers.is_empty() {
+            true => renew(folder, &place),
+            false => Ok(place),
+        };
+    };
+    let mut users: Vec<String> = peers.iter().map(Peer::to_string).collect();
+    // Another release of iceoryx2 may not list the nodes of the daemon.
+    users.extend(daemon(folder).filter(|_| peers.is_empty()));
+    if users.is_empty() {
+        return renew(folder, &place);
     }
-    let removed = leftovers::remove_all(&place);
+    Err(BusError::OtherVersion {
+        bus: folder.bus.to_string(),
+        creator,
+        peers: users.join(", "),
+        program: version::bus_version(),
+    })
+}
+
+/// A new location after removing the files of former processes.
+fn renew(folder: &Folder, place: &Location) -> Result<Location, BusError> {
+    let removed = leftovers::remove_all(place);
     if removed > 0 {
         tracing::info!(bus = %place.bus(), removed, "no process was on the bus; removed the files \
             of former processes");
     }
+    create_location(folder)
+}
+
+/// Stores the version before the prefix: a bus with a prefix has a version, even after a kill.
+fn create_location(folder: &Folder) -> Result<Location, BusError> {
+    version::store(folder)?;
     Location::create(folder)
+}
+
+/// Another process that has owned the bus for longer than a start-up takes. A younger owner may not
+/// have joined yet: the version in the folder then belongs to former processes.
+fn daemon(folder: &Folder) -> Option<String> {
+    let owner = FileLock::holder(folder, OWNER_LOCK)?;
+    let owned = Duration::from_nanos(now_ns().saturating_sub(owner.since_ns));
+    let is_other = owner.pid != std::process::id() && owned > START_MAX;
+    is_other.then(|| format!("{} (process {})", owner.role, owner.pid))
 }

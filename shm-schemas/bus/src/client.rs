@@ -16,6 +16,7 @@ use crate::error::BusError;
 use crate::exchange::{Exchange, Factory, PATTERN, debug_by_service};
 use crate::member::Member;
 use crate::node::Ipc;
+use crate::opaque::Opaque;
 use crate::refusal::{loan_text, send_text};
 use crate::shortage::{require_space, require_stack};
 
@@ -24,14 +25,14 @@ use crate::shortage::{require_space, require_stack};
 const LIVENESS_INTERVAL: Duration = Duration::from_millis(250);
 
 pub(crate) struct Client<Q: Payload, A: Payload> {
-    port: IoxClient<Ipc, Q, (), A, ()>,
+    port: Opaque<IoxClient<Ipc, Q, (), A, ()>>,
     member: Rc<Member>,
     exchange: Exchange,
 }
 
 /// Open request of a client. Dropping it informs the server.
 pub(crate) struct Pending<Q: Payload, A: Payload> {
-    response: PendingResponse<Ipc, Q, (), A, ()>,
+    response: Opaque<PendingResponse<Ipc, Q, (), A, ()>>,
     member: Rc<Member>,
     service: &'static str,
     last_cleanup: Cell<Instant>,
@@ -58,7 +59,7 @@ impl Bus {
         let factory = member.open_exchange::<Q, A>(exchange)?;
         match member.open_with_recovery(service, PATTERN, || create_client(&factory)) {
             Ok(port) => Ok(Client {
-                port,
+                port: Opaque::new(port),
                 member: Rc::clone(member),
                 exchange,
             }),
@@ -93,7 +94,7 @@ impl<Q: Payload, A: Payload> Client<Q, A> {
         };
         match loan.send() {
             Ok(response) if response.number_of_server_connections() > 0 => Ok(Pending {
-                response,
+                response: Opaque::new(response),
                 member: Rc::clone(&self.member),
                 service,
                 last_cleanup: Cell::new(Instant::now()),

@@ -163,6 +163,21 @@ pub enum BusError {
         /// Other user.
         user: String,
     },
+    /// Bus of another ABI.
+    #[error(
+        "could not join the bus {bus:?}: it was created by {creator} and is in use by {peers}, \
+         this program is {program}; install the same version of both, then restart them"
+    )]
+    OtherVersion {
+        /// Bus name.
+        bus: String,
+        /// Version of the program that created the bus.
+        creator: String,
+        /// Roles and process ids of the peers.
+        peers: String,
+        /// Version of this program.
+        program: String,
+    },
     /// Failed send.
     #[error("could not send on {service}: {why}; restart this process")]
     Send {

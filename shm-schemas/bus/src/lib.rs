@@ -18,6 +18,8 @@
 //! * All files belong to one user. Other users cannot attach, cannot plant files that the bus would
 //!   use, and cannot open a file while it is being created (`folder.rs`, `location.rs`, `node.rs`).
 //! * [`Bus::join`] creates nothing if the bus does not exist.
+//! * A process of another ABI does not join; the error names both versions (`version.rs`,
+//!   `tests/versions.rs`).
 //! * A stop request reaches the daemon in every state of the bus ([`stop`], `tests/stop.rs`).
 //! * Set-up happens under the bus's start-up lock. An unfinished file found under the lock was left
 //!   by a killed process and is removed (`leftovers.rs`, `tests/crash.rs`).
@@ -68,7 +70,9 @@ mod log;
 mod member;
 mod name;
 mod node;
+mod opaque;
 mod owner;
+mod payload;
 mod peer;
 mod port_count;
 mod publisher;
@@ -81,6 +85,7 @@ pub mod stop;
 mod stream;
 mod subscriber;
 mod user;
+mod version;
 
 pub use bus::Bus;
 pub use clock::{now_ns, writer_epoch};
@@ -92,11 +97,18 @@ pub use goal::{ActiveGoal, GoalClient, GoalServer, PendingGoal};
 pub use name::BusName;
 pub use node::Realtime;
 pub use owner::{Owner, OwnerLock};
+pub use payload::StreamPayload;
 pub use peer::Peer;
 pub use port_count::PortCount;
 pub use publisher::Publisher;
 pub use qos::{BORROWED_MAX, STREAMS, Stream};
 pub use subscriber::Subscriber;
+pub use version::{Abi, long_version};
 
 /// All request-response services.
 pub const EXCHANGES: [Exchange; 2] = [goal::EXCHANGE, control::EXCHANGE];
+
+/// Tests of the programs in the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

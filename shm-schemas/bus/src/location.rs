@@ -21,6 +21,8 @@ use crate::user::uid;
 
 /// File in the bus's folder that contains the prefix.
 pub(crate) const PREFIX: &str = "prefix";
+/// File in the bus's folder with the version of the program that created the bus.
+pub(crate) const VERSION_FILE: &str = "version";
 
 /// Location of one bus during one life.
 #[derive(Clone, Debug)]
@@ -48,11 +50,7 @@ impl Location {
     /// bus.
     pub(crate) fn create(folder: &Folder) -> Result<Self, BusError> {
         let prefix = format!("{}_{:016x}_", folder.bus, nonce());
-        // Writes to a temporary name first, so that the final file is always complete.
-        let (path, new) = (folder.path.join(PREFIX), folder.path.join("prefix.new"));
-        write(&new, &prefix)
-            .and_then(|()| fs::rename(&new, &path))
-            .map_err(BusError::io("write", &path))?;
+        replace(folder, PREFIX, &prefix)?;
         Ok(Self {
             folder: folder.clone(),
             prefix,
@@ -111,6 +109,16 @@ fn is_prefix(text: &str, bus: &BusName) -> bool {
         .and_then(|rest| rest.strip_prefix('_'))
         .and_then(|rest| rest.strip_suffix('_'));
     drawn.is_some_and(|drawn| drawn.len() == 16 && drawn.bytes().all(|b| b.is_ascii_hexdigit()))
+}
+
+/// Writes a file of the folder. Writes to a temporary name first, so that the final file is always
+/// complete.
+pub(crate) fn replace(folder: &Folder, name: &str, text: &str) -> Result<(), BusError> {
+    let path = folder.path.join(name);
+    let new = folder.path.join(format!("{name}.new"));
+    write(&new, text)
+        .and_then(|()| fs::rename(&new, &path))
+        .map_err(BusError::io("write", &path))
 }
 
 fn write(path: &Path, text: &str) -> io::Result<()> {

@@ -11,6 +11,7 @@ use crate::error::BusError;
 use crate::leftovers;
 use crate::location::Location;
 use crate::node::{Ipc, Realtime};
+use crate::opaque::Opaque;
 use crate::peer::Peer;
 use crate::refusal::{Cause, Refusal};
 use crate::shortage;
@@ -23,7 +24,7 @@ const TRANSIENT_MAX: Duration = Duration::from_millis(50);
 pub(crate) struct Member {
     pub(crate) location: Location,
     pub(crate) realtime: Realtime,
-    pub(crate) node: Node<Ipc>,
+    pub(crate) node: Opaque<Node<Ipc>>,
     pub(crate) role: String,
 }
 

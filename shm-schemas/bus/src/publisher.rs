@@ -16,30 +16,26 @@ use crate::error::BusError;
 use crate::node::{Ipc, Realtime};
 use crate::qos::Stream;
 use crate::refusal::{loan_text, send_text};
-use crate::shortage::{require_space, require_stack};
-use crate::stream::{Factory, PATTERN, degradation_action, find_stream};
+use crate::shortage::require_space;
+use crate::stream::{Factory, PATTERN, degradation_action};
 
 /// Writer of one stream.
-pub struct Publisher<T: Payload> {
-    port: IoxPublisher<Ipc, T, ()>,
+pub struct Publisher<T> {
+    port: Box<dyn WritePort<T>>,
     stream: &'static Stream,
 }
 
-impl Bus {
-    /// Opens a writer of a stream in [`crate::STREAMS`].
-    ///
-    /// # Errors
-    /// [`BusError::Taken`], naming the process, if the stream has its writer already;
-    /// [`BusError::NoSpace`] if `/dev/shm` is too full.
-    pub fn publisher<T: Payload>(&self, service: &str) -> Result<Publisher<T>, BusError> {
-        let stream = find_stream::<T>(service)?;
-        require_stack(stream.service)?;
-        self.make_publisher(stream)
-    }
+/// Write port of iceoryx2. Errors are causes.
+trait WritePort<T> {
+    fn send(&self, payload: &T) -> Result<(), &'static str>;
+    fn send_with(&self, fill: &mut dyn FnMut(&mut T)) -> Result<(), &'static str>;
+    fn connect_readers(&self) -> Result<(), &'static str>;
+}
 
-    /// Not inlined: uses its stack after [`require_stack`].
+impl Bus {
+    /// Not inlined: uses its stack after [`crate::shortage::require_stack`].
     #[inline(never)]
-    fn make_publisher<T: Payload>(
+    pub(crate) fn make_publisher<T: Payload>(
         &self,
         stream: &'static Stream,
     ) -> Result<Publisher<T>, BusError> {
@@ -49,7 +45,10 @@ impl Bus {
         let factory = member.open_stream::<T>(stream)?;
         let create = || create_publisher(&factory, member.realtime);
         match member.open_with_recovery(stream.service, PATTERN, create) {
-            Ok(port) => Ok(Publisher { port, stream }),
+            Ok(port) => Ok(Publisher {
+                port: Box::new(port),
+                stream,
+            }),
             Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
                 Err(member.taken_error(stream.service, first_publisher(&factory)))
             }
@@ -81,17 +80,36 @@ fn create_publisher<T: Payload>(
         .create()
 }
 
-impl<T: Payload> Publisher<T> {
+impl<T: Payload> WritePort<T> for IoxPublisher<Ipc, T, ()> {
+    fn send(&self, payload: &T) -> Result<(), &'static str> {
+        let sample = self.loan_uninit().map_err(loan_text)?;
+        checked(sample.write_payload(*payload).send())
+    }
+
+    fn send_with(&self, fill: &mut dyn FnMut(&mut T)) -> Result<(), &'static str> {
+        let sample = self.loan_uninit().map_err(loan_text)?;
+        let mut sample = sample.write_payload(T::new_zeroed());
+        fill(sample.payload_mut());
+        checked(sample.send())
+    }
+
+    fn connect_readers(&self) -> Result<(), &'static str> {
+        self.update_connections()
+            .map_err(|_| "a reader cannot be reached")
+    }
+}
+
+fn checked(sent: Result<usize, SendError>) -> Result<(), &'static str> {
+    sent.map(|_readers| ()).map_err(send_text)
+}
+
+impl<T> Publisher<T> {
     /// Sends a copy of a payload to every reader. Never waits.
     ///
     /// # Errors
     /// [`BusError::Send`] if the shared memory of this process or of a reader is damaged.
     pub fn send(&self, payload: &T) -> Result<(), BusError> {
-        let sample = self
-            .port
-            .loan_uninit()
-            .map_err(|e| self.send_error(loan_text(e)))?;
-        self.check_sent(sample.write_payload(*payload).send())
+        self.port.send(payload).map_err(|why| self.send_error(why))
     }
 
     /// Fills a zeroed payload in place and sends it. Never waits.
@@ -99,13 +117,15 @@ impl<T: Payload> Publisher<T> {
     /// # Errors
     /// As [`Publisher::send`].
     pub fn send_with(&self, fill: impl FnOnce(&mut T)) -> Result<(), BusError> {
-        let sample = self
-            .port
-            .loan_uninit()
-            .map_err(|e| self.send_error(loan_text(e)))?;
-        let mut sample = sample.write_payload(T::new_zeroed());
-        fill(sample.payload_mut());
-        self.check_sent(sample.send())
+        let mut fill = Some(fill);
+        let mut fill_once = |payload: &mut T| {
+            if let Some(fill) = fill.take() {
+                fill(payload);
+            }
+        };
+        self.port
+            .send_with(&mut fill_once)
+            .map_err(|why| self.send_error(why))
     }
 
     /// Delivers the history to readers that joined since the last payload. Needed by streams with
@@ -115,13 +135,8 @@ impl<T: Payload> Publisher<T> {
     /// [`BusError::Send`] if a reader cannot be reached.
     pub fn connect_readers(&self) -> Result<(), BusError> {
         self.port
-            .update_connections()
-            .map_err(|_| self.send_error("a reader cannot be reached"))
-    }
-
-    fn check_sent(&self, sent: Result<usize, SendError>) -> Result<(), BusError> {
-        sent.map(|_readers| ())
-            .map_err(|e| self.send_error(send_text(e)))
+            .connect_readers()
+            .map_err(|why| self.send_error(why))
     }
 
     fn send_error(&self, why: &'static str) -> BusError {
@@ -132,7 +147,7 @@ impl<T: Payload> Publisher<T> {
     }
 }
 
-impl<T: Payload> fmt::Debug for Publisher<T> {
+impl<T> fmt::Debug for Publisher<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Publisher({})", self.stream.service)
     }

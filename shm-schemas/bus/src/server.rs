@@ -15,17 +15,18 @@ use crate::bus::Bus;
 use crate::error::BusError;
 use crate::exchange::{Exchange, Factory, PATTERN, debug_by_service};
 use crate::node::Ipc;
+use crate::opaque::Opaque;
 use crate::refusal::{loan_text, send_text};
 use crate::shortage::{require_space, require_stack};
 
 pub(crate) struct Server<Q: Payload, A: Payload> {
-    port: IoxServer<Ipc, Q, (), A, ()>,
+    port: Opaque<IoxServer<Ipc, Q, (), A, ()>>,
     service: &'static str,
 }
 
 /// Open request at the server. Dropping it ends the exchange.
 pub(crate) struct Request<Q: Payload, A: Payload> {
-    request: ActiveRequest<Ipc, Q, (), A, ()>,
+    request: Opaque<ActiveRequest<Ipc, Q, (), A, ()>>,
     service: &'static str,
 }
 
@@ -49,7 +50,10 @@ impl Bus {
         require_space(service, 0)?;
         let factory = member.open_exchange::<Q, A>(exchange)?;
         match member.open_with_recovery(service, PATTERN, || create_server(&factory)) {
-            Ok(port) => Ok(Server { port, service }),
+            Ok(port) => Ok(Server {
+                port: Opaque::new(port),
+                service,
+            }),
             Err(ServerCreateError::ExceedsMaxSupportedServers) => {
                 Err(member.taken_error(service, first_server(&factory)))
             }
@@ -85,7 +89,7 @@ impl<Q: Payload, A: Payload> Server<Q, A> {
             why: "a client's shared memory cannot be opened",
         };
         Ok(received.map_err(failed)?.map(|request| Request {
-            request,
+            request: Opaque::new(request),
             service: self.service,
         }))
     }

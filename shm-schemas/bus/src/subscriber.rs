@@ -10,30 +10,28 @@ use crate::bus::Bus;
 use crate::error::BusError;
 use crate::node::{Ipc, Realtime};
 use crate::qos::Stream;
-use crate::shortage::{require_space, require_stack};
-use crate::stream::{Factory, PATTERN, degradation_action, find_stream};
+use crate::shortage::require_space;
+use crate::stream::{Factory, PATTERN, degradation_action};
 
 /// Reader of one stream.
-pub struct Subscriber<T: Payload> {
-    port: IoxSubscriber<Ipc, T, ()>,
+pub struct Subscriber<T> {
+    port: Box<dyn ReadPort<T>>,
     stream: &'static Stream,
 }
 
-impl Bus {
-    /// Opens a reader of a stream in [`crate::STREAMS`]. Writers may start and end at any time.
-    ///
-    /// # Errors
-    /// [`BusError::Full`] if all reader slots are taken; [`BusError::NoSpace`] if `/dev/shm` is too
-    /// full.
-    pub fn subscriber<T: Payload>(&self, service: &str) -> Result<Subscriber<T>, BusError> {
-        let stream = find_stream::<T>(service)?;
-        require_stack(stream.service)?;
-        self.make_subscriber(stream)
-    }
+/// Read port of iceoryx2.
+trait ReadPort<T> {
+    /// Copies the newest of at most `max` payloads into `out`. Returns false if there is none.
+    fn newest(&self, max: usize, out: &mut T) -> Result<bool, ReceiveError>;
+    /// Passes at most `max` payloads to `each` and returns their number.
+    fn drain(&self, max: usize, each: &mut dyn FnMut(&T)) -> Result<usize, ReceiveError>;
+    fn has_payload(&self) -> bool;
+}
 
-    /// Not inlined: uses its stack after [`require_stack`].
+impl Bus {
+    /// Not inlined: uses its stack after [`crate::shortage::require_stack`].
     #[inline(never)]
-    fn make_subscriber<T: Payload>(
+    pub(crate) fn make_subscriber<T: Payload>(
         &self,
         stream: &'static Stream,
     ) -> Result<Subscriber<T>, BusError> {
@@ -43,7 +41,10 @@ impl Bus {
         let factory = member.open_stream::<T>(stream)?;
         let create = || create_subscriber(&factory, member.realtime);
         match member.open_with_recovery(stream.service, PATTERN, create) {
-            Ok(port) => Ok(Subscriber { port, stream }),
+            Ok(port) => Ok(Subscriber {
+                port: Box::new(port),
+                stream,
+            }),
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => Err(BusError::Full {
                 service: stream.service,
                 what: "readers",
@@ -65,22 +66,43 @@ fn create_subscriber<T: Payload>(
         .create()
 }
 
-impl<T: Payload> Subscriber<T> {
+impl<T: Payload> ReadPort<T> for IoxSubscriber<Ipc, T, ()> {
+    fn newest(&self, max: usize, out: &mut T) -> Result<bool, ReceiveError> {
+        let mut newest = None;
+        for _ in 0..max {
+            match self.receive()? {
+                Some(sample) => newest = Some(sample),
+                None => break,
+            }
+        }
+        Ok(newest.map(|sample| *out = *sample).is_some())
+    }
+
+    fn drain(&self, max: usize, each: &mut dyn FnMut(&T)) -> Result<usize, ReceiveError> {
+        for count in 0..max {
+            match self.receive()? {
+                Some(sample) => each(&sample),
+                None => return Ok(count),
+            }
+        }
+        Ok(max)
+    }
+
+    fn has_payload(&self) -> bool {
+        self.has_samples().unwrap_or(false)
+    }
+}
+
+impl<T> Subscriber<T> {
     /// Copies the newest payload into `out` and drops older ones. Returns false, with `out`
     /// unchanged, if there is none. Never waits, never allocates.
     ///
     /// # Errors
     /// [`BusError::Receive`] if the shared memory of a writer cannot be read.
     pub fn newest(&mut self, out: &mut T) -> Result<bool, BusError> {
-        let mut newest = None;
         // Bounded, so that a flooding writer cannot block the reader.
-        for _ in 0..self.capacity() {
-            match self.port.receive().map_err(|e| self.receive_error(&e))? {
-                Some(sample) => newest = Some(sample),
-                None => break,
-            }
-        }
-        Ok(newest.map(|sample| *out = *sample).is_some())
+        let newest = self.port.newest(self.capacity(), out);
+        newest.map_err(|e| self.receive_error(&e))
     }
 
     /// Passes at most `max` payloads to `each`, oldest first, and drops them. Returns their number.
@@ -106,20 +128,15 @@ impl<T: Payload> Subscriber<T> {
     /// # Ok::<(), shm_bus::BusError>(())
     /// ```
     pub fn drain(&mut self, max: usize, mut each: impl FnMut(&T)) -> Result<usize, BusError> {
-        for count in 0..max {
-            match self.port.receive().map_err(|e| self.receive_error(&e))? {
-                Some(sample) => each(&sample),
-                None => return Ok(count),
-            }
-        }
-        Ok(max)
+        let count = self.port.drain(max, &mut each);
+        count.map_err(|e| self.receive_error(&e))
     }
 
     /// Returns true if a payload is waiting; false if the writer cannot be read. Never waits, never
     /// allocates.
     #[must_use]
     pub fn has_payload(&self) -> bool {
-        self.port.has_samples().unwrap_or(false)
+        self.port.has_payload()
     }
 
     fn capacity(&self) -> usize {
@@ -138,7 +155,7 @@ impl<T: Payload> Subscriber<T> {
     }
 }
 
-impl<T: Payload> fmt::Debug for Subscriber<T> {
+impl<T> fmt::Debug for Subscriber<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Subscriber({})", self.stream.service)
     }

@@ -1,6 +1,6 @@
 //! Fingerprint of a field.
 
-use sha2::{Digest, Sha256};
+use hmac_sha256::Hash;
 
 use crate::preset::{Contact, Corner, Goals, Preset, Push, Start};
 
@@ -12,7 +12,7 @@ impl Preset {
     /// list positions, obstacles and noise only if present.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
-        let mut hash = Sha256::new();
+        let mut hash = Hash::new();
         let mut add = |value: f32| hash.update(value.to_bits().to_le_bytes());
         add(self.agent_radius_px);
         add(self.object_radius_px);
@@ -59,11 +59,8 @@ impl Preset {
             add(self.noise.sensor_flips_per_1024.into());
             add(self.noise.wheel_slips_per_1024.into());
         }
-        let digest = hash.finalize();
-        let first = digest
-            .first_chunk()
-            .map_or(0, |bytes| u64::from_le_bytes(*bytes));
-        first.max(1)
+        let [a, b, c, d, e, f, g, h, ..] = hash.finalize();
+        u64::from_le_bytes([a, b, c, d, e, f, g, h]).max(1)
     }
 
     /// Numbers of walls and posts, each list after its length; empty without obstacles.

@@ -2,7 +2,8 @@
 //! process.
 
 use atas_core::Settings;
-use atas_evaluation::offline::{OfflineRun, grasp_goal};
+use atas_evaluation::goals::grasp_goal;
+use atas_evaluation::offline::OfflineRun;
 use robot_model::{HandSide, RobotModel};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{GoalRequest, GoalState, TickReport, service};

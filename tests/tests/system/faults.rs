@@ -47,7 +47,7 @@ impl Rig {
     fn grasp(&self) -> shm_bus::PendingGoal {
         let scene = Scene::grasp(Object::built_in("wood").expect("built in"), HandSide::Right);
         let hint = scene.grasp_hint(0).expect("an object");
-        let goal = atas_evaluation::offline::grasp_goal(&hint, HandSide::Right, 0.03, 20.0);
+        let goal = atas_evaluation::goals::grasp_goal(&hint, HandSide::Right, 0.03, 20.0);
         let client = self.observer.goal_client().expect("a client");
         wait_for("a daemon that accepts", || {
             let mut pending = client.send(&goal).ok()?;
@@ -56,7 +56,7 @@ impl Rig {
         })
     }
 
-    fn subscribe<T: shm_schemas::Payload>(&self, service: &str) -> Subscriber<T> {
+    fn subscribe<T: shm_bus::StreamPayload>(&self, service: &str) -> Subscriber<T> {
         self.observer
             .subscriber::<T>(service)
             .expect("a subscriber")

@@ -1,5 +1,5 @@
-//! Checks that tests and the Python package, which is built alone, use the same dependency features
-//! as the workspace.
+//! Checks that tests, the README's first command and the Python package, which are built alone, use
+//! the same dependency features as the workspace.
 //!
 //! Different features would build half of the workspace a second time.
 
@@ -12,6 +12,7 @@ fn built(selection: &[&str]) -> BTreeSet<String> {
         .args(["tree", "--offline", "--locked", "--prefix", "none"])
         .args(["--no-dedupe", "--format", "{p} [{f}]"])
         .args(selection)
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
         .output()
         .expect("cargo starts");
     let complaint = String::from_utf8_lossy(&tree.stderr);
@@ -28,7 +29,7 @@ fn check(of: &[&str], with: &[&str]) {
     assert!(
         again.is_empty(),
         "built twice with different features: {again:#?}; request the same features in the \
-         Cargo.toml of the workspace or of clients/python"
+         Cargo.toml of the workspace, clients/cli or clients/python"
     );
 }
 
@@ -37,6 +38,15 @@ fn tests_use_the_features_of_programs() {
     check(
         &["--workspace", "--edges", "normal,build"],
         &["--workspace", "--edges", "normal,build,dev"],
+    );
+}
+
+/// `cargo build` in the root builds the default members.
+#[test]
+fn first_command_uses_workspace_features() {
+    check(
+        &["--edges", "normal,build"],
+        &["--workspace", "--edges", "normal,build"],
     );
 }
 

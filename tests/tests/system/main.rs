@@ -2,6 +2,7 @@
 
 mod architecture;
 mod arena;
+mod compatibility;
 mod contributing;
 mod dashboard;
 mod determinism;

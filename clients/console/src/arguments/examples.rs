@@ -441,8 +441,14 @@ const HELPS: &[Help] = &[
     ),
     Help(
         "doctor",
-        &["atas doctor", "atas doctor --bus left-arm"],
-        "one list of objects: probe, verdict, found, what_to_do",
+        &[
+            "atas doctor",
+            "atas doctor --bus left-arm",
+            "atas doctor --fix --dry-run",
+            "atas doctor --fix",
+        ],
+        "one list of objects: probe, verdict, found, what_to_do, cost; with --fix also fixes, a \
+         list of action, result, reason, command",
     ),
     Help(
         "completions",

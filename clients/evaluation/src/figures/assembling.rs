@@ -7,7 +7,7 @@ use super::figure::{self, *};
 use super::phases::Phases;
 use super::screwing::{CAP, draw_cap};
 use super::trace::Trace;
-use crate::task::SIDE;
+use crate::SIDE;
 
 /// Colours of the acting and the helping hand.
 const HANDS: [RGBColor; 2] = [BLUE, ORANGE];

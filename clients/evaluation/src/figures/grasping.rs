@@ -6,7 +6,7 @@ use shm_schemas::ModuleId;
 use super::figure::{self, *};
 use super::phases::Phases;
 use super::trace::{Tick, Trace};
-use crate::task::SIDE;
+use crate::SIDE;
 
 /// Modules with label and colour, lanes from top to bottom.
 const LANES: [(ModuleId, &str, RGBColor); 7] = [

@@ -28,7 +28,7 @@ mod trace;
 
 use sim_backend::{Object, Scene};
 
-use crate::task::Task;
+use crate::Task;
 use trace::Trace;
 
 pub use goal_trace::GoalTrace;

@@ -8,7 +8,7 @@ use plotters::style::{Color, RGBColor};
 
 use super::figure::{self, *};
 use super::trace::{Tick, Trace};
-use crate::task::SIDE;
+use crate::SIDE;
 
 pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let Some(screw_s) = trace.step_s(SIDE, "screw") else {

@@ -11,8 +11,8 @@ use shm_schemas::{EventKind, GoalRequest, HandReport, ObjectTruth, WorldTruth};
 use sim_backend::{Object, Scene, World};
 
 use crate::offline::OfflineRun;
-use crate::task::{SIDE, Task};
 use crate::trial_seed;
+use crate::{SIDE, Task};
 
 pub(super) struct Trace {
     pub(super) scene: Scene,

@@ -19,8 +19,8 @@ use sim_backend::course::{self, FRAME_S, RobotSetup, SIDE};
 use sim_backend::random::Random;
 
 use super::coordinator::{self, Conditions, Coordinator, Ended, HandState, HandTask};
+use crate::goals::{grasp_goal, set_down_goal};
 use crate::judge::Placing;
-use crate::offline::{grasp_goal, set_down_goal};
 
 /// Random stream of the camera errors.
 const CAMERA_STREAM: u64 = 0x63_616d;

@@ -11,9 +11,9 @@ use sim_backend::{Object, Scene};
 
 use super::coarse_policy::{CoarsePolicy, LATENCY_TICKS, LIFT_M};
 use super::onset::Onsets;
+use crate::SIDE;
 use crate::judge::{SLIP_MAX_M, TURN_MAX_RAD};
 use crate::offline::OfflineRun;
-use crate::task::SIDE;
 use crate::trial_seed;
 
 /// Writer epoch of the policy. Any value different from a sensor's.

@@ -7,7 +7,7 @@ use anyhow::Context;
 use atas_client::Session;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use atas_client::percentiles;
-use atas_evaluation::offline::grasp_goal;
+use atas_evaluation::goals::grasp_goal;
 use robot_model::{HandSide, RobotModel};
 use shm_bus::{Bus, GoalClient, PendingGoal, Publisher, Realtime, Subscriber, now_ns};
 use shm_schemas::{
@@ -20,7 +20,7 @@ use super::body::body_ns;
 use super::pair::NO_CONFIGURATION;
 use super::site::Site;
 use super::transport::{poll, rounds, start_echo};
-use crate::demo::child::Child;
+use atas_demo::child::Child;
 
 /// Number of measured ticks of a grasp, from approach into lift.
 const TICKS: usize = 5_000;

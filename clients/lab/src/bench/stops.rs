@@ -25,7 +25,7 @@ use shm_schemas::{
 
 use super::pair::Pair;
 use super::site::Site;
-use crate::demo::child::Child;
+use atas_demo::child::Child;
 
 /// Number of flooding clients, and of pending goals of each.
 const CLIENTS: usize = 6;

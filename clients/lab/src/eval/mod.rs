@@ -124,8 +124,8 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
 /// Returns the requested conditions, or the task's default ones, with the requested errors.
 fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Condition>> {
     let mut conditions = match arguments.errors.as_deref() {
-        None => task.conditions(),
-        Some(EACH) => task.error_conditions(),
+        None => atas_evaluation::conditions(task),
+        Some(EACH) => atas_evaluation::error_conditions(task),
         Some(text) => {
             let named = text.parse().map_err(|error| {
                 ExitError::with_code(Exit::Usage, format!("could not use --errors: {error}"))
@@ -134,7 +134,10 @@ fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Conditio
                 errors: Clone::clone(&named),
                 ..condition
             };
-            task.conditions().into_iter().map(under).collect()
+            atas_evaluation::conditions(task)
+                .into_iter()
+                .map(under)
+                .collect()
         }
     };
     let one_was_named = arguments.noise.is_some() || arguments.rate_hz.is_some();

@@ -22,13 +22,13 @@ struct Kind {
 const ALL: Kind = Kind {
     name: "all",
     trials: 200,
-    conditions: Task::conditions,
+    conditions: atas_evaluation::conditions,
     compare_everywhere: false,
 };
 const ERRORS: Kind = Kind {
     name: "errors",
     trials: 48,
-    conditions: Task::error_conditions,
+    conditions: atas_evaluation::error_conditions,
     compare_everywhere: true,
 };
 /// Stored sample trials per series: the first and the middle one.

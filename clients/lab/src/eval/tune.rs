@@ -2,7 +2,7 @@
 
 use atas_console::arguments::Tuning;
 use atas_console::{Interrupt, Output, Rating, table};
-use atas_evaluation::{Baseline, GripPolicy, Plan, Report};
+use atas_evaluation::{Baseline, GripPolicy, Plan, Report, conditions};
 use comfy_table::Cell;
 
 pub(super) fn tune(
@@ -18,7 +18,7 @@ pub(super) fn tune(
         objects: task.objects()?,
         trials: tuning.trials,
         first_seed: tuning.first_seed,
-        conditions: task.conditions()[..1].to_vec(),
+        conditions: conditions(task)[..1].to_vec(),
         baselines: GripPolicy::candidates(),
         compare_everywhere: false,
         threads: tuning.threads,

@@ -27,6 +27,7 @@ __all__ = [
     "Sensor",
     "Simulation",
     "__version__",
+    "abi",
     "codes",
     "dtype",
     "layout",
@@ -38,6 +39,7 @@ __all__ = [
 ]
 
 __version__: str
+abi: str
 FINGERS: int
 ELEMENTS: int
 JOINTS: int

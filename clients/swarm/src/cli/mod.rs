@@ -45,7 +45,7 @@ pub(crate) enum Format {
 
 /// Evolutionary behaviour tables for teams of mobile robots.
 #[derive(Debug, Parser)]
-#[command(name = "ebts", version, max_term_width = 100, after_help = format!("{AFTER_HELP}\n\n{}", Exit::TABLE))]
+#[command(name = "ebts", version, long_version = shm_bus::long_version(), max_term_width = 100, after_help = format!("{AFTER_HELP}\n\n{}", Exit::TABLE))]
 pub(crate) struct Arguments {
     /// Output format of results.
     ///

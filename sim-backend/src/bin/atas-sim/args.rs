@@ -18,7 +18,7 @@ use crate::scene_args::SceneArgs;
 
 /// Simulate two-hand robots with tactile fingertips, robots on wheels, and the swarm's field.
 #[derive(Debug, Parser)]
-#[command(name = "atas-sim", version, after_help = format!("{EXAMPLES}\n{}\n{}", Exit::TABLE, Failure::NOTES))]
+#[command(name = "atas-sim", version, long_version = shm_bus::long_version(), after_help = format!("{EXAMPLES}\n{}\n{}", Exit::TABLE, Failure::NOTES))]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

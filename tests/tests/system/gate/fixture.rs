@@ -248,7 +248,14 @@ pub(super) fn executable_folder(folder: &Path) -> PathBuf {
     if may_run.expect("setpriv starts").status.success() {
         return built.parent().expect("a folder").to_owned();
     }
-    for name in ["atas", "atas-gate", "atas-lab", "atas-sim", "atasd"] {
+    for name in [
+        "atas",
+        "atas-demo",
+        "atas-gate",
+        "atas-lab",
+        "atas-sim",
+        "atasd",
+    ] {
         // `cp` runs in its own process: a file that a child of another thread holds open for
         // writing cannot be executed.
         let copied = Command::new("cp")

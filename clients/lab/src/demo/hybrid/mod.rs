@@ -29,7 +29,7 @@ pub(super) fn hybrid(
     let usage = |error: String| ExitError::with_code(Exit::Usage, error);
     let (file, _) =
         CourseFile::from_name(&arguments.table).map_err(|error| usage(error.to_string()))?;
-    let object = super::object(&arguments.object)?;
+    let object = atas_demo::object(&arguments.object)?;
     let objects = vec![object; arguments.robots.into()];
     let cast =
         Scenario::random(arguments.seed, &objects).map_err(|error| usage(error.to_string()))?;

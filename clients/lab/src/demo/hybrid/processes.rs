@@ -11,9 +11,9 @@ use atas_evaluation::hybrid::{HybridTrial, Pilot, Reflexes, RobotTrial};
 use shm_bus::FreshBus;
 use sim_backend::course::{RobotResult, Scenario};
 
-use super::super::child::Child;
-use super::super::logs::{self, Logs};
 use super::coordinator::Coordinator;
+use atas_demo::child::Child;
+use atas_demo::logs::{self, Logs};
 
 /// Longest time for a daemon to start, and for the simulator to report and end (design choice:
 /// allows for a loaded machine).
