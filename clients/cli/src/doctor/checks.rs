@@ -6,7 +6,18 @@ use std::time::Duration;
 
 use shm_schemas::{Status, StatusFlags};
 
-use super::Finding;
+use super::finding::Finding;
+
+mod cores;
+mod environment;
+mod power;
+
+pub(super) use cores::{Interrupt, interrupts, isolated_cores};
+pub(super) use environment::{Confinement, Versions, container, versions};
+pub(super) use power::{GOVERNOR, PowerMode, governor, idle_states, power_mode};
+
+/// Probe of files that killed processes left in `/dev/shm`.
+pub(super) const LEFTOVERS: &str = "leftovers";
 
 /// Required lockable memory, bytes: twice the daemon's maximum (32 MiB).
 const LOCKABLE_BYTES: u64 = 64 << 20;
@@ -22,6 +33,13 @@ const RESOLUTION_NS: u64 = 10_000;
 const LEFTOVER_MAX_BYTES: u64 = 32 << 10;
 /// `CAP_IPC_LOCK`, see capabilities(7): removes the limit on locked memory.
 const CAP_IPC_LOCK: u32 = 14;
+/// `CAP_SYS_NICE`, see capabilities(7): removes the limit on real-time priorities.
+const CAP_SYS_NICE: u32 = 23;
+/// Priority of the tick thread, see `atas_process::scheduling`.
+const PRIORITY: u64 = atas_process::scheduling::TICK_PRIORITY as u64;
+/// Least limit on real-time processor time without a system call that blocks, µs. Design choice:
+/// ten ticks at 1 kHz. With a smaller limit the kernel kills a daemon after a few late ticks.
+const RTTIME_MIN_US: u64 = 10_000;
 /// Clock sources that need no system call.
 const FAST_CLOCKS: [&str; 5] = [
     "tsc",
@@ -43,13 +61,61 @@ pub(super) fn scheduling(tried: &io::Result<()>, has_rt_groups: bool) -> Finding
             ),
             "give the process's cgroup real-time time (cpu.rt_runtime_us), or run it in the root group; \
              then LimitRTPRIO=80 (ulimit -r 80)",
+            LATE_TICKS,
         ),
         Err(error) => Finding::fail(
             PROBE,
             format!("SCHED_FIFO refused ({error})"),
             "allow priority 80: LimitRTPRIO=80 in the unit, `@group - rtprio 80` in limits.conf, or CAP_SYS_NICE; \
              in a container add --cap-add=SYS_NICE",
+            LATE_TICKS,
         ),
+    }
+}
+
+/// Cost of missing real-time scheduling.
+const LATE_TICKS: &str = "the daemon does not start with realtime.mode = \"require\"; otherwise it \
+    runs DEGRADED, and any busy process can delay its ticks by milliseconds";
+
+/// Soft limits of this process; `None` is unlimited.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RealtimeLimits {
+    /// Highest real-time priority (`RLIMIT_RTPRIO`).
+    pub(super) priority: Option<u64>,
+    /// Real-time processor time without a blocking system call, µs (`RLIMIT_RTTIME`).
+    pub(super) time_us: Option<u64>,
+}
+
+/// Checks the real-time limits of this process and `/proc/self/status`.
+pub(super) fn realtime_limits(limits: RealtimeLimits, process_status: &str) -> Finding {
+    const PROBE: &str = "real-time limits";
+    let is_free = has_capability(process_status, CAP_SYS_NICE);
+    match limits {
+        RealtimeLimits {
+            time_us: Some(time_us),
+            ..
+        } if time_us < RTTIME_MIN_US => Finding::fail(
+            PROBE,
+            format!("RLIMIT_RTTIME is {time_us} µs, the daemon needs {RTTIME_MIN_US} µs"),
+            "set LimitRTTIME=20000 in the unit, or remove `rttime` from limits.conf",
+            "the kernel ends the daemon after a few long ticks; the robot then holds",
+        ),
+        RealtimeLimits {
+            priority: Some(priority),
+            ..
+        } if priority < PRIORITY && !is_free => Finding::fail(
+            PROBE,
+            format!("RLIMIT_RTPRIO is {priority}, the tick thread needs {PRIORITY}"),
+            "set LimitRTPRIO=80 in the unit, or add `@GROUP - rtprio 80` to \
+             /etc/security/limits.conf and log in again",
+            LATE_TICKS,
+        ),
+        RealtimeLimits { time_us, .. } => {
+            let time = time_us.map_or("no time limit".to_owned(), |time_us| {
+                format!("time limit {time_us} µs")
+            });
+            Finding::ok(PROBE, format!("priority {PRIORITY} allowed, {time}"))
+        }
     }
 }
 
@@ -65,12 +131,14 @@ pub(super) fn throttling(runtime_us: &str) -> Finding {
         Ok(_) => Finding::fail(
             PROBE,
             "real-time threads get no time",
-            "run `sysctl kernel.sched_rt_runtime_us=950000`",
+            "run `sudo sysctl kernel.sched_rt_runtime_us=950000`",
+            LATE_TICKS,
         ),
         Err(_) => Finding::warn(
             PROBE,
             "unknown to this kernel",
             "nothing to do if real-time scheduling is granted",
+            "none if real-time scheduling is granted",
         ),
     }
 }
@@ -91,7 +159,9 @@ pub(super) fn memory_lock(limit_bytes: Option<u64>, process_status: &str) -> Fin
                 mib(bytes),
                 mib(LOCKABLE_BYTES)
             ),
-            "set LimitMEMLOCK=512M in the unit, or run `ulimit -l 524288`",
+            "set LimitMEMLOCK=512M in the unit, or run `ulimit -l 524288`; in a container add \
+             --ulimit memlock=-1",
+            "the daemon runs DEGRADED; a page fault can delay a tick by milliseconds",
         ),
     }
 }
@@ -116,11 +186,13 @@ pub(super) fn kernel(release: &str, version: &str) -> Finding {
             PROBE,
             format!("{release}, {flavour}: single ticks can be late by milliseconds"),
             "boot with preempt=full, or install a PREEMPT_RT kernel",
+            "rare late ticks under load; a late command can make the robot hold",
         ),
         None => Finding::warn(
             PROBE,
             format!("{release}, not preemptible: system calls of other processes delay ticks"),
             "install a PREEMPT_RT kernel",
+            "frequent late ticks under load; goals fail if the daemon holds too long",
         ),
     }
 }
@@ -134,6 +206,7 @@ pub(super) fn clock(resolution_ns: u64, source: &str) -> Finding {
             PROBE,
             format!("timer resolution is only {resolution_ns} ns"),
             "boot without highres=off and nohz=off, on a kernel with CONFIG_HIGH_RES_TIMERS",
+            "the daemon cannot keep its tick rate",
         );
     }
     let found = format!("{source}, timer resolution {resolution_ns} ns");
@@ -145,116 +218,34 @@ pub(super) fn clock(resolution_ns: u64, source: &str) -> Finding {
             PROBE,
             slow,
             "boot with clocksource=tsc tsc=reliable if the processor's counter is reliable",
+            "each tick reads the time several times and takes longer",
         )
     }
 }
 
-/// Checks the frequency governors of all cores.
-pub(super) fn governor(governors: &[String]) -> Finding {
-    const PROBE: &str = "frequency governor";
-    let mut cores = BTreeMap::<&str, usize>::new();
-    for governor in governors {
-        *cores.entry(governor.trim()).or_default() += 1;
-    }
-    let found: Vec<String> = cores
-        .iter()
-        .map(|(name, count)| {
-            format!(
-                "{name} ({count} core{})",
-                if *count == 1 { "" } else { "s" }
-            )
-        })
-        .collect();
-    if cores.is_empty() {
-        Finding::ok(PROBE, "none: this kernel does not control the frequency")
-    } else if cores.keys().all(|name| *name == "performance") {
-        Finding::ok(PROBE, found.join(", "))
-    } else {
-        let cure = "run `cpupower frequency-set -g performance`";
-        Finding::warn(
-            PROBE,
-            format!("{}: cores slow down between ticks", found.join(", ")),
-            cure,
-        )
-    }
-}
-
-/// Checks the isolated cores (`/sys/devices/system/cpu/isolated`) against the present ones
-/// (`/sys/devices/system/cpu/present`).
-pub(super) fn isolated_cores(isolated: &str, present: &str) -> Finding {
-    const PROBE: &str = "isolated cores";
-    let (Some(isolated), Some(present)) = (core_list(isolated), core_list(present)) else {
-        return Finding::warn(
-            PROBE,
-            format!("could not read {isolated:?} and {present:?}"),
-            "report both texts as a bug",
-        );
-    };
-    let (there, missing): (Vec<u32>, Vec<u32>) = isolated
-        .into_iter()
-        .partition(|core| present.contains(core));
-    let count = present.len();
-    if !missing.is_empty() {
-        return Finding::warn(
-            PROBE,
-            format!("cores {missing:?} of the boot options do not exist; there are {count} cores"),
-            "correct isolcpus= in the boot options",
-        );
-    }
-    if !there.is_empty() {
-        return Finding::ok(
-            PROBE,
-            format!("cores {there:?} of {count}; set realtime.cpu to one of them"),
-        );
-    }
-    match present.last() {
-        Some(last) if count > 1 => Finding::warn(
-            PROBE,
-            format!("none of {count}: other processes share the core of the ticks"),
-            format!(
-                "boot with isolcpus=managed_irq,domain,{last} nohz_full={last} and set realtime.cpu = {last}"
-            ),
-        ),
-        _ => Finding::warn(
-            PROBE,
-            "only one core: all other processes share it with the ticks",
-            "add a core to this computer",
-        ),
-    }
-}
-
-/// Parses a core list such as `2-3,6`.
-fn core_list(text: &str) -> Option<Vec<u32>> {
-    let mut cores = Vec::new();
-    for range in text.trim().split(',').filter(|range| !range.is_empty()) {
-        let (first, last) = range.split_once('-').unwrap_or((range, range));
-        let (first, last) = (first.parse::<u32>().ok()?, last.parse::<u32>().ok()?);
-        // Rejects core numbers beyond any real computer.
-        if last < first || last > 1 << 16 {
-            return None;
-        }
-        cores.extend(first..=last);
-    }
-    Some(cores)
-}
-
-/// Checks the free space in `/dev/shm`.
-pub(super) fn shared_memory(free_bytes: u64) -> Finding {
+/// Checks size and free space of `/dev/shm`.
+pub(super) fn shared_memory(free_bytes: u64, total_bytes: u64) -> Finding {
     const PROBE: &str = "shared memory";
-    let cure = "run `mount -o remount,size=256M /dev/shm` (in a container: --shm-size=256m), or \
-        delete files there";
-    let found = format!("{} free in /dev/shm", mib(free_bytes));
+    let cure = "run `sudo mount -o remount,size=256M /dev/shm` (in a container: --shm-size=256m), \
+        or delete files there";
+    let found = format!(
+        "{} of {} free in /dev/shm",
+        mib(free_bytes),
+        mib(total_bytes)
+    );
     if free_bytes < SHM_NEEDED_BYTES {
         Finding::fail(
             PROBE,
             format!("{found}, a bus needs {}", mib(SHM_NEEDED_BYTES)),
             cure,
+            "daemon and clients end with exit code 9",
         )
     } else if free_bytes < SHM_RECOMMENDED_BYTES {
         Finding::warn(
             PROBE,
             format!("{found}: enough for one bus without a recorder"),
             cure,
+            "a recorder, a demo or a second bus does not start",
         )
     } else {
         Finding::ok(PROBE, found)
@@ -269,11 +260,13 @@ pub(super) fn user(uid: u32, service_uid: Option<u32>) -> Finding {
             PROBE,
             format!("user {uid}, but the bus of the installed service belongs to user {service}"),
             "run daemon and sensors as that user; members of its group connect through the gate",
+            "programs of this user do not join the bus of the service",
         ),
         _ if uid == 0 => Finding::warn(
             PROBE,
             "root: all other processes of the bus must run as root, too",
             "run daemon and clients as one ordinary user, preferably the service user atas",
+            "an error in any program can damage the system; clients of other users are refused",
         ),
         _ => Finding::ok(PROBE, format!("user {uid}")),
     }
@@ -287,32 +280,34 @@ pub(super) fn foreign_bus(error: &str, missing: Option<String>) -> Finding {
             error,
             "this user may use its gate, for example with `atas status`; access.group sets the \
              allowed commands",
+            "only the commands of access.group; sensors and recorders do not connect",
         ),
-        Some(missing) => Finding::fail("bus", error, missing),
+        Some(missing) => Finding::fail("bus", error, missing, "every command on this bus fails"),
     }
+}
+
+/// Returns true if unused shared memory of a bus comes from a killed process.
+pub(super) fn is_leftover(bytes: u64) -> bool {
+    bytes > LEFTOVER_MAX_BYTES
 }
 
 /// Checks for unused shared memory in `/dev/shm`, by bus name, bytes. More than
 /// [`LEFTOVER_MAX_BYTES`] per bus comes from killed processes.
 pub(super) fn leftovers(unused: &BTreeMap<String, u64>) -> Finding {
-    const PROBE: &str = "leftovers";
-    let left = || {
-        unused
-            .iter()
-            .filter(|(_, bytes)| **bytes > LEFTOVER_MAX_BYTES)
-    };
+    let left = || unused.iter().filter(|(_, bytes)| is_leftover(**bytes));
     let Some((first, _)) = left().next() else {
-        return Finding::ok(PROBE, "none");
+        return Finding::ok(LEFTOVERS, "none");
     };
     let total: u64 = left().map(|(_, bytes)| bytes).sum();
     Finding::warn(
-        PROBE,
+        LEFTOVERS,
         format!(
             "{} in {} buses that no process uses, the first is {first:?}",
             mib(total),
             left().count()
         ),
-        format!("run `atas status --bus {first}` once to remove such files"),
+        "run `atas doctor --fix` to remove these files",
+        format!("{} of memory stay occupied until a restart", mib(total)),
     )
 }
 
@@ -325,27 +320,19 @@ pub(super) fn bus_of_file(name: &str) -> Option<&str> {
     (is_hash && !bus.is_empty()).then_some(bus)
 }
 
-/// Checks whether cores can be kept out of deep idle states: idle driver, and result of opening
-/// `/dev/cpu_dma_latency`.
-pub(super) fn idle_states(driver: &str, opened: &io::Result<()>) -> Finding {
-    const PROBE: &str = "idle states";
-    match (driver.trim(), opened) {
-        ("" | "none", _) => Finding::ok(PROBE, "none controlled by this kernel"),
-        (driver, Ok(())) => Finding::ok(
-            PROBE,
-            format!("{driver}; the daemon can keep the cores awake"),
-        ),
-        (driver, Err(error)) => Finding::warn(
-            PROBE,
-            format!(
-                "{driver}; could not open /dev/cpu_dma_latency ({error}): ticks wake up tens of µs \
-                 later"
-            ),
-            "install daemon/systemd/60-atas.rules, which permits this to the group atas, and join \
-             the group",
-        ),
-    }
+/// Checks a bus with files but without a process.
+pub(super) fn unused_bus(bus: &str) -> Finding {
+    let found = format!("no visible process is on bus {bus:?}, but its files exist");
+    Finding::warn("bus", found, START_DAEMON, NO_DAEMON)
 }
+
+/// Checks a bus without files. `error`: description.
+pub(super) fn absent_bus(error: &str) -> Finding {
+    Finding::warn("bus", error, START_DAEMON, NO_DAEMON)
+}
+
+const START_DAEMON: &str = "start `atasd`, or select its bus with --bus";
+const NO_DAEMON: &str = "commands to the robot fail with exit code 3";
 
 /// Checks the daemon's status. `frozen`: time since the last tick, if the ticks have stopped.
 pub(super) fn daemon(status: Option<&Status>, frozen: Option<Duration>, bus: &str) -> Finding {
@@ -354,7 +341,8 @@ pub(super) fn daemon(status: Option<&Status>, frozen: Option<Duration>, bus: &st
         return Finding::warn(
             PROBE,
             format!("no daemon reports on bus {bus:?}"),
-            "start `atasd`, or select its bus with --bus",
+            START_DAEMON,
+            NO_DAEMON,
         );
     };
     let found = format!(
@@ -369,18 +357,21 @@ pub(super) fn daemon(status: Option<&Status>, frozen: Option<Duration>, bus: &st
                 frozen.as_secs_f64()
             ),
             "stop the robot with its own switch, then restart the daemon and report its log",
+            "the robot receives no commands; `atas estop` has no effect",
         )
     } else if status.flags & StatusFlags::DEGRADED != 0 {
         Finding::fail(
             PROBE,
             format!("{found}, DEGRADED: real-time scheduling or memory locking was refused"),
             "see the other findings and the daemon's log, then restart it",
+            "ticks can be late by milliseconds; the robot then holds",
         )
     } else if status.dropped_records > 0 {
         Finding::warn(
             PROBE,
             format!("{found}, {} records dropped", status.dropped_records),
             "reduce the load on this computer: the supervisor gets too little time",
+            "recordings have gaps and do not replay",
         )
     } else {
         Finding::ok(PROBE, found)

@@ -1,90 +1,36 @@
 //! `atas doctor`: checks computer, bus and daemon, and recommends fixes.
 //!
 //! ```text
-//!  probe (kernel, files, bus) ─▶ checks (pure: facts ─▶ Finding) ─▶ table or JSON, exit code
+//!  probe (kernel, files, bus) ─▶ checks (pure: facts ─▶ Finding) ─┬▶ table or JSON, exit code
+//!  --fix: stale files, governors ─▶ fix ─▶ Fix ───────────────────┘
 //! ```
 //!
-//! * **Invariants:** each finding other than `ok` recommends a fix. The checks change nothing;
-//!   real-time scheduling is tested in a short-lived thread.
+//! * **Invariants:** each finding other than `ok` recommends a fix and states the cost of leaving
+//!   it. The checks change nothing; real-time scheduling is tested in a short-lived thread. The
+//!   fixes come first; the findings show the state after them.
 //! * **Not included:** timing measurements, see `atas latency`.
 
 mod checks;
+mod finding;
+mod fix;
 mod probe;
+mod root;
+mod stale;
 
-use atas_console::{Exit, ExitError, Output, Rating, table};
-use serde_json::json;
-use shm_bus::BusName;
+use atas_console::arguments::Doctor;
+use atas_console::{Exit, ExitError, Output, table};
+use serde_json::{Value, json};
 
-/// Result of a check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Verdict {
-    /// Works as intended.
-    Ok,
-    /// Works with reduced performance.
-    Warn,
-    /// The daemon cannot run or cannot keep its tick rate.
-    Fail,
-}
+use finding::{Finding, Verdict};
+use fix::Fix;
+use root::Root;
 
-impl Verdict {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::Warn => "warn",
-            Self::Fail => "fail",
-        }
-    }
-
-    fn rating(self) -> Rating {
-        match self {
-            Self::Ok => Rating::Good,
-            Self::Warn => Rating::Warning,
-            Self::Fail => Rating::Bad,
-        }
-    }
-}
-
-/// Result of one check, with its fix.
-#[derive(Clone, Debug, PartialEq)]
-struct Finding {
-    probe: &'static str,
-    verdict: Verdict,
-    found: String,
-    /// Recommended fix; empty if none is needed.
-    fix: String,
-}
-
-impl Finding {
-    fn ok(probe: &'static str, found: impl Into<String>) -> Self {
-        Self {
-            probe,
-            verdict: Verdict::Ok,
-            found: found.into(),
-            fix: String::new(),
-        }
-    }
-
-    fn warn(probe: &'static str, found: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self {
-            verdict: Verdict::Warn,
-            fix: cure.into(),
-            ..Self::ok(probe, found)
-        }
-    }
-
-    fn fail(probe: &'static str, found: impl Into<String>, cure: impl Into<String>) -> Self {
-        Self {
-            verdict: Verdict::Fail,
-            fix: cure.into(),
-            ..Self::ok(probe, found)
-        }
-    }
-}
-
-pub(crate) fn doctor(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
-    let mut findings = probe::machine();
-    findings.extend(probe::bus(bus));
-    print(&findings, output)?;
+pub(crate) fn doctor(arguments: &Doctor, output: &mut Output) -> anyhow::Result<()> {
+    let root = Root::new("/");
+    let fixes = arguments.fix.then(|| fix::run(&root, arguments.dry_run));
+    let mut findings = probe::machine(&root);
+    findings.extend(probe::bus(&root, &arguments.bus.bus));
+    print(&findings, fixes.as_deref(), output)?;
     let failed: Vec<&str> = findings
         .iter()
         .filter(|finding| finding.verdict == Verdict::Fail)
@@ -97,42 +43,60 @@ pub(crate) fn doctor(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
     Err(ExitError::with_code(Exit::Failed, sentence))
 }
 
-fn print(findings: &[Finding], output: &mut Output) -> anyhow::Result<()> {
+/// Prints all findings. `fixes`: fixes that were run or planned; `None` without `--fix`.
+fn print(findings: &[Finding], fixes: Option<&[Fix]>, output: &mut Output) -> anyhow::Result<()> {
     if output.is_json() {
-        return output.json(&findings.iter().map(as_json).collect::<Vec<_>>());
+        let findings = findings.iter().map(|finding| as_json(finding, fixes));
+        return output.json(&findings.collect::<Vec<_>>());
     }
-    let mut rows = table(&["verdict", "probe", "finding and fix"]);
+    let mut rows = table(&["verdict", "probe", "finding, fix and cost"]);
     for finding in findings {
-        let text = if finding.fix.is_empty() {
-            finding.found.clone()
-        } else {
-            format!("{}\n→ {}", finding.found, finding.fix)
-        };
         rows.add_row([
             output.rated_cell(finding.verdict.name(), finding.verdict.rating()),
             finding.probe.into(),
-            text.into(),
+            text(finding, fixes.unwrap_or_default()).into(),
         ]);
     }
     output.table(rows)
 }
 
-fn as_json(finding: &Finding) -> serde_json::Value {
-    json!({
-        "probe": finding.probe,
-        "verdict": finding.verdict.name(),
-        "found": finding.found,
-        "what_to_do": finding.fix,
+fn text(finding: &Finding, fixes: &[Fix]) -> String {
+    let fixes = fixes.iter().filter(|fix| fix.probe == finding.probe);
+    fixes.fold(finding.text(), |text, fix| {
+        format!("{text}\n{}", fix.text())
     })
+}
+
+fn as_json(finding: &Finding, fixes: Option<&[Fix]>) -> Value {
+    let mut value = finding.as_json();
+    if let Some(fixes) = fixes {
+        let fixes = fixes.iter().filter(|fix| fix.probe == finding.probe);
+        value["fixes"] = json!(fixes.map(Fix::as_json).collect::<Vec<_>>());
+    }
+    value
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fix::Outcome;
 
     #[test]
-    fn verdicts_map_to_ratings() {
-        let moods = [Verdict::Ok, Verdict::Warn, Verdict::Fail].map(Verdict::rating);
-        assert_eq!(moods, [Rating::Good, Rating::Warning, Rating::Bad]);
+    fn fixes_are_listed_with_their_finding() {
+        let findings = [
+            Finding::ok(checks::GOVERNOR, "fast"),
+            Finding::ok("clock", "tsc"),
+        ];
+        let fixes = [Fix {
+            probe: checks::GOVERNOR,
+            action: "set it".to_owned(),
+            outcome: Outcome::Done,
+        }];
+        assert_eq!(text(&findings[0], &fixes), "fast\ndone: set it");
+        assert_eq!(text(&findings[1], &fixes), "tsc");
+        let json = findings.each_ref().map(|f| as_json(f, Some(&fixes)));
+        assert_eq!(json[0]["fixes"][0]["result"], "done");
+        assert_eq!(json[1]["fixes"], json!([]));
+        assert!(as_json(&findings[0], None).get("fixes").is_none());
     }
 }

@@ -1,10 +1,11 @@
-use super::super::Verdict::{self, Fail, Ok as Good, Warn};
 use super::*;
+use crate::doctor::finding::Verdict::{self, Fail, Ok as Good, Warn};
 
 fn check(finding: Finding, verdict: Verdict, part: &str) {
     assert_eq!(finding.verdict, verdict, "{finding:?}");
     assert!(finding.found.contains(part), "{finding:?}");
     assert_eq!(finding.fix.is_empty(), verdict == Good, "{finding:?}");
+    assert_eq!(finding.cost.is_empty(), verdict == Good, "{finding:?}");
 }
 
 #[test]
@@ -32,9 +33,13 @@ fn memory_limits_are_rated() {
     check(memory_lock(Some(8 << 20), "CapEff: words"), Fail, "8.0 MiB");
     check(memory_lock(Some(512 << 20), without), Good, "512.0 MiB");
     check(memory_lock(None, ""), Good, "no limit");
-    check(shared_memory(1 << 20), Fail, "1.0 MiB");
-    check(shared_memory(32 << 20), Warn, "one bus");
-    check(shared_memory(1 << 30), Good, "1024.0 MiB");
+    check(shared_memory(1 << 20, 64 << 20), Fail, "1.0 MiB");
+    check(shared_memory(32 << 20, 64 << 20), Warn, "one bus");
+    check(
+        shared_memory(1 << 30, 1 << 31),
+        Good,
+        "1024.0 MiB of 2048.0 MiB",
+    );
 }
 
 #[test]
@@ -164,4 +169,136 @@ fn inaccessible_idle_states_are_warned() {
         Warn,
         "cpu_dma_latency",
     );
+}
+
+#[test]
+fn small_real_time_limits_fail() {
+    let limits = |priority, time_us| RealtimeLimits { priority, time_us };
+    let nice = "CapEff:\t0000000000800000\n";
+    check(
+        realtime_limits(limits(None, None), ""),
+        Good,
+        "no time limit",
+    );
+    check(
+        realtime_limits(limits(Some(80), Some(20_000)), ""),
+        Good,
+        "20000 µs",
+    );
+    check(realtime_limits(limits(Some(79), None), ""), Fail, "79");
+    check(realtime_limits(limits(Some(0), None), nice), Good, "80");
+    check(
+        realtime_limits(limits(None, Some(200)), nice),
+        Fail,
+        "RLIMIT_RTTIME is 200 µs",
+    );
+}
+
+#[test]
+fn interrupts_on_isolated_cores_are_warned() {
+    let on = |lists: &[&str]| {
+        let numbered = lists.iter().zip(24..);
+        numbered
+            .map(|(cores, number)| Interrupt {
+                number,
+                cores: (*cores).to_owned(),
+            })
+            .collect::<Vec<_>>()
+    };
+    check(interrupts(&on(&["0-3"]), "", "0-3"), Good, "no isolated");
+    check(interrupts(&on(&["0-3"]), "0-3", "0-3"), Good, "no isolated");
+    check(interrupts(&on(&["0", "1-2"]), "3\n", "0-3\n"), Good, "[3]");
+    check(interrupts(&on(&["", "three"]), "3", "0-3"), Good, "none on");
+    let warned = interrupts(&on(&["0-3\n", "0", "3"]), "3\n", "0-3\n");
+    assert!(
+        warned.fix.contains("for i in 24 26; do echo 0,1,2"),
+        "{warned:?}"
+    );
+    check(warned, Warn, "[24, 26]");
+}
+
+#[test]
+fn saving_power_modes_are_warned() {
+    let mode = |profile: &str, preference: &str, is_on_battery| PowerMode {
+        profile: profile.to_owned(),
+        preferences: vec!["performance".to_owned(), preference.to_owned()],
+        is_on_battery,
+    };
+    let check_mode = |mode: PowerMode, verdict, part| check(power_mode(&mode), verdict, part);
+    check_mode(PowerMode::default(), Good, "no limit");
+    check_mode(
+        mode("balanced\n", "balance_performance\n", false),
+        Good,
+        "balanced",
+    );
+    check_mode(mode("low-power\n", "performance", false), Warn, "low-power");
+    check_mode(mode("", "balance_power\n", false), Warn, "balance_power");
+    check_mode(mode("performance\n", "performance", true), Warn, "battery");
+}
+
+#[test]
+fn restrictions_of_containers_are_warned() {
+    let texts = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect();
+    let free = Confinement {
+        container: Some("docker".to_owned()),
+        quotas: texts(&["max 100000\n", "-1 100000"]),
+        memory: texts(&["max\n", "8589934592\n"]),
+        allowed: "0-3\n".to_owned(),
+        isolated: "3\n".to_owned(),
+    };
+    check(container(&Confinement::default()), Good, "no container");
+    check(container(&free), Good, "docker");
+    let quota = Confinement {
+        quotas: texts(&["150000 100000\n", "50000 100000\n"]),
+        ..free.clone()
+    };
+    check(container(&quota), Warn, "0.50 cores");
+    let memory = Confinement {
+        memory: texts(&["max\n", "134217728\n"]),
+        ..free.clone()
+    };
+    check(container(&memory), Warn, "128.0 MiB");
+    let cores = Confinement {
+        allowed: "0-1\n".to_owned(),
+        ..free.clone()
+    };
+    check(container(&cores), Warn, "[3]");
+    let unknown = Confinement {
+        allowed: String::new(),
+        ..free
+    };
+    check(container(&unknown), Good, "docker");
+}
+
+#[test]
+fn differing_versions_are_warned() {
+    let same = Versions {
+        own: "1.0",
+        daemon: Some("1.0".to_owned()),
+        installed: vec![("atas-lab".to_owned(), "1.0".to_owned())],
+        replaced: Vec::new(),
+    };
+    check(versions(&same), Good, "1.0");
+    let daemon = Versions {
+        daemon: Some("0.9".to_owned()),
+        ..same.clone()
+    };
+    check(versions(&daemon), Warn, "daemon is 0.9");
+    let installed = Versions {
+        installed: vec![("atas-lab".to_owned(), "0.8".to_owned())],
+        ..same.clone()
+    };
+    check(versions(&installed), Warn, "atas-lab 0.8");
+    let replaced = Versions {
+        replaced: vec!["atasd (process 7)".to_owned()],
+        ..same
+    };
+    check(versions(&replaced), Warn, "process 7");
+}
+
+#[test]
+fn unused_and_absent_buses_are_warned() {
+    check(unused_bus("atas"), Warn, "\"atas\"");
+    check(absent_bus("it is not there"), Warn, "not there");
+    assert!(!is_leftover(4096) && is_leftover(3 << 20));
 }
