@@ -175,7 +175,7 @@ status() {
     (as_user atas-sim run --object wood) 2> /tmp/output-sim & robot=$!
     (as_user atasd --config /dev/null) 2> /tmp/output-daemon & daemon=$!
     for _ in $(seq 100); do
-        (as_user atas status) > /tmp/output 2>&1 && break
+        (as_user atas status) > /tmp/output 2>&1 && grep -q "^mode ready" /tmp/output && break
         sleep 0.1
     done
     cat /tmp/output
