@@ -3,7 +3,7 @@
 use robot_model::HandModel;
 use shm_schemas::JointState;
 
-use crate::plant::Plant;
+use crate::sensed_hand::JointMotion;
 use crate::sensor::quantised;
 
 /// Encoder step of an arm joint, rad: 20 bits per turn, 3 µm at the tip (0.5 m reach).
@@ -17,7 +17,7 @@ const VELOCITY_STEP_RAD_S: f64 = 1e-3;
 const EFFORT_STEP_N_M: f64 = 1e-3;
 
 /// Appends the joints of one hand to `out`.
-pub(crate) fn append_joints(plant: &Plant, model: &HandModel, out: &mut JointState) {
+pub(crate) fn append_joints(joints: &JointMotion<'_>, model: &HandModel, out: &mut JointState) {
     let first = out.joint_count as usize;
     out.joint_count += model.joints().len() as u32;
     for (joint, of_joint) in model.joints().iter().enumerate() {
@@ -28,9 +28,9 @@ pub(crate) fn append_joints(plant: &Plant, model: &HandModel, out: &mut JointSta
         } else {
             FINGER_STEP_RAD
         };
-        out.position_rad[index] = quantised(plant.position_rad[joint], step_rad * unit);
+        out.position_rad[index] = quantised(joints.position_rad[joint], step_rad * unit);
         out.velocity_rad_s[index] =
-            quantised(plant.velocity_rad_s[joint], VELOCITY_STEP_RAD_S * unit);
-        out.effort_n_m[index] = quantised(plant.effort_n_m[joint], EFFORT_STEP_N_M);
+            quantised(joints.velocity_rad_s[joint], VELOCITY_STEP_RAD_S * unit);
+        out.effort_n_m[index] = quantised(joints.effort_n_m[joint], EFFORT_STEP_N_M);
     }
 }

@@ -7,11 +7,11 @@ use nalgebra::{Matrix3, Vector3};
 use robot_model::{Capsules, GRASP_SIDES, HandModel, HandPose, HandVector};
 
 use crate::contact::{Approach, Contact, Wrench};
+use crate::hand_body::HandBody;
 use crate::hold::Grip;
-use crate::pad::{MissingElementPositions, Pad};
+use crate::pad::Pad;
 use crate::plant::Plant;
-use crate::random::Random;
-use crate::scene::{Errors, stream};
+use crate::sensed_hand::{JointMotion, SensedHand};
 use crate::vibration::Vibration;
 use crate::world_object::WorldObject;
 
@@ -19,7 +19,7 @@ use crate::world_object::WorldObject;
 /// moves 5 mm in a tick.
 const NEAR_M: f64 = 0.005;
 /// Arm speed above which a hand is moving, rad/s: 1 mm/s at 0.25 m.
-const MOVING_RAD_S: f64 = 0.004;
+pub(crate) const MOVING_RAD_S: f64 = 0.004;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Hand {
@@ -42,7 +42,7 @@ pub(crate) struct Hand {
 
 /// Palm and middles of the grasp sides, base frame.
 #[derive(Clone, Debug)]
-struct TickStart {
+pub(crate) struct TickStart {
     base_from_hand: Matrix3<f64>,
     sides_m: [Vector3<f64>; GRASP_SIDES],
 }
@@ -54,47 +54,28 @@ struct Tip {
 }
 
 impl Hand {
-    /// Returns a hand at rest; the seed draws its deviations from the model within `errors`.
-    pub(crate) fn new(
-        model: &HandModel,
-        start_rad: HandVector,
-        vibration: Vibration,
-        errors: &Errors,
-        seed: u64,
-    ) -> Result<Self, MissingElementPositions> {
-        let side = model.side().index() as u64;
-        let mut random = Random::new(seed, stream::HAND_ERRORS + side);
-        let mut draw = || random.between(-1.0, 1.0);
-        let (joints, fingers) = (model.joints().len(), model.fingertip_count());
-        let stiffness = HandVector::from_fn(joints, |_| 1.0 + errors.servo_stiffness * draw());
-        let mut drawn_m =
-            |count| -> Vec<f64> { (0..count).map(|_| errors.link_m * draw()).collect() };
-        let (links_m, tips_m) = (drawn_m(model.frame_count()), drawn_m(fingers));
-        let layout = model.skin().layout;
-        let pads: Vec<Pad> = model
-            .tip_radius_m()
-            .iter()
-            .map(|radius_m| {
-                let pad = Pad::from_layout(layout, *radius_m)?;
-                Ok(pad.with_stiffness_factor(1.0 + errors.tip_stiffness * draw()))
-            })
-            .collect::<Result<_, MissingElementPositions>>()?;
-        let model = model.with_longer_links(&links_m, &tips_m);
+    /// Returns a hand at rest.
+    pub(crate) fn new(body: HandBody, start_rad: HandVector, vibration: Vibration) -> Self {
+        let HandBody {
+            model,
+            servo_factor,
+            pads,
+        } = body;
         let pose = model.forward(&start_rad);
-        Ok(Self {
-            plant: Plant::at_rest(&model, start_rad, &stiffness),
+        Self {
+            plant: Plant::at_rest(&model, start_rad, &servo_factor),
             tick_start: TickStart::from_pose(&pose),
             pose,
-            model,
             reference_rad: start_rad,
             // Not cloned: a clone would lose the reserved capacity of `Contact`.
             contacts: pads.iter().map(Contact::new).collect(),
+            nearest_object: vec![0; pads.len()],
             pads,
-            nearest_object: vec![0; fingers],
             vibration,
-            contact_n_m: HandVector::zeros(joints),
+            contact_n_m: HandVector::zeros(model.joints().len()),
             near: false,
-        })
+            model,
+        }
     }
 
     /// Finds the near fingertips at the start of a tick of `dt_s`.
@@ -145,10 +126,6 @@ impl Hand {
         }
     }
 
-    pub(crate) fn model(&self) -> &HandModel {
-        &self.model
-    }
-
     pub(crate) fn bodies(&self) -> Capsules {
         self.model.capsules(&self.pose)
     }
@@ -162,14 +139,7 @@ impl Hand {
         let presses = |finger: usize| {
             self.nearest_object[finger] == object && self.contacts[finger].is_touching()
         };
-        let from = |side: usize| self.model.fingertips_of(side).any(&presses);
-        let tips_m = self.tick_start.sides_m;
-        (0..GRASP_SIDES).all(from).then(|| Grip {
-            hand: self.model.side().index(),
-            base_from_hand: self.tick_start.base_from_hand,
-            middle_m: (tips_m[0] + tips_m[1]) / 2.0,
-            closing: (tips_m[1] - tips_m[0]).normalize(),
-        })
+        self.tick_start.grip(&self.model, presses)
     }
 
     /// Returns the nearest object; a fingertip touches one object at a time.
@@ -241,12 +211,42 @@ impl Hand {
     }
 }
 
+impl SensedHand for Hand {
+    fn model(&self) -> &HandModel {
+        &self.model
+    }
+
+    fn joints(&self) -> JointMotion<'_> {
+        JointMotion {
+            position_rad: &self.plant.position_rad,
+            velocity_rad_s: &self.plant.velocity_rad_s,
+            effort_n_m: &self.plant.effort_n_m,
+        }
+    }
+
+    fn element_forces(&self, finger: usize, force_n: &mut [Vector3<f64>]) {
+        self.contacts[finger].element_forces(&self.pads[finger], force_n);
+    }
+}
+
 impl TickStart {
-    fn from_pose(pose: &HandPose) -> Self {
+    pub(crate) fn from_pose(pose: &HandPose) -> Self {
         Self {
             base_from_hand: pose.base_from_hand().rotation,
             sides_m: core::array::from_fn(|side| pose.side_m(side)),
         }
+    }
+
+    /// Returns the grip if fingertips of both grasp sides press; `presses` states it of one.
+    pub(crate) fn grip(&self, model: &HandModel, presses: impl Fn(usize) -> bool) -> Option<Grip> {
+        let from = |side: usize| model.fingertips_of(side).any(&presses);
+        let tips_m = self.sides_m;
+        (0..GRASP_SIDES).all(from).then(|| Grip {
+            hand: model.side().index(),
+            base_from_hand: self.base_from_hand,
+            middle_m: (tips_m[0] + tips_m[1]) / 2.0,
+            closing: (tips_m[1] - tips_m[0]).normalize(),
+        })
     }
 }
 

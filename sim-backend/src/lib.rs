@@ -23,6 +23,9 @@
 //! * If a state stops being finite, the world reports [`World::fault`] and freezes.
 //! * Simulation does not allocate.
 //!
+//! **Engines:** [`World::new`] uses the built-in contact model, [`World::with_engine`] an [`engine`]
+//! in a process of its own. Then determinism, I/O and allocation depend on that engine.
+//!
 //! **Further modules:** [`swarm`], the field of methodology 2; [`course`], wheeled bases that carry
 //! robots and call [`World::set_base_motion`]; [`Fingertip`], a fingertip under known loads.
 //!
@@ -54,23 +57,31 @@
 
 mod base_motion;
 mod body;
+mod builtin;
 mod clock;
 mod contact;
 pub mod course;
 mod drive;
+mod electronics;
 mod encoder;
+pub mod engine;
+mod external;
 pub mod faults;
 mod fingertip;
 mod hand;
+mod hand_body;
 mod hold;
 mod lanes;
+mod name;
 mod object;
 mod pad;
 mod plant;
 pub mod random;
 mod range;
 mod scene;
+mod sensed_hand;
 mod sensor;
+mod sensor_model;
 mod shape;
 mod support;
 pub mod swarm;
@@ -85,15 +96,21 @@ pub use base_motion::BaseMotion;
 pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;
+pub use electronics::Sensed;
 pub use fingertip::Fingertip;
 pub use object::{Neck, Object, ObjectError};
 pub use pad::{MissingElementPositions, simulated_skin};
 pub use range::OutOfRange;
 pub use scene::{
     ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,
-    home_rad,
+    SensorErrors, home_rad,
+};
+pub use sensor::{Creep, Hysteresis};
+pub use sensor_model::{
+    CreepModel, DeadModel, DeadReading, DriftModel, FrameModel, FrameStamp, HysteresisModel,
+    Rejection, SensorModel, SensorModelError, WearModel,
 };
 pub use shape::Shape;
 pub use support::Plate;
 pub use thread::{ClosingDirection, Thread};
-pub use world::{Sensed, World, WorldFault};
+pub use world::{World, WorldFault};

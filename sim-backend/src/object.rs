@@ -27,6 +27,7 @@ use std::path::{Path, PathBuf};
 use nalgebra::Vector3;
 use serde::Deserialize;
 
+use crate::name::nearest_hint;
 use crate::shape::Shape;
 use crate::thread::Thread;
 use parts::{NeckFile, ThreadFile};
@@ -360,34 +361,9 @@ fn or_infinite(
 
 fn unknown(name: &str) -> ObjectError {
     let known: Vec<&str> = Object::names().chain(Object::part_names()).collect();
-    let nearest = known
-        .iter()
-        .map(|known| (edit_distance(known, name), known))
-        .min();
-    let hint = match nearest {
-        Some((distance, known)) if distance <= known.len() / 2 => {
-            format!(" (did you mean {known:?}?)")
-        }
-        _ => String::new(),
-    };
     ObjectError::Unknown {
         name: name.into(),
+        hint: nearest_hint(name, &known),
         known: known.join(", "),
-        hint,
     }
-}
-
-/// Levenshtein distance in characters.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=b.chars().count()).collect();
-    for (i, from) in a.chars().enumerate() {
-        let mut diagonal = core::mem::replace(&mut row[0], i + 1);
-        for (j, to) in b.chars().enumerate() {
-            let cheapest = (diagonal + usize::from(from != to))
-                .min(row[j] + 1)
-                .min(row[j + 1] + 1);
-            diagonal = core::mem::replace(&mut row[j + 1], cheapest);
-        }
-    }
-    row.last().copied().unwrap_or(0)
 }

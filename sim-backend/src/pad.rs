@@ -74,6 +74,8 @@ pub(crate) struct Pad {
     /// Largest distance of a bristle from the tip frame's origin, m.
     pub(crate) reach_m: f64,
     pub(crate) stiffness_n_m: f64,
+    /// True stiffness over that of the layout.
+    stiffness_factor: f64,
     /// Element index of each bristle.
     elements: Vec<u8>,
 }
@@ -103,7 +105,12 @@ impl Pad {
 
     pub(crate) fn with_stiffness_factor(mut self, factor: f64) -> Self {
         self.stiffness_n_m *= factor;
+        self.stiffness_factor *= factor;
         self
+    }
+
+    pub(crate) fn stiffness_factor(&self) -> f64 {
+        self.stiffness_factor
     }
 
     /// Returns the paper's dome with 1 to [`BRISTLES_PER_ELEMENT`] bristles per element.
@@ -160,6 +167,7 @@ impl Pad {
             blocks: Vec::new(),
             reach_m,
             stiffness_n_m,
+            stiffness_factor: 1.0,
             elements: Vec::new(),
         }
     }

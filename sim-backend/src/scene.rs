@@ -13,16 +13,19 @@ use robot_model::{GraspPose, HandModel, HandSide, RobotModel, RobotVector, Unrea
 use crate::object::Object;
 use crate::pad::MissingElementPositions;
 use crate::range::{OutOfRange, in_range};
+use crate::sensor_model::{Rejection, SensorModel};
 use crate::shape::Shape;
 use crate::support::Plate;
 
 mod error_spec;
 mod errors;
 mod family;
+mod sensor_errors;
 mod tasks;
 
 pub use error_spec::ErrorSpecError;
 pub use errors::{ErrorKind, Errors};
+pub use sensor_errors::SensorErrors;
 
 /// Largest number of objects, the capacity of [`shm_schemas::WorldTruth`].
 pub const OBJECTS_MAX: usize = 4;
@@ -104,8 +107,10 @@ pub struct Scene {
     pub place: Option<GraspHint>,
     /// Sensor rate of each hand, 1 to 1000 frames per second; left, right.
     pub sensor_rate_hz: [u32; 2],
-    /// Factor on the noise of the fingertip sensors; 1 is the design's noise, 0 is none.
+    /// Factor on the noise of the fingertip sensors; 1 is the noise of the model, 0 is none.
     pub noise_factor: f64,
+    /// Model of the fingertip sensors; the world's seed draws its random values.
+    pub sensor_model: SensorModel,
     /// Amplitude of the hand tremor, m.
     pub vibration_m: f64,
     /// Joint positions at the start, rad; `None` is home.
@@ -124,6 +129,9 @@ pub enum SceneError {
     /// Value out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
+    /// Sensor model that cannot be simulated.
+    #[error("scene rejected: in the sensor model, {0}; correct the model")]
+    SensorModel(#[from] Rejection),
     /// Skin without element positions.
     #[error(transparent)]
     NoPlaces(#[from] MissingElementPositions),
@@ -136,6 +144,9 @@ pub enum SceneError {
          object stand"
     )]
     NoThread(String),
+    /// Failure of an external engine.
+    #[error("scene rejected: {0}")]
+    Engine(#[from] crate::engine::EngineError),
     /// Home posture out of reach.
     #[error("cannot move the {side:?} hand to its home posture: {source}")]
     HomeUnreachable {
@@ -156,6 +167,7 @@ impl Default for Scene {
             place: None,
             sensor_rate_hz: [FULL_RATE_HZ; 2],
             noise_factor: 1.0,
+            sensor_model: SensorModel::default(),
             vibration_m: VIBRATION_M,
             start_rad: None,
             errors: Errors::NONE,
@@ -200,6 +212,14 @@ impl Scene {
             objects: vec![Placed::in_front_of(object, side)],
             ..Self::default()
         }
+    }
+
+    /// Sets the model of the fingertip sensors, and their rate if the model has one.
+    pub fn set_sensor_model(&mut self, model: SensorModel) {
+        if let Some(rate_hz) = model.rate_hz {
+            self.sensor_rate_hz = [rate_hz; 2];
+        }
+        self.sensor_model = model;
     }
 
     /// Returns the scene moved to another robot's hand.
@@ -262,6 +282,7 @@ impl Scene {
                 f64::from(FULL_RATE_HZ),
             )?;
         }
+        self.sensor_model.check()?;
         self.errors.check()?;
         self.check_positions()?;
         for angle_rad in self.start_rad.iter().flat_map(|start_rad| start_rad.iter()) {
@@ -352,4 +373,12 @@ pub(crate) mod stream {
     pub(crate) const BENCH: u64 = 45;
     /// Errors of the first object; each further object adds five.
     pub(crate) const OBJECT_ERRORS: u64 = 50;
+    /// Crosstalk and offsets of a sensor model, plus the fingertip's index, left before right.
+    pub(crate) const MODEL_AXES: u64 = 100;
+    /// Plus the fingertip's index, left before right.
+    pub(crate) const DEAD_ELEMENTS: u64 = 110;
+    /// Plus the fingertip's index, left before right.
+    pub(crate) const DRIFT_ERRORS: u64 = 120;
+    /// Latency, jitter and loss of frames, plus the hand's index.
+    pub(crate) const TRANSPORT: u64 = 130;
 }

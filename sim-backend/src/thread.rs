@@ -5,7 +5,7 @@
 //! closed. Friction law of the prototype.
 
 /// Rise of the holding torque beyond the closing angle, N·m/rad (tactile design).
-const RISE_N_M_RAD: f64 = 0.5;
+pub(crate) const RISE_N_M_RAD: f64 = 0.5;
 /// Torsional stiffness of the sticking thread, N·m/rad (prototype).
 const STIFFNESS_N_M_RAD: f64 = 5.0;
 /// Viscous damping, N·m·s/rad (prototype).

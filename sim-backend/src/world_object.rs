@@ -142,6 +142,11 @@ impl WorldObject {
     /// Adds the wrench of a fingertip, body frame, and its normal force.
     pub(crate) fn apply_contact(&mut self, wrench: &Wrench, normal_n: f64) {
         self.body.apply(wrench);
+        self.record_contact(normal_n);
+    }
+
+    /// Records the normal force of a fingertip.
+    pub(crate) fn record_contact(&mut self, normal_n: f64) {
         self.touched = true;
         self.max_force_n = self.max_force_n.max(normal_n);
         self.crushed |= normal_n > self.spec.crush_n;

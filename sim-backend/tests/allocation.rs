@@ -1,4 +1,5 @@
-//! Simulated ticks do not allocate: in free air or in a grasp, with or without faults.
+//! Simulated ticks do not allocate: in free air or in a grasp, with or without faults and sensor
+//! effects.
 
 mod common;
 
@@ -6,14 +7,23 @@ use allocation_counter::measure;
 use common::Script;
 use robot_model::HandSide;
 use sim_backend::faults::FaultPipeline;
-use sim_backend::{Object, Scene};
+use sim_backend::{Errors, Object, Scene, SensorErrors};
 
 #[test]
 fn a_tick_allocates_nothing() {
     let part = |name| Object::built_in(name).expect("built-in object");
     let bottle = Scene::grasp(part("bottle"), HandSide::Right);
     let screw = Scene::screw(part("cap"), part("open-bottle"), HandSide::Right);
-    [bottle, screw].into_iter().for_each(allocates_nothing);
+    // Every effect of the sensor model.
+    let sensor = SensorErrors::SIZES;
+    let errors = Errors {
+        sensor,
+        ..Errors::NONE
+    };
+    let corrupted = bottle.with_errors(&errors, 1);
+    [bottle, screw, corrupted]
+        .into_iter()
+        .for_each(allocates_nothing);
 }
 
 fn allocates_nothing(scene: Scene) {

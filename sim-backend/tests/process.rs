@@ -285,6 +285,12 @@ fn invalid_arguments_are_rejected() {
     );
     check("run --errors moon".into(), 2, "unknown error kind \"moon\"");
     check(
+        "run --sensor-model moon".into(),
+        2,
+        "unknown sensor model: \"moon\"",
+    );
+    check("sensors moon".into(), 2, "needs one of design");
+    check(
         "run --errors crosstalk=90".into(),
         2,
         "the crosstalk is 0.9",
@@ -309,11 +315,18 @@ fn lists_are_printed() {
     );
     assert!(listed("faults").contains("payloads are lost with this probability"));
     let errors = listed("errors");
-    for kind in &sim_backend::Errors::KINDS {
+    let kinds = sim_backend::Errors::KINDS.iter();
+    for kind in kinds.chain(&sim_backend::Errors::SENSOR_KINDS) {
         assert!(
             errors.contains(kind.name) && errors.contains(kind.about),
             "{errors}"
         );
+    }
+    let (sensors, json) = (listed("sensors"), listed("sensors --format json"));
+    for name in sim_backend::SensorModel::names() {
+        assert!(sensors.contains(name) && json.contains(name), "{sensors}");
+        let text = listed(&format!("sensors {name}"));
+        assert_eq!(sim_backend::SensorModel::built_in_text(name), Some(&*text));
     }
     assert!(listed("completions bash").contains("--format"));
     let rows: Vec<serde_json::Value> = listed("objects --format json")
@@ -353,6 +366,7 @@ fn every_command_has_a_manual_page_and_an_example() {
         "objects",
         "faults",
         "errors",
+        "sensors",
         "completions",
         "man",
     ] {
@@ -373,6 +387,7 @@ fn full_disk_exits_with_code_one() {
         "objects",
         "faults",
         "errors",
+        "sensors",
         "completions bash",
         "--help",
         "run --help",

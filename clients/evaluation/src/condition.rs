@@ -1,8 +1,8 @@
-//! Conditions of an evaluation: sensor noise, sensor rate and errors.
+//! Conditions of an evaluation: sensor noise, sensor rate, sensor model and errors.
 
 use atas_tasks::Task;
 use serde::Serialize;
-use sim_backend::Errors;
+use sim_backend::{Errors, SensorModel, SensorModelError};
 
 /// Sensor rates, Hz: one frame per tick, and two slower ones (acceptance criterion).
 const RATES_HZ: [u32; 3] = [1000, 100, 30];
@@ -18,6 +18,28 @@ pub struct Condition {
     pub rate_hz: u32,
     /// Errors of robot, skins, objects, and of the data given to the client.
     pub errors: NamedErrors,
+    /// Model of the fingertip sensors; `None` for that of the design.
+    pub sensor_model: Option<NamedSensorModel>,
+}
+
+/// Sensor model with its name in reports.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedSensorModel {
+    /// Built-in name or path, as users type it.
+    pub name: String,
+    /// The model.
+    pub model: SensorModel,
+}
+
+impl core::str::FromStr for NamedSensorModel {
+    type Err = SensorModelError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self {
+            name: text.to_owned(),
+            model: SensorModel::from_name_or_file(text)?,
+        })
+    }
 }
 
 /// Errors with their name in reports.
@@ -79,6 +101,7 @@ pub fn conditions(task: Task) -> Vec<Condition> {
         noise,
         rate_hz,
         errors: NamedErrors::none(),
+        sensor_model: None,
     };
     let [full_hz, held_hz, slow_hz] = RATES_HZ;
     let usual = match task {

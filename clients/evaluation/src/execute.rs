@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use parking_lot::Mutex;
 use rayon::prelude::*;
-use robot_model::RobotModel;
+use sim_backend::engine::EnginePool;
 use sim_backend::{World, simulated_skin};
 
 use crate::parts::{self, Part};
@@ -14,7 +14,7 @@ use crate::plan::{Job, Plan, Shard};
 use crate::report::Report;
 use crate::rows::TrialRow;
 use crate::sensor_variant::SensorVariant;
-use crate::trial::{self, Record, VariantTrial};
+use crate::trial::{self, Laboratory, Record, VariantTrial};
 
 /// Result of a plan.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,8 +93,8 @@ impl Plan {
         self.run_jobs(
             |_| true,
             stop,
-            |robot, _, job| {
-                let records = trial::run_variants(robot, self, job, &make_variants)?;
+            |laboratory, _, job| {
+                let records = trial::run_variants(laboratory, self, job, &make_variants)?;
                 done();
                 Ok(records)
             },
@@ -108,8 +108,8 @@ impl Plan {
         stop: &AtomicBool,
         ended: impl Fn(usize, &Record) -> anyhow::Result<()> + Sync,
     ) -> anyhow::Result<Option<Vec<Record>>> {
-        self.run_jobs(wanted, stop, |robot, index, job| {
-            let record = trial::run(robot, self, job)?;
+        self.run_jobs(wanted, stop, |laboratory, index, job| {
+            let record = trial::run(laboratory, self, job)?;
             ended(index, &record)?;
             Ok(record)
         })
@@ -120,7 +120,7 @@ impl Plan {
         &self,
         wanted: impl Fn(usize) -> bool,
         stop: &AtomicBool,
-        run: impl Fn(&RobotModel, usize, &Job) -> anyhow::Result<T> + Sync,
+        run: impl Fn(&Laboratory, usize, &Job) -> anyhow::Result<T> + Sync,
     ) -> anyhow::Result<Option<Vec<T>>> {
         anyhow::ensure!(
             !self.objects.is_empty(),
@@ -136,12 +136,18 @@ impl Plan {
             None => robot,
         };
         self.task.check(&robot)?;
+        let laboratory = Laboratory {
+            robot,
+            engines: self.engine.clone().map(EnginePool::new),
+        };
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads)
             .build()?;
         let one = |(index, job): (usize, Job)| {
             let stopped = stop.load(Ordering::Relaxed);
-            (!stopped).then(|| run(&robot, index, &job)).transpose()
+            (!stopped)
+                .then(|| run(&laboratory, index, &job))
+                .transpose()
         };
         let jobs = self.deal().into_iter().enumerate();
         let jobs: Vec<_> = jobs.filter(|(index, _)| wanted(*index)).collect();

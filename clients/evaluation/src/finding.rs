@@ -30,6 +30,19 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// Returns the finding of a trial that the engine could not simulate: never a success.
+    pub(super) fn discarded(reason: &str) -> Self {
+        Self {
+            outcome: format!("discarded: {reason}"),
+            done: false,
+            refused: false,
+            crushed: false,
+            dropped: false,
+            measures: Vec::new(),
+            f2_ratio: None,
+        }
+    }
+
     /// Returns the failure key, or `None` on success. A feasible task must be done, an infeasible
     /// one refused.
     #[must_use]

@@ -13,6 +13,8 @@
 //!
 //!  a behaviour table and modules in one robot ─▶ hybrid: fetch, carry on wheels, set down
 //!
+//!  a drifting, hysteretic or creeping sensor ─▶ sensor_effects: outcomes of a long hold
+//!
 //!  recordings of real fingertips ─▶ recorded: production perception against labels
 //! ```
 //!
@@ -42,6 +44,7 @@ pub mod replay;
 mod report;
 mod rows;
 pub mod seeds;
+mod sensor_effects;
 mod sensor_variant;
 pub mod shadow_controller;
 mod statistics;
@@ -49,7 +52,9 @@ mod tally;
 mod trial;
 
 pub use atas_tasks::{SIDE, Task, goals, judge};
-pub use condition::{Condition, NamedErrors, Noise, conditions, error_conditions};
+pub use condition::{
+    Condition, NamedErrors, NamedSensorModel, Noise, conditions, error_conditions,
+};
 pub use execute::Evaluated;
 pub use finding::Finding;
 pub use markdown::{RobotResults, SkinResults, errors_table, robots_table, skins_table, table};
@@ -59,6 +64,7 @@ pub use policy::GripPolicy;
 pub use reflex::{CoarsePolicy, ReflexPlan, ReflexReport};
 pub use report::{Baseline, Family, Report, Row};
 pub use rows::TrialRow;
+pub use sensor_effects::{EffectPlan, EffectReport, EffectRow};
 pub use sensor_variant::SensorVariant;
 pub use sim_backend::random::trial_seed;
 pub use statistics::{median, wilson};

@@ -75,20 +75,27 @@ impl OfflineRun {
         seed: u64,
         settings: Settings,
     ) -> Result<Self, SceneError> {
+        let world = World::new(robot, scene, seed)?;
+        Ok(Self::in_world(robot, scene, world, settings))
+    }
+
+    /// Runs in a world of this scene, without running a tick.
+    #[must_use]
+    pub fn in_world(robot: &RobotModel, scene: &Scene, world: World, settings: Settings) -> Self {
         let mut wiring = SensorSetup::from_robot(robot);
         for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
             hand.rate_hz = f64::from(rate_hz);
         }
-        Ok(Self {
+        Self {
             robot: robot.clone(),
-            world: Box::new(World::new(robot, scene, seed)?),
+            world: Box::new(world),
             controller: Box::new(Controller::new(robot, wiring, settings)),
             sensed: Sensed::default(),
             command: JointCommand::default(),
             index: 0,
             task: None,
             targets: Vec::new(),
-        })
+        }
     }
 
     /// Sets an additional task for goals that name it.
@@ -209,6 +216,9 @@ impl OfflineRun {
             let is_end = |u: &GoalUpdate| u.goal_id == goal.goal_id && u.state.is_final();
             if let Some(end) = outputs.goal_update.filter(is_end) {
                 return end;
+            }
+            if self.world.fault().is_some() {
+                break;
             }
         }
         let reason = Reason::with_limit(shm_schemas::Cause::TIMED_OUT, limit_s, limit_s);

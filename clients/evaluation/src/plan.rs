@@ -7,6 +7,7 @@ use robot_model::RobotFiles;
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, NamedLayout, fnv1a};
 use sim_backend::Object;
+use sim_backend::engine::EngineCommand;
 
 use crate::Task;
 use crate::condition::Condition;
@@ -33,6 +34,8 @@ pub struct Plan {
     pub baselines: Vec<GripPolicy>,
     /// True: baselines run under every condition. False: only under the first.
     pub compare_everywhere: bool,
+    /// Physics engine in a process of its own; `None`: the built-in one.
+    pub engine: Option<EngineCommand>,
     /// Threads; 0: one per core.
     pub threads: usize,
     /// Controller settings.

@@ -24,6 +24,9 @@ pub struct Report {
     /// Fingertip layout, if not the robot file's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skin: Option<String>,
+    /// Physics engine, if not the built-in one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<String>,
     /// ATAS modules under the first condition.
     #[serde(flatten)]
     pub tally: Tally,
@@ -48,6 +51,9 @@ pub struct Report {
     pub rate_hz: u32,
     /// Errors under the first condition, by name.
     pub errors: String,
+    /// Sensor model, if not that of the design.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor_model: Option<String>,
     /// Results per family of objects, first condition.
     pub families: Vec<Family>,
     /// ATAS modules under every condition.
@@ -115,6 +121,7 @@ impl Report {
             task: plan.task.name(),
             robot: plan.robot.name.to_string(),
             skin: plan.skin.map(|skin| skin.to_string()),
+            engine: plan.engine.as_ref().map(ToString::to_string),
             tally: Tally::from_records(&first),
             physics: Physics::from_records(&first),
             baselines: successes(&baseline_rows),
@@ -126,6 +133,7 @@ impl Report {
             noise: condition.noise,
             rate_hz: condition.rate_hz,
             errors: condition.errors.name.clone(),
+            sensor_model: condition.sensor_model.as_ref().map(|of| of.name.clone()),
             families: (0..plan.objects.len())
                 .map(|object| Family::from_records(plan, &first, object))
                 .collect(),

@@ -23,6 +23,9 @@ pub struct TrialRow {
     pub setting: String,
     /// Errors, by name.
     pub errors: String,
+    /// Sensor model, if not that of the design.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor_model: Option<String>,
     /// Sensor rate, Hz.
     pub rate_hz: u32,
     /// Nominal object of the family.
@@ -120,6 +123,7 @@ impl TrialRow {
             policy: policy.name(),
             setting: policy.setting(),
             errors: condition.errors.name.clone(),
+            sensor_model: condition.sensor_model.as_ref().map(|of| of.name.clone()),
             rate_hz: condition.rate_hz,
             object: plan.objects[record.object].name.clone(),
             seed: record.number,

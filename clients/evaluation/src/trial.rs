@@ -6,8 +6,9 @@ use robot_model::RobotModel;
 use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
 use shm_schemas::GoalRequest;
+use sim_backend::engine::{EngineError, EnginePool};
 use sim_backend::random::{split_mix, trial_seed};
-use sim_backend::{Scene, World};
+use sim_backend::{Scene, World, WorldFault};
 
 use crate::Task;
 use crate::drawn::Drawn;
@@ -37,7 +38,8 @@ pub struct Record {
     pub max_force_n: f64,
     /// Simulated time, s.
     pub simulated_s: f64,
-    /// Processor time of this thread, s. All other fields depend on the plan only.
+    /// Processor time of this thread, s; with an external engine, elapsed time. All other fields
+    /// depend on the plan only.
     pub cpu_s: f64,
 }
 
@@ -70,19 +72,26 @@ impl Record {
     }
 }
 
-pub(super) fn run(robot: &RobotModel, plan: &Plan, job: &Job) -> anyhow::Result<Record> {
+/// Equipment that all trials share.
+pub(super) struct Laboratory {
+    pub(super) robot: RobotModel,
+    /// External engines; `None`: the built-in engine.
+    pub(super) engines: Option<EnginePool>,
+}
+
+pub(super) fn run(laboratory: &Laboratory, plan: &Plan, job: &Job) -> anyhow::Result<Record> {
     let settings = job.policy.settings(&plan.settings);
-    TrialSetup::new(robot, plan, job)?.run(SensorVariant::unmodified(settings))
+    TrialSetup::new(laboratory, plan, job)?.run(SensorVariant::unmodified(settings))
 }
 
 pub(super) fn run_variants<T>(
-    robot: &RobotModel,
+    laboratory: &Laboratory,
     plan: &Plan,
     job: &Job,
     make_variants: impl Fn(&World, u64) -> anyhow::Result<(Vec<SensorVariant>, T)>,
 ) -> anyhow::Result<VariantTrial<T>> {
-    let stage = TrialSetup::new(robot, plan, job)?;
-    let world = World::new(robot, &stage.scene, stage.seed)?;
+    let stage = TrialSetup::new(laboratory, plan, job)?;
+    let world = World::new(&laboratory.robot, &stage.scene, stage.seed)?;
     let (corrupted, made) = make_variants(&world, stage.seed)?;
     let records: anyhow::Result<_> = corrupted
         .into_iter()
@@ -93,7 +102,7 @@ pub(super) fn run_variants<T>(
 
 /// Initial state of a trial: a family member in its scene, and the goal.
 struct TrialSetup<'a> {
-    robot: &'a RobotModel,
+    laboratory: &'a Laboratory,
     plan: &'a Plan,
     job: &'a Job,
     seed: u64,
@@ -102,7 +111,8 @@ struct TrialSetup<'a> {
 }
 
 impl<'a> TrialSetup<'a> {
-    fn new(robot: &'a RobotModel, plan: &'a Plan, job: &'a Job) -> anyhow::Result<Self> {
+    fn new(laboratory: &'a Laboratory, plan: &'a Plan, job: &'a Job) -> anyhow::Result<Self> {
+        let robot = &laboratory.robot;
         let nominal = &plan.objects[job.object];
         let seed = trial_seed(&nominal.name, job.number);
         let errors = &job.condition.errors.errors;
@@ -113,9 +123,12 @@ impl<'a> TrialSetup<'a> {
             .with_errors(errors, seed);
         scene.noise_factor = job.condition.noise.scale(share(seed ^ NOISE_STREAM));
         scene.sensor_rate_hz = [job.condition.rate_hz; 2];
+        if let Some(of) = &job.condition.sensor_model {
+            scene.sensor_model = of.model.clone();
+        }
         let goal = plan.task.goal(&scene, robot.acting_side())?;
         Ok(Self {
-            robot,
+            laboratory,
             plan,
             job,
             seed,
@@ -124,17 +137,34 @@ impl<'a> TrialSetup<'a> {
         })
     }
 
+    fn world(&self) -> anyhow::Result<World> {
+        let (robot, scene) = (&self.laboratory.robot, &self.scene);
+        Ok(match &self.laboratory.engines {
+            None => World::new(robot, scene, self.seed)?,
+            Some(engines) => World::with_engine(robot, scene, self.seed, engines.borrow()?)?,
+        })
+    }
+
+    /// Returns the time that this trial has cost: of this thread, or with an external engine, of
+    /// the clock, because the thread waits for the engine.
+    fn cost_s(&self) -> f64 {
+        clock_s(match self.laboratory.engines {
+            None => ClockId::ThreadCPUTime,
+            Some(_) => ClockId::Monotonic,
+        })
+    }
+
     fn run(&self, mut corrupted: SensorVariant) -> anyhow::Result<Record> {
-        let begin_s = cpu_s();
-        let (plan, job) = (self.plan, self.job);
+        let begin_s = self.cost_s();
+        let (plan, job, robot) = (self.plan, self.job, &self.laboratory.robot);
         let reported = self.scene.grasp_hint(0).context("a task has an object")?;
         let placed = &self.scene.objects[0];
-        let tips = self.robot.hand(self.robot.acting_side()).opposed_tips();
+        let hand = robot.hand(robot.acting_side());
+        let tips = hand.opposed_tips();
         let load = Load::from_object(&placed.object, &plan.settings.grasp, tips)
             .with_position_error(placed, reported);
         let mut progress = GoalProgress::default();
-        let mut run =
-            OfflineRun::without_tick(self.robot, &self.scene, self.seed, corrupted.settings)?;
+        let mut run = OfflineRun::in_world(robot, &self.scene, self.world()?, corrupted.settings);
         run.make_ready(&mut corrupted.frame_filter);
         let (goal, task) = job.policy.goal(&self.goal);
         run.set_task(task);
@@ -142,10 +172,14 @@ impl<'a> TrialSetup<'a> {
         let trial = run.run_filtered(&goal, limit_s, &mut corrupted.frame_filter, |outputs, _| {
             outputs.goal_update.iter().for_each(|u| progress.add(u));
         });
-        if let Some(fault) = run.world().fault() {
-            let name = &plan.objects[job.object].name;
-            return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
-        }
+        let discarded = match run.world().fault() {
+            None => None,
+            Some(WorldFault::Engine(EngineError::Tick(reason))) => Some(reason),
+            Some(fault) => {
+                let name = &plan.objects[job.object].name;
+                return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
+            }
+        };
         let [x_m, y_m, _] = goal.to_m;
         let objects = trial.truth.objects.iter();
         Ok(Record {
@@ -153,17 +187,13 @@ impl<'a> TrialSetup<'a> {
             number: job.number,
             drawn: Drawn::from_scene(&self.scene).context("a task's scene has its objects")?,
             load: matches!(plan.task, Task::Grasp | Task::PickPlace).then_some(load),
-            finding: evaluate(
-                plan.task,
-                self.robot.hand(self.robot.acting_side()),
-                &trial,
-                &progress,
-                load,
-                [x_m, y_m],
-            ),
+            finding: match discarded {
+                None => evaluate(plan.task, hand, &trial, &progress, load, [x_m, y_m]),
+                Some(reason) => Finding::discarded(&reason),
+            },
             max_force_n: objects.map(|o| o.max_force_n).fold(0.0, f64::max),
             simulated_s: trial.simulated_s,
-            cpu_s: cpu_s() - begin_s,
+            cpu_s: self.cost_s() - begin_s,
         })
     }
 }
@@ -172,7 +202,7 @@ fn share(seed: u64) -> f64 {
     (split_mix(seed) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-fn cpu_s() -> f64 {
-    let time = clock_gettime(ClockId::ThreadCPUTime);
+fn clock_s(clock: ClockId) -> f64 {
+    let time = clock_gettime(clock);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

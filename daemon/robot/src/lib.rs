@@ -101,7 +101,7 @@ pub use forward::HandPose;
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
 pub use jacobian::{HandJacobian, Rows3, TipJacobian};
 pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};
-pub use model::{HandModel, Mover};
+pub use model::{Frame, HandModel, Mounted, Mover};
 pub use name::{NAME_MAX, Name};
 pub use robot::RobotModel;
 #[cfg(feature = "std")]

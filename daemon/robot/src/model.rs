@@ -69,17 +69,18 @@ pub struct HandModel {
     pub(crate) capsules: Capsules,
 }
 
-/// Frame of one moving joint of the URDF.
+/// Frame of one moving joint of the URDF: it moves along or about its z axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Frame {
+pub struct Frame {
     /// Parent frame, of a smaller index; `None` for the base.
-    pub(crate) parent: Option<usize>,
-    /// Transform from the parent to this frame at zero.
-    pub(crate) parent_from_frame: Transform,
-    pub(crate) mover: Mover,
-    /// Motion at coordinate zero.
-    pub(crate) offset: f64,
+    pub parent: Option<usize>,
+    /// Transform from the parent to this frame without motion.
+    pub parent_from_frame: Transform,
+    /// Cause of the motion.
+    pub mover: Mover,
+    /// Motion at coordinate zero, rad or m.
+    pub offset: f64,
 }
 
 /// Cause of a frame's motion.
@@ -99,9 +100,11 @@ pub struct Mover {
 /// Part fixed to a frame or to the base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Mounted {
-    pub(crate) frame: Option<usize>,
-    pub(crate) frame_from_link: Transform,
+pub struct Mounted {
+    /// Frame that moves the part; `None` for the base.
+    pub frame: Option<usize>,
+    /// Transform from that frame, or the base, to the part.
+    pub frame_from_link: Transform,
 }
 
 /// One fingertip and its movers.
@@ -289,6 +292,19 @@ impl HandModel {
     #[must_use]
     pub fn frame_count(&self) -> usize {
         self.frame_count
+    }
+
+    /// Returns the moving frames, each after its parent.
+    #[must_use]
+    pub fn frames(&self) -> &[Frame] {
+        &self.frames[..self.frame_count]
+    }
+
+    /// Returns the mounting of each tip frame.
+    pub fn tip_mounts(&self) -> impl Iterator<Item = &Mounted> {
+        self.fingers[..self.finger_count]
+            .iter()
+            .map(|finger| &finger.tip)
     }
 
     /// Returns true if the hand can shift and turn slightly at home. A hand on a mere lift cannot.

@@ -16,9 +16,9 @@ pub use spec::{Fault, FaultError, FaultInfo, FaultKind, Target};
 use robot_model::HandSide;
 use shm_schemas::{HandFrame, JointState};
 
+use crate::electronics::Sensed;
 use crate::random::Random;
 use crate::scene::stream;
-use crate::world::Sensed;
 use channel::Channel;
 
 /// Payload delivered to the readers.

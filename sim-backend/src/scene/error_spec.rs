@@ -1,13 +1,13 @@
 //! Text format of errors: `crosstalk`, `all`, `position=2,yaw=5`, `all=0.5`.
 //!
-//! A kind may have an amount, in its own unit; the default is its size in [`Errors::KINDS`]. `all`
-//! sets every kind; its amount is a factor on all sizes. `none` clears all. Commas separate several
-//! entries, applied in order.
+//! A kind may have an amount, in its own unit; the default is its size in [`Errors::KINDS`] or
+//! [`Errors::SENSOR_KINDS`]. `all` sets every kind of the former; its amount is a factor on all
+//! sizes. `none` clears all. Commas separate several entries, applied in order.
 
 use core::f64::consts::PI;
 use core::str::FromStr;
 
-use super::{ErrorKind, Errors};
+use super::{ErrorKind, Errors, SensorErrors};
 
 /// Text format of one kind of error.
 struct Field {
@@ -17,6 +17,20 @@ struct Field {
     /// Factor from this unit to the unit of the field.
     per_unit: f64,
     field: fn(&mut Errors) -> &mut f64,
+    /// True for a kind that `all` includes.
+    in_all: bool,
+}
+
+const fn sensor_field(
+    name: &'static str,
+    unit: &'static str,
+    per_unit: f64,
+    of: fn(&mut Errors) -> &mut f64,
+) -> Field {
+    Field {
+        in_all: false,
+        ..field(name, unit, per_unit, of)
+    }
 }
 
 const fn field(
@@ -30,18 +44,22 @@ const fn field(
         unit,
         per_unit,
         field: of,
+        in_all: true,
     }
 }
 
 impl Field {
     fn size(&self) -> f64 {
-        let mut all = Errors::ALL;
-        *(self.field)(&mut all)
+        let mut sizes = Errors {
+            sensor: SensorErrors::SIZES,
+            ..Errors::ALL
+        };
+        *(self.field)(&mut sizes)
     }
 }
 
-/// One entry per kind, with the names of [`Errors::KINDS`].
-const FIELDS: [Field; Errors::KINDS.len()] = [
+/// One entry per kind, with the names of [`Errors::KINDS`] and [`Errors::SENSOR_KINDS`].
+const FIELDS: [Field; Errors::KINDS.len() + Errors::SENSOR_KINDS.len()] = [
     field("servo", "%", 0.01, |e| &mut e.servo_stiffness),
     field("links", "mm", 1e-3, |e| &mut e.link_m),
     field("tips", "%", 0.01, |e| &mut e.tip_stiffness),
@@ -53,6 +71,15 @@ const FIELDS: [Field; Errors::KINDS.len()] = [
     field("yaw", "°", PI / 180.0, |e| &mut e.yaw_rad),
     field("expected-width", "mm", 1e-3, |e| &mut e.expected_width_m),
     field("height", "mm", 1e-3, |e| &mut e.height_m),
+    sensor_field("drift", "N/s", 1.0, |e| &mut e.sensor.drift_n_s),
+    sensor_field("hysteresis", "%", 0.01, |e| &mut e.sensor.hysteresis),
+    sensor_field("creep", "%", 0.01, |e| &mut e.sensor.creep_per_decade),
+    sensor_field("saturation", "N", 1.0, |e| &mut e.sensor.saturation_n),
+    sensor_field("dead", "%", 0.01, |e| &mut e.sensor.dead),
+    sensor_field("wear", "%", 0.01, |e| &mut e.sensor.wear),
+    sensor_field("latency", "ms", 1e-3, |e| &mut e.sensor.latency_s),
+    sensor_field("jitter", "ms", 1e-3, |e| &mut e.sensor.jitter_s),
+    sensor_field("frame-loss", "%", 0.01, |e| &mut e.sensor.frame_loss),
 ];
 
 /// Reason why a text is rejected.
@@ -124,7 +151,7 @@ impl Errors {
             "none" => *self = Self::NONE,
             "all" => {
                 let factor = amount("times the stated sizes").transpose()?.unwrap_or(1.0);
-                for field in &FIELDS {
+                for field in FIELDS.iter().filter(|field| field.in_all) {
                     *(field.field)(self) = factor * field.size();
                 }
             }
@@ -153,7 +180,8 @@ mod tests {
 
     #[test]
     fn every_kind_has_a_text_field() {
-        for (field, kind) in FIELDS.iter().zip(&Errors::KINDS) {
+        let kinds = Errors::KINDS.iter().chain(&Errors::SENSOR_KINDS);
+        for (field, kind) in FIELDS.iter().zip(kinds) {
             assert_eq!(field.name, kind.name);
             assert_eq!(kind.name.parse(), Ok(kind.errors), "{}", kind.name);
         }
@@ -177,6 +205,16 @@ mod tests {
         let errors: Errors = text.parse().expect("valid text");
         assert_eq!((errors.crosstalk, errors.bias_n), (0.05, 0.0025));
         assert_eq!(errors.height_m, 0.0);
+        assert_eq!(
+            errors.sensor,
+            SensorErrors::NONE,
+            "all excludes sensor kinds"
+        );
+        let errors: Errors = "drift=0.1,latency=20".parse().expect("valid text");
+        assert_eq!(
+            (errors.sensor.drift_n_s, errors.sensor.latency_s),
+            (0.1, 0.02)
+        );
         let degrees: Errors = "yaw=15".parse().expect("valid text");
         assert!((degrees.yaw_rad - Errors::ALL.yaw_rad).abs() < 1e-12);
     }

@@ -24,7 +24,7 @@
 
 use core::f64::consts::PI;
 
-use super::{GraspHint, Placed, Scene, grasp_height_m, stream};
+use super::{GraspHint, Placed, Scene, SensorErrors, grasp_height_m, stream};
 use crate::random::Random;
 use crate::range::{OutOfRange, in_range};
 use crate::shape::Shape;
@@ -55,6 +55,8 @@ pub struct Errors {
     /// Largest object height, m, drawn upwards from the object's own. Clients know it; caps and
     /// bottles keep their height.
     pub height_m: f64,
+    /// Further errors of the tactile sensors.
+    pub sensor: SensorErrors,
 }
 
 /// One kind of error, a row of an evaluation table.
@@ -82,9 +84,10 @@ impl Errors {
         yaw_rad: 0.0,
         expected_width_m: 0.0,
         height_m: 0.0,
+        sensor: SensorErrors::NONE,
     };
 
-    /// All errors, each with its size in [`Errors::KINDS`].
+    /// All errors, each with its size in [`Errors::KINDS`]; no [`SensorErrors`].
     pub const ALL: Self = Self {
         servo_stiffness: 0.10,
         link_m: 0.001,
@@ -97,6 +100,7 @@ impl Errors {
         yaw_rad: 15.0 * PI / 180.0,
         expected_width_m: 0.004,
         height_m: 0.20,
+        sensor: SensorErrors::NONE,
     };
 
     /// Each kind of error alone.
@@ -194,7 +198,8 @@ impl Errors {
     /// Returns the kind of this name.
     #[must_use]
     pub fn kind_from_name(name: &str) -> Option<&'static ErrorKind> {
-        Self::KINDS.iter().find(|kind| kind.name == name)
+        let mut kinds = Self::KINDS.iter().chain(&Self::SENSOR_KINDS);
+        kinds.find(|kind| kind.name == name)
     }
 
     /// Rejects errors that cannot be simulated.
@@ -222,7 +227,7 @@ impl Errors {
         ] {
             in_range(what, value, 0.0, upper)?;
         }
-        Ok(())
+        self.sensor.check()
     }
 }
 

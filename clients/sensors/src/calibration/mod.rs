@@ -28,6 +28,7 @@ mod silence;
 pub use block::{Block, fit_block};
 pub use drift::{Drift, TemperatureEffect, UnloadedRecording, WARMING_MIN_K};
 pub use fit::{FitError, FitResult, Point, Press, fit, total_n};
+pub use least_squares::NormalEquations;
 pub use silence::{Silence, Thresholds, measure_silence};
 
 use std::path::Path;

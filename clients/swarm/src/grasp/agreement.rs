@@ -121,9 +121,11 @@ pub(super) fn plan(
             noise: Noise::Scale(1.0),
             rate_hz: 1000,
             errors: NamedErrors::none(),
+            sensor_model: None,
         }],
         baselines: laws,
         compare_everywhere: false,
+        engine: None,
         threads,
         settings: atas_core::Settings::default(),
     })

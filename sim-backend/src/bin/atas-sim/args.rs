@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use robot_model::{RobotModel, TWO_HAND_ARM};
 use shm_bus::BusName;
 use sim_backend::Scene;
+use sim_backend::engine::EngineCommand;
 use sim_backend::faults::Fault;
 
 use crate::course_host::CourseArgs;
@@ -28,7 +29,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Simulate a robot at a table: publish tactile frames, joint states and ground truth; execute
     /// the daemon's commands.
-    Run(RunArgs),
+    Run(Box<RunArgs>),
     /// Host the swarm's field: publish the robots' sensors, execute the wheel commands of
     /// `ebts agents`, report every goal.
     Field(FieldArgs),
@@ -48,6 +49,15 @@ pub(crate) enum Command {
     /// List the errors that `run --errors` and `atas eval --errors` can apply.
     #[command(after_help = "Example:\n  atas-sim errors")]
     Errors,
+    /// List the built-in sensor models, or print the file of one with the sources of its values.
+    #[command(after_help = SENSORS_HELP)]
+    Sensors {
+        /// Built-in model whose file is printed.
+        name: Option<String>,
+        /// Output format of the list.
+        #[arg(long, value_enum, default_value = "human")]
+        format: Format,
+    },
     /// Print completions for a shell.
     #[command(
         after_help = "Example:\n  atas-sim completions bash > /etc/bash_completion.d/atas-sim"
@@ -71,6 +81,7 @@ Examples:
   atas-sim course --seed 2
   atas-sim objects
   atas-sim faults
+  atas-sim sensors
 ";
 
 const OBJECTS_HELP: &str = "\
@@ -81,12 +92,22 @@ Examples:
   atas-sim objects
   atas-sim objects --format json";
 
+const SENSORS_HELP: &str = "\
+JSON, one model per line: {name, model}; model has the keys of a model file.
+
+Examples:
+  atas-sim sensors
+  atas-sim sensors optoforce-omd20 > my-sensor.toml
+  atas-sim sensors --format json";
+
 const RUN_EXAMPLES: &str = "\
 Examples:
   atas-sim run --object wood
   atas-sim run --object wood --robot test-bench
   atas-sim run --scene assembly --vary --seed 7
   atas-sim run --object wood --errors crosstalk=3,centre-of-mass
+  atas-sim run --object wood --engine \"mujoco --viewer\"
+  atas-sim run --object wood --sensor-model my-sensor.toml --errors creep
   atas-sim run --object bottle@0.3,-0.1,45 --lockstep --duration 20 --fault drop=0.3@2+0.5:right
 ";
 
@@ -113,6 +134,11 @@ pub(crate) struct RunArgs {
     /// Robot to simulate: a built-in one (`atas robot list`) or a robot file.
     #[arg(long, value_name = "NAME|FILE", default_value_t = TWO_HAND_ARM.name.to_string())]
     pub(crate) robot: String,
+    /// Physics engine in a process of its own: `mujoco` with its options, or a program
+    ///
+    /// MuJoCo needs `pip install 'atas[mujoco]'`; ATAS_PYTHON names another interpreter.
+    #[arg(long, value_name = "mujoco|PROGRAM [OPTIONS]")]
+    pub(crate) engine: Option<EngineCommand>,
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -238,6 +264,17 @@ mod tests {
     }
 
     #[test]
+    fn sensor_model_sets_the_rate_unless_given() {
+        let rate = |arguments: &str| {
+            let scene = scene(arguments).expect(arguments);
+            (scene.sensor_rate_hz[0], scene.sensor_model.about.is_empty())
+        };
+        assert_eq!(rate(""), (1000, true));
+        assert_eq!(rate("--sensor-model design"), (1000, false));
+        assert_eq!(rate("--sensor-model design --rate-hz 100"), (100, false));
+    }
+
+    #[test]
     fn usage_errors_name_the_remedy() {
         let check = |arguments: &str, part: &str| {
             let message = scene(arguments).expect_err(arguments);
@@ -252,6 +289,12 @@ mod tests {
         check("--object botle", "did you mean \"bottle\"?");
         check("--object wood@here", "needs X,Y or X,Y,YAW");
         check("--object /no/such.toml", "check the path");
+        check("--sensor-model desgn", "did you mean \"design\"?");
+        check(
+            "--sensor-model /no/such.toml",
+            "could not read the sensor model",
+        );
+        check("--errors hysteresis=30%", "needs a number of %");
         check("--fault drop", "needs KIND[=VALUE]@START");
         check("--bus ATAS!", "use 1 to 24 characters");
         check("--duration=-1", "negative");

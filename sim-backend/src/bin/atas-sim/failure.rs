@@ -3,12 +3,15 @@
 use atas_process::exit::Exit;
 use robot_model::ModelError;
 use shm_bus::BusError;
-use sim_backend::{ObjectError, SceneError, WorldFault};
+use sim_backend::engine::EngineError;
+use sim_backend::{ObjectError, SceneError, SensorModelError, WorldFault};
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     #[error(transparent)]
     Object(#[from] ObjectError),
+    #[error(transparent)]
+    SensorModel(#[from] SensorModelError),
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error("scene rejected: {0}")]
@@ -19,6 +22,8 @@ pub(crate) enum Failure {
     Bus(#[from] BusError),
     #[error(transparent)]
     World(#[from] WorldFault),
+    #[error(transparent)]
+    Engine(#[from] EngineError),
     #[error(
         "preset rejected: {why}, needs one of {names} or a TOML file of a preset; correct --preset"
     )]
@@ -58,8 +63,12 @@ Log: standard error, filtered by RUST_LOG (default info). --format json: an erro
         match self {
             Self::Output(_) | Self::World(_) | Self::BaseMotion(_) => Exit::Failed,
             Self::Signals(_) | Self::Manual { .. } => Exit::Failed,
-            Self::Object(_) | Self::Scene(_) | Self::Usage(_) | Self::Robot(_) => Exit::Usage,
-            Self::Course(_) | Self::Buses { .. } => Exit::Usage,
+            Self::Engine(_)
+            | Self::Object(_)
+            | Self::Scene(_)
+            | Self::Usage(_)
+            | Self::Robot(_) => Exit::Usage,
+            Self::SensorModel(_) | Self::Course(_) | Self::Buses { .. } => Exit::Usage,
             Self::Preset { .. } | Self::Field(_) | Self::Team(_) | Self::Swarm(_) => Exit::Usage,
             Self::Bus(error) if error.is_in_use() => Exit::InUse,
             Self::Bus(_) => Exit::Bus,

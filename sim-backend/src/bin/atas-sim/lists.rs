@@ -1,11 +1,11 @@
-//! Lists on standard output: built-in objects, faults, errors, completions, manual pages.
+//! Lists on standard output: built-in objects, sensors, faults, errors, completions, manual pages.
 
 use std::path::Path;
 
 use clap::CommandFactory;
 use serde::Serialize;
 use sim_backend::faults::FaultKind;
-use sim_backend::{Errors, Object};
+use sim_backend::{Errors, Object, SensorModel, SensorModelError};
 
 use crate::args::Cli;
 use crate::failure::Failure;
@@ -123,7 +123,69 @@ pub(crate) fn errors() -> Result<(), Failure> {
         format!("{:15} {:>6}  {}", kind.name, kind.unit(), kind.about)
     };
     lines.extend(Errors::KINDS.iter().map(line));
+    lines.push("sensor effects, not included in all:".to_owned());
+    lines.extend(Errors::SENSOR_KINDS.iter().map(line));
     print(&lines)
+}
+
+/// Sensor model with its name, as JSON.
+#[derive(Serialize)]
+struct SensorRow {
+    name: &'static str,
+    model: SensorModel,
+}
+
+impl SensorRow {
+    fn built_in(name: &'static str) -> Result<Self, SensorModelError> {
+        let model = SensorModel::built_in(name)?;
+        Ok(Self { name, model })
+    }
+
+    fn line(&self) -> String {
+        let Self { name, model } = self;
+        let or_none = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
+        let percent = |share: f64| format!("{:.1}", 100.0 * share);
+        let layout = or_none(model.layout.clone());
+        let rate_hz = or_none(model.rate_hz.map(|hz| hz.to_string()));
+        let hysteresis = or_none(model.hysteresis.map(|of| percent(of.share)));
+        let creep = or_none(model.creep.map(|of| percent(of.per_decade)));
+        let noise_mn = 1e3 * model.noise_n[0];
+        let about = &model.about;
+        format!(
+            "{name:16} {layout:14} {rate_hz:>5} {noise_mn:>8.1} {hysteresis:>12} {creep:>14}  {about}"
+        )
+    }
+}
+
+pub(crate) fn sensors(name: Option<&str>, format: Format) -> Result<(), Failure> {
+    if let Some(name) = name {
+        // An unknown name fails here.
+        SensorModel::built_in(name)?;
+        return write(
+            SensorModel::built_in_text(name)
+                .unwrap_or_default()
+                .as_bytes(),
+        );
+    }
+    let rows: Result<Vec<_>, _> = SensorModel::names().map(SensorRow::built_in).collect();
+    let rows = rows?;
+    match format {
+        // Serialisation cannot fail: only numbers and strings.
+        Format::Json => print(
+            &rows
+                .iter()
+                .map(|row| serde_json::to_string(row).unwrap_or_default())
+                .collect::<Vec<_>>(),
+        ),
+        Format::Human => {
+            let header = format!(
+                "{:16} {:14} {:>5} {:>8} {:>12} {:>14}  about",
+                "name", "layout", "Hz", "noise mN", "hysteresis %", "creep %/decade"
+            );
+            let lines = rows.iter().map(SensorRow::line);
+            print(&core::iter::once(header).chain(lines).collect::<Vec<_>>())
+        }
+    }
 }
 
 pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {

@@ -27,6 +27,7 @@ use atas_process::{command_line, shutdown};
 use clap::Parser;
 use robot_model::RobotModel;
 use shm_bus::Bus;
+use sim_backend::engine::EngineProcess;
 use sim_backend::{Scene, World};
 
 use args::{Cli, Command, RunArgs};
@@ -50,6 +51,7 @@ fn dispatch(command: Command) -> Result<(), Failure> {
         Command::Objects { format } => lists::objects(format),
         Command::Faults => lists::faults(),
         Command::Errors => lists::errors(),
+        Command::Sensors { name, format } => lists::sensors(name.as_deref(), format),
         Command::Completions { shell } => lists::completions(shell),
         Command::Man { folder } => lists::manual(&folder),
     }
@@ -59,7 +61,13 @@ fn run(args: &RunArgs) -> Result<(), Failure> {
     let stop = stop_on_signal()?;
     let robot = RobotModel::find(&args.robot)?;
     let scene = args.scene(&robot)?;
-    let world = World::new(&robot, &scene, args.seed)?;
+    let world = match &args.engine {
+        None => World::new(&robot, &scene, args.seed)?,
+        Some(command) => {
+            let engine = Box::new(EngineProcess::start(command)?);
+            World::with_engine(&robot, &scene, args.seed, engine)?
+        }
+    };
     let bus = Bus::open(&args.bus, "atas-sim", shm_bus::Realtime::Yes)?;
     let mut session = Session::open(&bus, world, &args.faults, args.seed)?;
     log_scene(args, &robot, &scene);

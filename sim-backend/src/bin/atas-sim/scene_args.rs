@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use robot_model::{HandModel, HandSide, RobotModel};
-use sim_backend::{Errors, GraspHint, Object, Placed, Scene};
+use sim_backend::{Errors, GraspHint, Object, Placed, Scene, SensorModel};
 
 use crate::failure::Failure;
 
@@ -37,9 +37,14 @@ pub(crate) struct SceneArgs {
     /// Factor on the noise of the fingertip sensors.
     #[arg(long, default_value_t = 1.0)]
     noise: f64,
-    /// Frame rate of the fingertip sensors, 1 to 1000 Hz.
-    #[arg(long, default_value_t = 1000)]
-    rate_hz: u32,
+    /// Model of the fingertip sensors: a built-in name (`atas-sim sensors`) or a TOML file
+    /// [default: design]
+    #[arg(long, value_name = "NAME|FILE")]
+    sensor_model: Option<String>,
+    /// Frame rate of the fingertip sensors, 1 to 1000 Hz [default: that of the sensor model, else
+    /// 1000]
+    #[arg(long, value_name = "HZ")]
+    rate_hz: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -111,11 +116,15 @@ impl SceneArgs {
                 HandSide::Right => "the robot has no right hand; leave out --hand",
             }));
         }
-        let scene = Scene {
-            noise_factor: self.noise,
-            sensor_rate_hz: [self.rate_hz; 2],
-            ..self.nominal(robot, side)?
-        };
+        let mut scene = self.nominal(robot, side)?;
+        scene.noise_factor = self.noise;
+        if let Some(model) = &self.sensor_model {
+            scene.set_sensor_model(SensorModel::from_name_or_file(model)?);
+            warn_of_other_layout(&scene.sensor_model, robot, side);
+        }
+        if let Some(rate_hz) = self.rate_hz {
+            scene.sensor_rate_hz = [rate_hz; 2];
+        }
         let scene = if self.vary { scene.varied(seed) } else { scene };
         Ok(scene.with_errors(&self.errors, seed))
     }
@@ -236,6 +245,19 @@ impl SceneArgs {
                 "the bottle has no neck; choose one with a neck with --bottle",
             )),
         }
+    }
+}
+
+/// Logs a warning if the values of a model describe elements of another layout.
+fn warn_of_other_layout(model: &SensorModel, robot: &RobotModel, side: HandSide) {
+    let skin = robot.hand(side).skin().layout.to_string();
+    if let Some(layout) = model.layout.as_ref().filter(|layout| **layout != skin) {
+        tracing::warn!(
+            layout,
+            skin,
+            "the sensor model describes elements of another layout; its values apply to each \
+             element of this skin"
+        );
     }
 }
 
