@@ -1,0 +1,188 @@
+"""Threaded cap and its bottle.
+
+MuJoCo has no screw joint between two free bodies. A cap is therefore a light carrier with a turning
+and a travelling joint. A loose cap has both joints locked. An engaged cap has its carrier welded to
+the bottle; it turns with the thread's friction, and travels by the thread's pitch:
+
+    loose: rests on the rim, centred and upright ─▶ engaged ─▶ loose: pulled before the first turn
+
+Limits and friction law are those of the built-in engine (`sim-backend/src/threaded_cap.rs`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from .options import SUPPORT_TYPE, TABLE_FRICTION
+
+CARRIER_SHARE = 0.1
+"""Share of the cap's mass in the carrier. Design choice: light, and well conditioned."""
+RIM_MARGIN_M = 0.003
+"""Margin of the rim beyond the cap's radius, m."""
+RIM_HALF_M = 0.002
+"""Half thickness of the rim, m."""
+CAPTURE_M, CAPTURE_TILT_RAD = 0.002, 0.087
+"""Largest offset from the axis, m, and tilt, rad, at which threads engage."""
+CAPTURE_WEIGHT = 0.5
+"""Share of the cap's weight that must rest on the rim to engage."""
+CENTRING_RAD = np.pi / 2
+"""Turn over which the thread centres the cap, rad."""
+PULL_SHARE = 0.5
+"""Upward force over the cap's weight that removes it. Design choice: above the solver's residuals."""
+LOOSE_RAD = 0.02
+"""Turn below which a pull removes the cap, rad."""
+STIFF = [0.001, 1.0]
+FRICTION_ROW = mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF
+EQUALITY_ROW = mujoco.mjtConstraint.mjCNSTR_EQUALITY
+
+
+def add_rim(bottle: Any, rim_m: float, cap_radius_m: float) -> None:
+    """Adds the top of the neck, `rim_m` above the bottle's middle, as a support of the cap."""
+    bottle.add_geom(
+        name="rim",
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        size=[cap_radius_m + RIM_MARGIN_M, RIM_HALF_M, 0],
+        pos=[0, 0, rim_m - RIM_HALF_M],
+        mass=0,
+        contype=SUPPORT_TYPE,
+        conaffinity=0,
+        friction=[TABLE_FRICTION, 0, 0],
+        priority=2,
+        solref=[0.002, 1.0],
+        rgba=[0.45, 0.62, 0.8, 0.6],
+    )
+
+
+def add_joints(spec: Any, carrier: Any, bottle_name: str, thread: dict[str, Any]) -> Any:
+    """Adds the cap's body with its joints to a carrier. Returns the body."""
+    body = carrier.add_body(name=f"{carrier.name}-cap")
+    body.add_joint(name="cap-travel", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1], armature=0.01)
+    turn = body.add_joint(name="cap-turn", type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1])
+    turn.armature, turn.frictionloss, turn.damping[0] = thread["inertia_kg_m2"], thread["friction_n_m"], 0.004
+    # Sticks: with the default, a thread creeps below its friction.
+    turn.solref_friction, turn.solimp_friction = STIFF, [0.999, 0.9999, 0.001, 0.5, 2.0]
+    for name, first, second in (("cap-lock", "cap-turn", None), ("cap-thread", "cap-travel", "cap-turn")):
+        equality = spec.add_equality(name=name, type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT)
+        equality.name1, equality.solref = first, STIFF
+        if second:
+            equality.name2 = second
+            equality.data[1] = -thread["sign"] * thread["pitch_m"] / (2 * np.pi)
+    weld = spec.add_equality(name="cap-weld", type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
+    weld.name1, weld.name2, weld.solref, weld.active = bottle_name, carrier.name, STIFF, False
+    # Anchor, relative pose (position, quaternion), torque scale; `Cap` sets the pose.
+    weld.data[:11] = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]
+    return body
+
+
+class Cap:
+    """State of the cap on its thread."""
+
+    def __init__(self, scene: dict[str, Any]) -> None:
+        objects = scene["objects"]
+        self.index = next(index for index, thing in enumerate(objects) if thing["thread"])
+        self.bottle = next(index for index, thing in enumerate(objects) if thing["neck"])
+        cap, bottle = objects[self.index], objects[self.bottle]
+        self._thread: dict[str, float] = cap["thread"]
+        self._weight_n = cap["mass_kg"] * scene["gravity_m_s2"]
+        self._engaged_m = engaged_height_m(cap, bottle)
+        self._starts_engaged = bool(cap["on_neck"])
+        self.engaged = False
+        self._turn_rad = self._yaw_rad = 0.0
+        self._offset_m, self._tilt_rad = np.zeros(3), np.zeros(3)
+
+    def begin(self, model: Any, data: Any) -> None:
+        """Engages a cap that starts on the neck."""
+        if self._starts_engaged:
+            self._engage(model, data)
+
+    def update(self, model: Any, data: Any, rim_n: float) -> None:
+        """Engages or releases the cap, and follows the thread. `rim_n` is the force of its support."""
+        if not self.engaged:
+            if rim_n >= CAPTURE_WEIGHT * self._weight_n and self._is_aligned(data):
+                self._engage(model, data)
+            return
+        angle = self.angle_rad(data)
+        if angle < LOOSE_RAD and self._pull_n(model, data) > PULL_SHARE * self._weight_n:
+            self._release(model, data)
+            return
+        self._weld(model, angle)
+        beyond = max(angle - self._thread["closing_rad"], 0.0)
+        dof = model.joint("cap-turn").dofadr[0]
+        model.dof_frictionloss[dof] = self._thread["friction_n_m"] + self._thread["rise_n_m_rad"] * beyond
+
+    def angle_rad(self, data: Any) -> float:
+        """Angle since the engagement, closing positive, rad."""
+        return float(self._thread["sign"] * (data.joint("cap-turn").qpos[0] - self._turn_rad))
+
+    def state(self, model: Any, data: Any) -> NDArray[np.float64]:
+        """Engaged, angle, torque of the cap on the bottle, as in the message."""
+        if not self.engaged:
+            return np.zeros(3)
+        dof = model.joint("cap-turn").dofadr[0]
+        rows = (data.efc_type == FRICTION_ROW) & (data.efc_id == dof)
+        torque = -self._thread["sign"] * data.efc_force[rows].sum()
+        return np.array([1.0, self.angle_rad(data), torque])
+
+    def _local(self, data: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Offset of the carrier from the engaged position, m, and its rotation, in the bottle's frame."""
+        bottle, carrier = data.body(f"object{self.bottle}"), data.body(f"object{self.index}")
+        axes = np.asarray(bottle.xmat).reshape(3, 3)
+        offset = axes.T @ (carrier.xpos - bottle.xpos) - [0, 0, self._engaged_m]
+        return offset, axes.T @ np.asarray(carrier.xmat).reshape(3, 3)
+
+    def _is_aligned(self, data: Any) -> bool:
+        offset, rotation = self._local(data)
+        lean = np.cross([0, 0, 1], rotation[:, 2])
+        return bool(np.hypot(*offset[:2]) < CAPTURE_M and rotation[2, 2] > 0 and np.linalg.norm(lean) < CAPTURE_TILT_RAD)
+
+    def _engage(self, model: Any, data: Any) -> None:
+        self._offset_m, rotation = self._local(data)
+        self._tilt_rad = np.cross([0, 0, 1], rotation[:, 2])
+        self._yaw_rad = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+        self._turn_rad = float(data.joint("cap-turn").qpos[0])
+        thread = model.equality("cap-thread").id
+        model.eq_data[thread, 0] = float(data.joint("cap-travel").qpos[0]) - model.eq_data[thread, 1] * self._turn_rad
+        data.eq_active[model.equality("cap-lock").id] = False
+        data.eq_active[model.equality("cap-weld").id] = True
+        self.engaged = True
+        self._weld(model, 0.0)
+
+    def _release(self, model: Any, data: Any) -> None:
+        turn = float(data.joint("cap-turn").qpos[0])
+        model.eq_data[model.equality("cap-lock").id, 0] = turn
+        data.eq_active[model.equality("cap-lock").id] = True
+        data.eq_active[model.equality("cap-weld").id] = False
+        self.engaged = False
+
+    def _weld(self, model: Any, angle_rad: float) -> None:
+        """Holds the carrier on the axis; offset and tilt at the engagement vanish over the first turn."""
+        remaining = min(max(1.0 - angle_rad / CENTRING_RAD, 0.0), 1.0)
+        upright, lean, pose = np.zeros(4), np.zeros(4), np.zeros(4)
+        mujoco.mju_axisAngle2Quat(upright, np.array([0.0, 0.0, 1.0]), self._yaw_rad)
+        tilt = remaining * self._tilt_rad
+        size = float(np.linalg.norm(tilt))
+        mujoco.mju_axisAngle2Quat(lean, tilt / size if size > 0 else np.array([1.0, 0.0, 0.0]), size)
+        mujoco.mju_mulQuat(pose, lean, upright)
+        weld = model.equality("cap-weld").id
+        model.eq_data[weld, 3:6] = remaining * self._offset_m + [0, 0, self._engaged_m]
+        model.eq_data[weld, 6:10] = pose
+
+    def _pull_n(self, model: Any, data: Any) -> float:
+        """Upward force of the cap on the weld beyond its weight, N."""
+        rows = np.flatnonzero((data.efc_type == EQUALITY_ROW) & (data.efc_id == model.equality("cap-weld").id))
+        # The third row is the vertical force on the first body, the bottle.
+        return float(data.efc_force[rows[2]]) if len(rows) else 0.0
+
+
+def engaged_height_m(cap: dict[str, Any], bottle: dict[str, Any]) -> float:
+    """Height of the cap's middle above the bottle's middle when the threads meet, m."""
+    return float(bottle["neck"]["rim_m"] - half_height_m(bottle["shape"]) + half_height_m(cap["shape"]))
+
+
+def half_height_m(shape: dict[str, Any]) -> float:
+    """Half height of an object, m."""
+    return float(shape["box"][2] if "box" in shape else shape["cylinder"][1])

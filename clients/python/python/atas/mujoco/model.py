@@ -1,0 +1,107 @@
+"""Compiled models of a scene: with the tactile skins of some hands, or of none.
+
+Pins cost time also without contact. A scene is therefore simulated with the skins of those hands only
+that are near an object. `Model.take_motion` continues the motion of another model of the same scene.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from .options import SHEAR_RATIO, SKIN_DAMPING_S, Options
+from .robot import Names, add_robot
+from .scene import add_scene
+
+
+def build(scene: dict[str, Any], options: Options, skins: tuple[bool, bool]) -> tuple[Any, Names, list[str]]:
+    """Returns the model of a scene with the skins of the left and the right hand, and the names of its parts."""
+    spec = mujoco.MjSpec()
+    spec.modelname = "atas"
+    spec.compiler.degree = False
+    spec.option.timestep = options.step_us * 1e-6
+    spec.option.gravity = [0, 0, -scene["gravity_m_s2"]]
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.option.impratio = 200.0
+    has_soft_object = any(thing["stiffness_n_m"] is not None for thing in scene["objects"])
+    names = add_robot(spec, scene["hands"], options, has_soft_object, skins)
+    objects = add_scene(spec, scene)
+    model = spec.compile()
+    if options.save is not None:
+        options.save.write_text(spec.to_xml())
+    return model, names, objects
+
+
+class Model:
+    """Model with its state, and the indices of its parts in the order of the messages."""
+
+    def __init__(self, scene: dict[str, Any], options: Options, skins: tuple[bool, bool]) -> None:
+        self.skins = skins
+        self.model, names, objects = build(scene, options, skins)
+        self.data = mujoco.MjData(self.model)
+        self.warnings = [self.data.warning[kind] for kind in range(len(mujoco.mjtWarning.__members__) - 1)]
+        self._find_joints(names)
+        self._find_pins(names)
+        self._find_objects(objects)
+
+    def _find_joints(self, names: Names) -> None:
+        model = self.model
+        index = [model.joint(name).id for name in names.joints]
+        self.qpos, self.dof = model.jnt_qposadr[index], model.jnt_dofadr[index]
+        self.drives = [model.actuator(name).id for name in names.joints]
+        self.hands = [model.body(name).mocapid[0] for name in names.hands]
+        self.tip_bodies = np.array([model.body(name).id for name in names.tips], dtype=int)
+        self.carriers = np.array([model.joint(name).id for name in names.carriers], dtype=int)
+        self.tip_of_carrier = np.array(names.tip_of_carrier, dtype=int)
+        joints = [model.joint(index).name for index in range(model.njnt)]
+        # All but pins and carriers are parts of every model of the scene.
+        self._shared = [name for name in joints if "-tip" not in name]
+
+    def _find_pins(self, names: Names) -> None:
+        model = self.model
+        joints = [[model.joint(f"{pin}-{axis}").id for axis in "nxy"] for pin in names.pins]
+        index = np.array(joints, dtype=int).reshape(-1, 3)
+        self.pin_qpos, self.pin_dof = model.jnt_qposadr[index], model.jnt_dofadr[index]
+        stiffness = np.array(names.stiffness_of_pin)[:, None] * np.array([1.0, SHEAR_RATIO, SHEAR_RATIO])
+        self.pin_stiffness, self.pin_damping = stiffness, SKIN_DAMPING_S * stiffness
+        self.pin_axes = np.array(names.axes_of_pin).reshape(-1, 3, 3)
+        first = np.concatenate([[0], np.cumsum(names.elements)]).astype(int)
+        self.tips, self.elements = len(names.elements), int(first[-1])
+        self.tip_of_pin = np.array(names.tip_of_pin, dtype=int)
+        self.element_of_pin = first[self.tip_of_pin] + np.array(names.element_of_pin, dtype=int)
+        self.pin_geoms = np.array([model.geom(pin).id for pin in names.pins], dtype=int)
+        self.pin_of_geom = np.full(model.ngeom, -1)
+        self.pin_of_geom[self.pin_geoms] = np.arange(len(names.pins))
+
+    def _find_objects(self, objects: list[str]) -> None:
+        self.bodies = np.array([self.model.geom(name).bodyid[0] for name in objects], dtype=int)
+        self.object_of_geom = np.full(self.model.ngeom, -1)
+        for index, name in enumerate(objects):
+            self.object_of_geom[self.model.geom(name).id] = index
+
+    def set_joints(self, position_rad: NDArray[np.float64]) -> None:
+        """Places the joints, and mimicking frames where their joints put them."""
+        model, data = self.model, self.data
+        data.qpos[self.qpos] = position_rad
+        for equality in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
+            follower, leader = model.eq_obj1id[equality], model.eq_obj2id[equality]
+            offset, ratio = model.eq_data[equality][:2]
+            data.qpos[model.jnt_qposadr[follower]] = offset + ratio * data.qpos[model.jnt_qposadr[leader]]
+
+    def take_motion(self, other: Model) -> None:
+        """Continues the motion of another model; pins start relaxed."""
+        data, source = self.data, other.data
+        mujoco.mj_resetData(self.model, data)
+        data.time = source.time
+        data.mocap_pos[:], data.xfrc_applied[self.bodies] = source.mocap_pos, source.xfrc_applied[other.bodies]
+        data.ctrl[self.drives] = source.ctrl[other.drives]
+        data.eq_active[:], self.model.eq_data[:] = source.eq_active, other.model.eq_data
+        for name in self._shared:
+            data.joint(name).qpos[:] = source.joint(name).qpos
+            data.joint(name).qvel[:] = source.joint(name).qvel
+            data.joint(name).qacc_warmstart[:] = source.joint(name).qacc_warmstart
+        mujoco.mj_forward(self.model, data)

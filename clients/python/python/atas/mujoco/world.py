@@ -1,0 +1,175 @@
+"""World of one scene: advances MuJoCo by ticks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from .cap import Cap
+from .contacts import Contacts, Slip, element_forces_n, read_contacts
+from .model import Model
+from .options import OBJECT_DAMPING_S, Options
+from .robot import CARRIER_MASS_KG, RIGID_N_M
+
+NEAR_M = 0.003
+"""Distance of a skin from an object at which its pins are simulated, m. Design choice: no part of the robot moves 3 mm in a tick."""
+FAR_M = 0.006
+"""Distance at which they are no longer simulated, m. Above `NEAR_M`, so that a resting hand changes the model once."""
+FRICTION_SPEED = 0.005
+"""Speed at which a joint's friction is 76 % of its Coulomb value, rad/s or m/s. Design choice: the friction acts as a torque of
+the state, because a constraint per joint triples the time of a step without contact."""
+
+
+class Failed(Exception):
+    """A scene or tick that is discarded: the solver warned, or the model cannot be built."""
+
+
+class World:
+    """Simulated scene."""
+
+    def __init__(self, scene: dict[str, Any], options: Options) -> None:
+        self._scene, self._options = scene, options
+        self._models: dict[tuple[bool, bool], Model] = {}
+        self._substeps = round(scene["tick_s"] * 1e6 / options.step_us)
+        self._random = np.random.default_rng(scene["seed"])
+        joints = [joint for hand in scene["hands"] for joint in hand["joints"]]
+        stiffness = np.array([joint["stiffness_n_m_rad"] for joint in joints])
+        self._feed_forward = np.array([joint["damping_n_m_s_rad"] for joint in joints]) / stiffness
+        self._noise_n_m = options.effort_noise * np.array([joint["effort_max_n_m"] for joint in joints])
+        self._reference = np.array([joint["start_rad"] for joint in joints])
+        tips = [fingertip for hand in scene["hands"] for fingertip in hand["fingertips"]]
+        self._hand_of_tip = np.array([side for side, hand in enumerate(scene["hands"]) for _ in hand["fingertips"]], dtype=int)
+        self._reach_m = np.array([max(float(np.linalg.norm(pin["position_m"])) for pin in tip["pins"]) for tip in tips])
+        self._shapes = [thing["shape"] for thing in scene["objects"]]
+        self._friction_n_m = options.joint_friction * np.array([joint["effort_max_n_m"] for joint in joints])
+        has = [any(thing[part] for thing in scene["objects"]) for part in ("thread", "neck")]
+        self._cap = Cap(scene) if all(has) else None
+        self._support_n = np.zeros(len(scene["objects"]))
+        self._touched = np.full(len(tips), -1)
+        self._slip = Slip(len(tips))
+        # A saved model has all skins.
+        self._now = self._model((options.save is not None,) * 2)
+        self._now.set_joints(self._reference)
+        mujoco.mj_forward(self._now.model, self._now.data)
+        if self._cap is not None:
+            self._cap.begin(self.model, self.data)
+
+    @property
+    def model(self) -> Any:
+        """The present MuJoCo model."""
+        return self._now.model
+
+    @property
+    def data(self) -> Any:
+        """The present MuJoCo state."""
+        return self._now.data
+
+    @property
+    def first_object_m(self) -> NDArray[np.float64]:
+        """Position of the first object, or a place before the robot, m."""
+        bodies = self._now.bodies
+        return np.array(self.data.xpos[bodies[0]]) if len(bodies) else np.array([0.3, 0.0, 0.1])
+
+    def advance(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Simulates one tick; returns the state at its end. Raises `Failed` if the solver warned."""
+        self._choose_model()
+        now, model, data = self._now, self.model, self.data
+        joints, objects = len(now.qpos), len(now.bodies)
+        target, velocity, rest = values[:joints], values[joints : 2 * joints], values[2 * joints :]
+        data.mocap_pos[now.hands, 2] = rest[:2]
+        data.xfrc_applied[now.bodies, :3] = rest[2 : 2 + 3 * objects].reshape(-1, 3)
+        self._set_compliance(rest[2 + 3 * objects :])
+        if self._cap is not None:
+            self._cap.update(model, data, self._support_n[self._cap.index])
+        begin, way = self._reference, target - self._reference
+        for step in range(self._substeps):
+            # As a drive interpolates: the position of the substep's begin, and the velocity.
+            data.ctrl[now.drives] = begin + way * (step / self._substeps) + self._feed_forward * velocity
+            data.qfrc_applied[now.dof] = -self._friction_n_m * np.tanh(data.qvel[now.dof] / FRICTION_SPEED)
+            mujoco.mj_step(model, data)
+        self._reference = target.copy()
+        for kind, warning in enumerate(now.warnings):
+            if warning.number:
+                raise Failed(f"MuJoCo warned: {mujoco.mjtWarning(kind).name} at {data.time:.3f} s")
+        return self._state()
+
+    def _model(self, skins: tuple[bool, bool]) -> Model:
+        if skins not in self._models:
+            self._models[skins] = Model(self._scene, self._options, skins)
+        return self._models[skins]
+
+    def _choose_model(self) -> None:
+        """Simulates the skins of the hands that are near an object."""
+        now, data = self._now, self.data
+        if len(now.bodies) == 0:
+            return
+        tips_m, nearest_m = data.xpos[now.tip_bodies], np.full(len(now.tip_bodies), np.inf)
+        for body, shape in zip(now.bodies, self._shapes, strict=True):
+            local_m = (tips_m - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
+            nearest_m = np.minimum(nearest_m, _distance_m(shape, local_m) - self._reach_m)
+        left, right = (
+            bool((nearest_m[self._hand_of_tip == side] < (FAR_M if has_skin else NEAR_M)).any())
+            for side, has_skin in enumerate(now.skins)
+        )
+        if (left, right) != now.skins:
+            following = self._model((left, right))
+            following.take_motion(now)
+            self._now = following
+            self._slip.reset()
+
+    def _set_compliance(self, stiffness: NDArray[np.float64]) -> None:
+        """Gives each fingertip's carrier the stiffness of the object that it touches."""
+        carriers = self._now.carriers
+        if len(carriers) == 0:
+            return
+        touched = self._touched[self._now.tip_of_carrier]
+        n_m = np.where(touched >= 0, stiffness[touched], np.inf)
+        soft = np.isfinite(n_m)
+        n_m = np.where(soft, n_m, RIGID_N_M)
+        damping = np.where(soft, OBJECT_DAMPING_S * n_m, 2.0 * np.sqrt(RIGID_N_M * CARRIER_MASS_KG))
+        self.model.jnt_stiffness[carriers] = n_m
+        self.model.dof_damping[self.model.jnt_dofadr[carriers]] = damping
+
+    def _state(self) -> NDArray[np.float64]:
+        now, data = self._now, self.data
+        effort = data.actuator_force[now.drives] + self._noise_n_m * self._random.standard_normal(len(now.drives))
+        contacts = read_contacts(now)
+        self._touched, self._support_n = contacts.touched, contacts.support_n
+        self._slip.update(now, contacts)
+        parts = [
+            data.qpos[now.qpos],
+            data.qvel[now.dof],
+            effort,
+            element_forces_n(now).ravel(),
+            contacts.normal_n,
+            self._slip.slip_m,
+            contacts.touched,
+            self._objects(contacts).ravel(),
+            np.zeros(3) if self._cap is None else self._cap.state(self.model, data),
+        ]
+        state = np.concatenate(parts)
+        if not np.isfinite(state).all():
+            raise Failed(f"a value is not finite at {data.time:.3f} s")
+        return state
+
+    def _objects(self, contacts: Contacts) -> NDArray[np.float64]:
+        """Pose, velocity and support force of each object."""
+        now, data = self._now, self.data
+        velocity = np.zeros((len(now.bodies), 6))
+        for row, body in zip(velocity, now.bodies, strict=True):
+            mujoco.mj_objectVelocity(self.model, data, mujoco.mjtObj.mjOBJ_XBODY, body, row, 0)
+        pose = [data.xpos[now.bodies], data.xquat[now.bodies]]
+        return np.hstack([*pose, velocity[:, 3:], velocity[:, :3], contacts.support_n[:, None]])
+
+
+def _distance_m(shape: dict[str, Any], point_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance of points from a shape, in its frame, m; 0 inside."""
+    if "box" in shape:
+        beyond = np.abs(point_m) - shape["box"]
+    else:
+        radius_m, half_m = shape["cylinder"]
+        beyond = np.stack([np.hypot(point_m[:, 0], point_m[:, 1]) - radius_m, np.abs(point_m[:, 2]) - half_m], axis=1)
+    return np.asarray(np.linalg.norm(np.maximum(beyond, 0.0), axis=1))

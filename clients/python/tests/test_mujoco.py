@@ -1,0 +1,194 @@
+"""Tests of the MuJoCo engine: skin against closed forms, thread, protocol, and tasks with the real controller."""
+
+import json
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import PROGRAMS, Programs
+
+mujoco = pytest.importorskip("mujoco")
+
+from atas.mujoco import protocol  # noqa: E402
+from atas.mujoco.options import Options, parse  # noqa: E402
+from atas.mujoco.world import Failed, World  # noqa: E402
+
+RADIUS_M = 0.015
+FOUNDATION_N_M3 = 1.7e8
+QUIET = Options(effort_noise=0.0, joint_friction=0.0)
+DUMP = "import sys,struct;k,n=struct.unpack('<II',sys.stdin.buffer.read(8));open(sys.argv[1],'wb').write(sys.stdin.buffer.read(n))"
+
+
+def scene_of(folder: Path, *arguments: str) -> dict[str, Any]:
+    """Scene description of `atas-sim run` with these arguments."""
+    script, out = folder / "dump.py", folder / "scene.json"
+    script.write_text(DUMP)
+    words = [PROGRAMS / "atas-sim", "run", "--lockstep", "--bus", f"fmj-{os.getpid()}", *arguments]
+    ran = subprocess.run([*words, "--engine", f"{sys.executable} {script} {out}"], capture_output=True, text=True, timeout=60, check=False)
+    assert "could not exchange data with the engine: it ended" in ran.stderr
+    scene: dict[str, Any] = json.loads(out.read_bytes())
+    return scene
+
+
+def bench(folder: Path, friction: float) -> dict[str, Any]:
+    """A fingertip of the two-hand arm on two slides, above a clamped plate; its pole points down."""
+    scene = scene_of(folder)
+    servo = {"stiffness_n_m_rad": 1e6, "damping_n_m_s_rad": 2e3, "inertia_kg_m2": 1.0, "effort_max_n_m": 1e3}
+    joint = {"slides": True, "start_rad": 0.0, "lower_rad": -0.1, "upper_rad": 0.1} | servo
+    along_x, down = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]), np.diag([1, -1, -1])
+    slide = {"slides": True, "ratio": 1.0, "offset": 0.0}
+    frames = [
+        {"parent": None, "position_m": [0, 0, 0.1], "rotation": along_x.tolist(), "joint": 0} | slide,
+        {"parent": 0, "position_m": [0, 0, 0], "rotation": (along_x.T @ down).tolist(), "joint": 1} | slide,
+    ]
+    tip = scene["hands"][1]["fingertips"][0] | {"frame": 1, "position_m": [0, 0, 0], "rotation": np.eye(3).tolist()}
+    plate = {
+        "name": "plate",
+        "shape": {"box": [0.05, 0.05, (0.1 - RADIUS_M) / 2]},
+        "mass_kg": 1.0,
+        "friction": friction,
+        "stiffness_n_m": None,
+        "centre_of_mass_m": [0, 0, 0],
+        "position_m": [0, 0],
+        "yaw_rad": 0.0,
+        "clamped": True,
+        "on_neck": False,
+        "thread": None,
+        "neck": None,
+    }
+    none: dict[str, Any] = {"joints": [], "frames": [], "fingertips": []}
+    right = {"joints": [{"name": "x"} | joint, {"name": "z"} | joint], "frames": frames, "fingertips": [tip]}
+    return scene | {"hands": [none, right], "objects": [plate], "plates": []}
+
+
+def move(world: World, x_m: float, z_m: float, ticks: int) -> tuple[np.ndarray[Any, Any], float]:
+    """Moves the fingertip; returns the sum of the element forces, tip frame, N, and the depth, m."""
+    for _ in range(ticks):
+        state = world.advance(np.array([x_m, z_m, 0, 0, 0, 0, 0, 0, 0, np.inf]))
+    return state[6 : 6 + 123].reshape(41, 3).sum(axis=0), float(state[1])
+
+
+def dome_force_n(depth_m: float) -> float:
+    """Force of a sticking dome on a flat: integral over the cap of depth × (k_n cos² + k_t sin²)."""
+    angle = np.linspace(0, np.radians(35), 20_000)
+    depth = np.maximum(depth_m - RADIUS_M * (1 - np.cos(angle)), 0)
+    density = depth * (np.cos(angle) ** 2 + 0.7 * np.sin(angle) ** 2) * np.sin(angle)
+    step = angle[1] - angle[0]
+    return float(2 * np.pi * FOUNDATION_N_M3 * RADIUS_M**2 * density.sum() * step)
+
+
+@pytest.mark.parametrize(("pins", "depth_m", "error"), [(1, 5e-4, 0.12), (1, 8e-4, 0.12), (3, 2e-4, 0.08), (3, 5e-4, 0.04), (3, 8e-4, 0.04)])
+def test_normal_force_matches_the_closed_form(tmp_path: Path, pins: int, depth_m: float, error: float) -> None:
+    world = World(bench(tmp_path, 5.0), Options(effort_noise=0.0, joint_friction=0.0, pins=pins))
+    for depth in np.linspace(0, depth_m, 100):
+        move(world, 0.0, depth, 1)
+    force_n, reached_m = move(world, 0.0, depth_m, 200)
+    assert -force_n[2] == pytest.approx(dome_force_n(reached_m), rel=error)
+
+
+def test_shear_slips_partially_and_ends_at_the_friction_limit(tmp_path: Path) -> None:
+    world = World(bench(tmp_path, 0.5), QUIET)
+    for depth in np.linspace(0, 5e-4, 100):
+        move(world, 0.0, depth, 1)
+    pressed_n, _ = move(world, 0.0, 5e-4, 100)
+    shear = []
+    for x_m in np.linspace(0, 6e-4, 300):
+        force_n, _ = move(world, x_m, 5e-4, 1)
+        shear.append(float(np.hypot(*force_n[:2])))
+    limit_n = -0.5 * pressed_n[2]
+    first, middle = (shear[60] - shear[30]) / 30, (shear[150] - shear[120]) / 30
+    # Full stick: 0.7 of the normal stiffness of the touching pins. Then pins slide one after the other.
+    assert middle < 0.6 * first, (first, middle)
+    assert max(shear) == pytest.approx(limit_n, rel=0.02)
+    assert shear[-1] == pytest.approx(limit_n, rel=0.02)
+
+
+def test_cap_turns_only_above_thread_friction(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, "--scene", "screw")
+    world = World(scene, QUIET)
+    joints = sum(len(hand["joints"]) for hand in scene["hands"])
+    start = [joint["start_rad"] for hand in scene["hands"] for joint in hand["joints"]]
+    rest = np.concatenate([start, np.zeros(joints + 2 + 6), [np.inf, np.inf]])
+    angle = {}
+    for torque_n_m in (0.010, 0.020):
+        for _ in range(200):
+            world.data.xfrc_applied[world.model.body("object0-cap").id, 5] = -torque_n_m
+            state = world.advance(rest)
+        angle[torque_n_m] = float(state[-2])
+    assert state[-3] == 1.0
+    assert abs(angle[0.010]) < 0.005 < 0.1 < angle[0.020]
+    assert state[-1] == pytest.approx(0.015, rel=0.05), "the thread passes its friction to the bottle"
+
+
+def exchange(messages: list[tuple[int, bytes]], *options: str) -> list[tuple[int, bytes]]:
+    """Answers of an engine process."""
+    sent = b"".join(struct.pack("<II", kind, len(payload)) + payload for kind, payload in messages)
+    words = [sys.executable, "-m", "atas.mujoco", *options]
+    ran = subprocess.run(words, input=sent, capture_output=True, timeout=60, check=True)
+    answers, rest = [], ran.stdout
+    while rest:
+        kind, length = struct.unpack("<II", rest[:8])
+        answers.append((kind, rest[8 : 8 + length]))
+        rest = rest[8 + length :]
+    return answers
+
+
+def test_wrong_messages_are_refused_with_a_reason(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path)
+    old = json.dumps(scene | {"protocol": 99}).encode()
+    lacking = json.dumps({key: value for key, value in scene.items() if key != "plates"}).encode()
+    answers = exchange(
+        [
+            (protocol.TICK, b""),
+            (protocol.BEGIN, old),
+            (protocol.BEGIN, b"{"),
+            (protocol.BEGIN, lacking),
+            (protocol.BEGIN, json.dumps(scene).encode()),
+            (77, b""),
+        ]
+    )
+    kinds = [kind for kind, _ in answers]
+    assert kinds == [protocol.FAILED] * 4 + [protocol.READY, protocol.FAILED]
+    assert b"version 99" in answers[1][1] and b"plates" in answers[3][1]
+
+
+@pytest.mark.parametrize("words", [["--step-us", "333"], ["--step-us", "0"], ["--pins", "2"], ["--effort-noise", "nan"], ["--speed"]])
+def test_wrong_options_are_refused(words: list[str]) -> None:
+    with pytest.raises(SystemExit):
+        parse(words)
+
+
+def test_unstable_scene_is_discarded(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, "--object", "wood")
+    world = World(scene, QUIET)
+    joints = sum(len(hand["joints"]) for hand in scene["hands"])
+    wild = np.concatenate([np.zeros(2 * joints + 2), [1e12, 0, 0, np.inf]])
+    with pytest.raises(Failed, match="MuJoCo warned|not finite"):
+        for _ in range(100):
+            world.advance(wild)
+
+
+def test_wood_is_held_on_the_bus(programs: Programs) -> None:
+    engine = {"ATAS_PYTHON": sys.executable}
+    os.environ |= engine
+    programs.start("atas-sim", "run", "--object", "wood", "--lockstep", "--engine", "mujoco")
+    programs.start("atasd", "--lockstep", "--config", "/dev/null")
+    words = [PROGRAMS / "atas", "--bus", programs.bus, "grasp", "--at", "0.320,-0.150,0.0345", "--width", "50", "--yaw", "90"]
+    ran = subprocess.run(words, capture_output=True, text=True, timeout=300, check=False)
+    assert ran.returncode == 0, ran.stdout + ran.stderr + programs.log("atas-sim")
+    assert "holds with F_n" in ran.stdout
+
+
+@pytest.mark.parametrize("task", ["pick-place", "screw"])
+def test_task_succeeds_in_mujoco(task: str) -> None:
+    words = [PROGRAMS / "atas", "eval", task, "--trials", "1", "--rate-hz", "1000", "--no-baselines", "--engine", "mujoco"]
+    environment = os.environ | {"ATAS_PYTHON": sys.executable}
+    ran = subprocess.run([*words, "--format", "json"], capture_output=True, text=True, timeout=900, env=environment, check=False)
+    assert ran.returncode == 0, ran.stderr
+    report = json.loads(ran.stdout)
+    assert report["engine"] == "mujoco" and report["success"] == 1.0, ran.stdout
