@@ -32,14 +32,14 @@ mod values;
 
 pub use access::{Access, Right};
 pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoTransport};
-pub use calibrates::{Calibrate, CalibrateFit, CalibrationModel, Guide};
+pub use calibrates::{Calibrate, CalibrateFit, CalibrateModel, CalibrationModel, Guide};
 pub use dashboards::{Dashboard, Foxglove};
 pub use demos::{
     Demo, DemoAssembly, DemoGrasp, DemoHybrid, DemoOptions, DemoPickPlace, DemoScrew, DemoSwarm,
 };
 pub use evals::{
     CalibrationEvaluation, Eval, Evaluation, HybridEvaluation, MergeParts, RecordedEvaluation,
-    ReflexEvaluation, Summary, TaskName, Tuning, Variants,
+    ReflexEvaluation, SensorEffects, Summary, TaskName, Tuning, Variants,
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};

@@ -19,6 +19,7 @@ fn plan(task: Task, objects: &[&str], threads: usize) -> Plan {
         conditions: vec![conditions(task).swap_remove(0)],
         baselines: Vec::new(),
         compare_everywhere: false,
+        engine: None,
         threads,
         settings: atas_core::Settings::default(),
     }

@@ -127,6 +127,7 @@ impl Series {
             conditions: vec![self.condition],
             baselines,
             compare_everywhere: false,
+            engine: None,
             threads: 0,
             settings: atas_core::Settings::default(),
         };

@@ -14,6 +14,45 @@ pub enum Calibrate {
     Guide(Guide),
     /// Fit a calibration to recorded presses, write it and report its errors
     Fit(CalibrateFit),
+    /// Fit a sensor model for the simulator to a recording
+    ///
+    /// Determines noise, resolution and range; with a true force also latency, hysteresis, creep
+    /// and drift. The first half of the recording is fitted, the second half measures the residual.
+    Model(CalibrateModel),
+}
+
+/// Arguments of `atas calibrate model`.
+#[derive(Args, Clone, Debug)]
+pub struct CalibrateModel {
+    /// Table with one row per frame, in order of time
+    ///
+    /// Times: column t_s, time_s or captured_ns.
+    #[arg(value_name = "FILE.csv")]
+    pub recording: PathBuf,
+    /// Columns with the readings of one sensor, in any unit
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',', required = true)]
+    pub reading: Vec<String>,
+    /// Column with the true force; empty cells are interpolated [default: force_n, if present]
+    #[arg(long, value_name = "COLUMN")]
+    pub force: Option<String>,
+    /// Newtons per unit of the true force
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = finite)]
+    pub force_unit: f64,
+    /// Newtons per unit of the readings, for a recording without a true force
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = finite)]
+    pub newtons_per_unit: f64,
+    /// Column that numbers separate recordings in the table
+    #[arg(long, value_name = "COLUMN")]
+    pub group: Option<String>,
+    /// Frame rate, if the table has no times
+    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = super::values::rate)]
+    pub rate_hz: f64,
+    /// Stated accuracy of the sensor, N, which the residual is compared with
+    #[arg(long, value_name = "N", value_parser = finite)]
+    pub accuracy: Option<f64>,
+    /// Output sensor model, for `atas-sim run --sensor-model`
+    #[arg(long, value_name = "FILE.toml", value_parser = toml)]
+    pub out: Option<PathBuf>,
 }
 
 /// Arguments of `atas calibrate guide`.

@@ -38,6 +38,10 @@ pub enum Eval {
     /// The fingertips have unknown gain, axes, noise and compression. `atas calibrate` fits them
     /// from guided presses.
     Calibration(CalibrationEvaluation),
+    /// Hold objects for a minute with a drifting, hysteretic or creeping sensor (results page)
+    ///
+    /// Each effect with and without joint torques; about 10 min on one core.
+    SensorEffects(SensorEffects),
     /// Fetch an object with a wheeled robot, carry it across a field, set it down at a goal
     ///
     /// A behaviour table drives the base; tactile modules control the hand.
@@ -125,6 +129,27 @@ pub struct CalibrationEvaluation {
     /// Frame rate of the fingertip sensors in the grasps
     #[arg(long, value_name = "HZ", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rate_hz: u32,
+    /// Threads; 0 for one per core. Results do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+/// Options for the evaluation of sensor effects.
+#[derive(Args, Clone, Debug)]
+pub struct SensorEffects {
+    /// Trials per object and effect
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub seeds: u64,
+    /// First seed of each object; 1 to 20000 are reserved for tuning [default: 20001]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
+    pub first_seed: Option<u64>,
+    /// Built-in objects or files, separated by commas [default: wood, slippery-50, paper-box,
+    /// sponge, bottle]
+    #[arg(long, value_name = "NAME|FILE", value_parser = super::values::OBJECTS, hide_possible_values = true, value_delimiter = ',')]
+    pub objects: Vec<String>,
+    /// Print the table of the results page as Markdown
+    #[arg(long)]
+    pub markdown: bool,
     /// Threads; 0 for one per core. Results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
@@ -279,10 +304,23 @@ pub struct Evaluation {
     /// (`atas-sim errors` lists them). `each` evaluates one row per error and one with all errors.
     #[arg(long, value_name = "NAME[=AMOUNT]")]
     pub errors: Option<String>,
+    /// Model of the fingertip sensors: a built-in name (`atas-sim sensors`) or a file [default:
+    /// design]
+    ///
+    /// A model with a rate replaces the default rates by its own.
+    #[arg(long, value_name = "NAME|FILE")]
+    #[serde(default)]
+    pub sensor_model: Option<String>,
     /// Built-in objects or files, separated by commas; caps for screw and assembly [default: all
     /// suitable]
     #[arg(long, value_name = "NAME|FILE", value_parser = super::values::OBJECTS, hide_possible_values = true, value_delimiter = ',')]
     pub objects: Vec<String>,
+    /// Physics engine in a process of its own: `mujoco` with its options, or a program
+    ///
+    /// MuJoCo needs `pip install 'atas[mujoco]'`; ATAS_PYTHON names another interpreter.
+    #[arg(long, value_name = "mujoco|PROGRAM [OPTIONS]")]
+    #[serde(default)]
+    pub engine: Option<String>,
     /// Omit the baselines: a gripper with fixed force, and one that increases force on slip
     #[arg(long)]
     pub no_baselines: bool,

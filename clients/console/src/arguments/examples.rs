@@ -72,6 +72,7 @@ const HELPS: &[Help] = &[
         &[
             "atas calibrate guide --out steps.csv",
             "atas calibrate fit --presses presses.csv --reference steps.csv --out tip.toml",
+            "atas calibrate model presses.csv --reading b1,b2,b3 --force force_n",
         ],
         SUBCOMMANDS,
     ),
@@ -160,6 +161,14 @@ const HELPS: &[Help] = &[
         "one object per layout, as printed by `atas eval TASK`",
     ),
     Help(
+        "eval sensor-effects",
+        &[
+            "atas eval sensor-effects",
+            "atas eval sensor-effects --objects wood,sponge --seeds 2 --markdown",
+        ],
+        "one object: task, objects, seeds, first_seed, purpose, rows{effect, torques, trials, held, crushed, dropped, slipped, not_lifted, warned}",
+    ),
+    Help(
         "eval reflex",
         &[
             "atas eval reflex",
@@ -205,6 +214,13 @@ const HELPS: &[Help] = &[
             "atas calibrate fit --presses presses.csv --reference steps.csv --out tip.toml --daemon tip-daemon.toml",
         ],
         "one object: calibration, model, elements, presses, ridge, error_n, error_share, thresholds, motion_at, drift: {watched_s, element_n_min, warmth: {span_k, total_n_k, element_n_k}}, block, warnings",
+    ),
+    Help(
+        "calibrate model",
+        &[
+            "atas calibrate model presses.csv --reading b1,b2,b3 --force force_n --accuracy 0.3 --out my-sensor.toml",
+        ],
+        "one object: recording, rows, seconds, rate_hz, columns[{name, step, noise, largest, saturates}], residual_n, fitted_n, effects[{name, value, unit, without_n, identified}], accuracy_n, not_identified, model",
     ),
     Help(
         "eval merge",

@@ -1,7 +1,8 @@
 //! `atas calibrate`: fits a calibration to recorded silence and presses; reports its errors and
-//! writes the daemon's settings.
+//! writes the daemon's settings. `model.rs` fits a sensor model for the simulator.
 
 pub(crate) mod guide;
+mod model;
 mod rows;
 
 use std::fmt::Write as _;
@@ -61,6 +62,7 @@ pub(crate) fn calibrate(
 ) -> anyhow::Result<()> {
     match action {
         Calibrate::Guide(arguments) => guide::guide(arguments, interrupt, output),
+        Calibrate::Model(arguments) => model::fit_model(arguments, output),
         Calibrate::Fit(arguments) => {
             let report = fit_files(arguments)
                 .map_err(|error| ExitError::with_code(Exit::Failed, format!("{error:#}")))?;

@@ -5,6 +5,7 @@ mod hybrid;
 mod recording;
 mod reflex;
 mod rows;
+mod sensor_effects;
 mod shards;
 mod summary;
 mod table;
@@ -15,11 +16,14 @@ use std::io::IsTerminal;
 
 use atas_console::arguments::{Eval, Evaluation, TaskName};
 use atas_console::{Exit, ExitError, Interrupt, Output};
-use atas_evaluation::{Condition, Evaluated, GripPolicy, Noise, Plan, Task, seeds};
+use atas_evaluation::{
+    Condition, Evaluated, GripPolicy, NamedSensorModel, Noise, Plan, Task, seeds,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use robot_model::RobotFiles;
 use shm_schemas::layout::UnknownLayout;
-use sim_backend::{Object, ObjectError};
+use sim_backend::engine::EngineError;
+use sim_backend::{Object, ObjectError, SensorModelError};
 
 /// Value of `--errors` for one row per error.
 const EACH: &str = "each";
@@ -42,6 +46,9 @@ pub(crate) fn evaluate(
         Eval::Reflex(arguments) => reflex::reflex(arguments, interrupt, output),
         Eval::Calibration(arguments) => calibration::calibration(arguments, interrupt, output),
         Eval::Hybrid(arguments) => hybrid::hybrid(arguments, interrupt, output),
+        Eval::SensorEffects(arguments) => {
+            sensor_effects::sensor_effects(arguments, interrupt, output)
+        }
         Eval::Merge(merging) => shards::merge(merging, output),
         Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),
     }
@@ -106,7 +113,11 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
     let skin = skin.map_err(|error: UnknownLayout| {
         ExitError::with_code(Exit::Usage, format!("could not use --skin: {error}"))
     })?;
+    let engine = arguments.engine.as_deref().map(str::parse).transpose();
+    let engine = engine
+        .map_err(|error: EngineError| ExitError::with_code(Exit::Usage, error.to_string()))?;
     Ok(Plan {
+        engine,
         robot,
         skin,
         task,
@@ -144,11 +155,28 @@ fn conditions(task: Task, arguments: &Evaluation) -> anyhow::Result<Vec<Conditio
     if one_was_named && arguments.errors.as_deref() != Some(EACH) {
         conditions.truncate(1);
     }
+    let sensor_model = sensor_model(arguments)?;
+    let model_hz = sensor_model.as_ref().and_then(|of| of.model.rate_hz);
+    if model_hz.is_some() && arguments.errors.as_deref() != Some(EACH) {
+        conditions.truncate(1);
+    }
     for condition in &mut conditions {
+        condition.rate_hz = model_hz.unwrap_or(condition.rate_hz);
+        condition.sensor_model.clone_from(&sensor_model);
         condition.noise = arguments.noise.map_or(condition.noise, Noise::Scale);
         condition.rate_hz = arguments.rate_hz.unwrap_or(condition.rate_hz);
     }
     Ok(conditions)
+}
+
+fn sensor_model(arguments: &Evaluation) -> anyhow::Result<Option<NamedSensorModel>> {
+    let model = arguments.sensor_model.as_deref().map(str::parse);
+    model.transpose().map_err(|error: SensorModelError| {
+        ExitError::with_code(
+            Exit::Usage,
+            format!("could not use --sensor-model: {error}"),
+        )
+    })
 }
 
 fn task(name: TaskName) -> Task {

@@ -97,6 +97,7 @@ fn run(kind: &Kind, summary: &Summary, interrupt: &Interrupt) -> anyhow::Result<
             conditions: (kind.conditions)(*task),
             baselines,
             compare_everywhere: kind.compare_everywhere,
+            engine: None,
             threads: summary.threads,
             settings: atas_core::Settings::default(),
         };

@@ -21,6 +21,7 @@ pub(super) fn tune(
         conditions: conditions(task)[..1].to_vec(),
         baselines: GripPolicy::candidates(),
         compare_everywhere: false,
+        engine: None,
         threads: tuning.threads,
         settings: atas_core::Settings::default(),
     };

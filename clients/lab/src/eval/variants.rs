@@ -110,9 +110,11 @@ fn run(
             noise: Noise::Scale(1.0),
             rate_hz: 1000,
             errors: NamedErrors::none(),
+            sensor_model: None,
         }],
         baselines: Vec::new(),
         compare_everywhere: false,
+        engine: None,
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     };

@@ -110,9 +110,11 @@ fn plan(arguments: &CalibrationEvaluation) -> anyhow::Result<Plan> {
             noise: Noise::Between(NOISE),
             rate_hz: arguments.rate_hz,
             errors: named,
+            sensor_model: None,
         }],
         baselines: Vec::new(),
         compare_everywhere: false,
+        engine: None,
         threads: arguments.threads,
         settings: Settings::default(),
     })
