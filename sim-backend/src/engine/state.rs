@@ -132,7 +132,7 @@ impl PhysicsState {
     pub(crate) fn message_bytes(&self) -> usize {
         let elements: usize = self.element_force_n.iter().map(Vec::len).sum();
         let (tips, joints) = (self.element_force_n.len(), self.position_rad.len());
-        8 * (3 * joints + 3 * elements + 3 * tips + 14 * self.objects.len() + 3)
+        size_of::<f64>() * (3 * joints + 3 * elements + 3 * tips + 14 * self.objects.len() + 3)
     }
 
     /// Reads the message. `None` if its size is wrong or a value is not finite.

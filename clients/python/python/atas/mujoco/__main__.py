@@ -33,7 +33,7 @@ def serve(channel: Channel, options: Options) -> None:
                 channel.ready(f"MuJoCo {mujoco.__version__}")
             elif kind == TICK and world is not None:
                 channel.state(world.advance(np.frombuffer(payload, dtype="<f8")))
-                show.update()
+                show.update(world)
             else:
                 channel.failed(f"message {kind} is unexpected: a scene must begin first")
         except KeyError as error:

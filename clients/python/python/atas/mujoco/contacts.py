@@ -55,12 +55,10 @@ def read_contacts(model: Model) -> Contacts:
 
 
 def element_forces_n(model: Model) -> Floats:
-    """Returns the forces of objects on the elements, tip frame, N: those that deflect the pins."""
+    """Returns the forces of objects on the elements, tip frame, N, flat: those that deflect the pins."""
     data: Any = model.data
     along = model.pin_stiffness * data.qpos[model.pin_qpos] + model.pin_damping * data.qvel[model.pin_dof]
-    force = (along[:, :, None] * model.pin_axes).sum(axis=1)
-    sums = [np.bincount(model.element_of_pin, force[:, axis], model.elements) for axis in range(3)]
-    return np.stack(sums, axis=1)
+    return np.asarray(model.elements_of_pins @ along)
 
 
 class Slip:

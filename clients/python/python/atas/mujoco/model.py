@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from .options import SHEAR_RATIO, SKIN_DAMPING_S, Options
+from .options import SHEAR_RATIO, Options
 from .robot import Names, add_robot
 from .scene import add_scene
 
@@ -28,8 +28,9 @@ def build(scene: dict[str, Any], options: Options, skins: tuple[bool, bool]) -> 
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 200.0
     has_soft_object = any(thing["stiffness_n_m"] is not None for thing in scene["objects"])
-    names = add_robot(spec, scene["hands"], options, has_soft_object, skins)
+    # The solver eliminates joints from last to first. Pins after objects couple only with their arm and an object.
     objects = add_scene(spec, scene)
+    names = add_robot(spec, scene["hands"], options, has_soft_object, skins)
     model = spec.compile()
     if options.save is not None:
         options.save.write_text(spec.to_xml())
@@ -43,7 +44,6 @@ class Model:
         self.skins = skins
         self.model, names, objects = build(scene, options, skins)
         self.data = mujoco.MjData(self.model)
-        self.warnings = [self.data.warning[kind] for kind in range(len(mujoco.mjtWarning.__members__) - 1)]
         self._find_joints(names)
         self._find_pins(names)
         self._find_objects(objects)
@@ -65,14 +65,18 @@ class Model:
         model = self.model
         joints = [[model.joint(f"{pin}-{axis}").id for axis in "nxy"] for pin in names.pins]
         index = np.array(joints, dtype=int).reshape(-1, 3)
+        index = index.ravel()
         self.pin_qpos, self.pin_dof = model.jnt_qposadr[index], model.jnt_dofadr[index]
-        stiffness = np.array(names.stiffness_of_pin)[:, None] * np.array([1.0, SHEAR_RATIO, SHEAR_RATIO])
-        self.pin_stiffness, self.pin_damping = stiffness, SKIN_DAMPING_S * stiffness
-        self.pin_axes = np.array(names.axes_of_pin).reshape(-1, 3, 3)
+        self.pin_stiffness = np.outer(names.stiffness_of_pin, [1.0, SHEAR_RATIO, SHEAR_RATIO]).ravel()
+        self.pin_damping = model.dof_damping[self.pin_dof]
         first = np.concatenate([[0], np.cumsum(names.elements)]).astype(int)
         self.tips, self.elements = len(names.elements), int(first[-1])
         self.tip_of_pin = np.array(names.tip_of_pin, dtype=int)
-        self.element_of_pin = first[self.tip_of_pin] + np.array(names.element_of_pin, dtype=int)
+        self.elements_of_pins = np.zeros((3 * self.elements, len(index)))
+        """Matrix from forces along the pins' axes to the forces of the elements, tip frame."""
+        for pin, (tip, element, axes) in enumerate(zip(names.tip_of_pin, names.element_of_pin, names.axes_of_pin, strict=True)):
+            row = 3 * (first[tip] + element)
+            self.elements_of_pins[row : row + 3, 3 * pin : 3 * pin + 3] = np.transpose(axes)
         self.pin_geoms = np.array([model.geom(pin).id for pin in names.pins], dtype=int)
         self.pin_of_geom = np.full(model.ngeom, -1)
         self.pin_of_geom[self.pin_geoms] = np.arange(len(names.pins))
@@ -82,6 +86,11 @@ class Model:
         self.object_of_geom = np.full(self.model.ngeom, -1)
         for index, name in enumerate(objects):
             self.object_of_geom[self.model.geom(name).id] = index
+
+    @property
+    def first_object_m(self) -> NDArray[np.float64]:
+        """Position of the first object, or a place before the robot, m."""
+        return np.array(self.data.xpos[self.bodies[0]]) if len(self.bodies) else np.array([0.3, 0.0, 0.1])
 
     def set_joints(self, position_rad: NDArray[np.float64]) -> None:
         """Places the joints, and mimicking frames where their joints put them."""

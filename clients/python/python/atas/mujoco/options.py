@@ -10,9 +10,9 @@ SHEAR_RATIO = 0.7
 """Tangential over normal stiffness of a pin. Mindlin's theory gives 0.7 to 1 for rubber on a flat; as in `atas-sim`."""
 SKIN_DAMPING_S = 0.002
 """Damping over stiffness of a pin, s; as in `atas-sim`."""
-PIN_MASS_KG = 3e-4
-"""Inertia of a pin along each of its axes, kg. Design choice: its natural frequency (300 Hz) is below half of the step rate and
-far above the controller's bandwidth."""
+PIN_MASS_KG = 1e-3
+"""Inertia of a pin along each of its axes, kg. Design choice: its natural frequency (about 225 Hz) is below half of the step rate
+and above the skin's own bandwidth of 80 Hz."""
 PIN_RADIUS_M = 0.0015
 """Radius of a pin's tip, m. Design choice: smaller than half of the distance of elements."""
 CONTACT_TIME_S = 0.001
@@ -30,7 +30,7 @@ OBJECT_DAMPING_S = 0.005
 class Options:
     """Options of a run."""
 
-    step_us: float = 250.0
+    step_us: float = 500.0
     """Length of a simulation step, µs; divides the tick of 1 ms."""
     pins: int = 1
     """Pins per element: 1 or 3."""
@@ -61,7 +61,7 @@ class RobotOptions:
 def parse(arguments: list[str]) -> Options:
     """Parses the arguments of the engine."""
     default = Options()
-    parser = argparse.ArgumentParser(prog="mujoco", description="Engine options: --engine 'mujoco --step-us 125'")
+    parser = argparse.ArgumentParser(prog="mujoco", description="Engine options: --engine 'mujoco --step-us 250'")
     parser.add_argument("--step-us", type=float, default=default.step_us, help="simulation step in µs, divides 1000 [%(default)s]")
     parser.add_argument("--pins", type=int, choices=(1, 3), default=default.pins, help="pins per tactile element [%(default)s]")
     parser.add_argument(
@@ -76,7 +76,7 @@ def parse(arguments: list[str]) -> Options:
     options = Options(**vars(parser.parse_args(arguments)))
     substeps = 1000 / options.step_us if options.step_us > 0 else 0.5
     if not 1 <= substeps <= 100 or substeps != round(substeps):
-        parser.error(f"--step-us is {options.step_us}, needs 1000 divided by 1 to 100, for example 250")
+        parser.error(f"--step-us is {options.step_us}, needs 1000 divided by 1 to 100, for example 500")
     for name in ("effort_noise", "joint_friction"):
         value = getattr(options, name)
         if not 0 <= value <= 0.1:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import struct
+import zlib
 from typing import TYPE_CHECKING, Any
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
+from .model import Model
 from .options import Options
 
 if TYPE_CHECKING:
@@ -19,51 +24,73 @@ SIZE = (960, 720)
 
 
 class Show:
-    """Shows the running scene as the options request."""
+    """Shows the running scene as the options request.
+
+    The simulated model changes when a hand comes near an object. A model of its own, which has all
+    skins, shows the motion of each of them.
+    """
 
     def __init__(self, options: Options) -> None:
         self._options = options
         self._window: Any = None
         self._renderer: Any = None
-        self._world: World | None = None
+        self._shown: Model | None = None
         self._due_s = 0.0
         self._count = 0
 
     def begin(self, world: World) -> None:
         """Shows another scene from its beginning."""
-        self._world, self._due_s, self._count = world, 0.0, 0
+        if not self._options.viewer and self._options.pictures is None:
+            return
+        self._due_s = 0.0
+        self._shown = shown = world.shown_model()
         if self._options.viewer:
             import mujoco.viewer
 
             if self._window is not None:
                 self._window.close()
-            self._window = mujoco.viewer.launch_passive(world.model, world.data)
+            self._window = mujoco.viewer.launch_passive(shown.model, shown.data)
             self._aim(self._window.cam)
         if self._options.pictures is not None:
             self._options.pictures.mkdir(parents=True, exist_ok=True)
-            world.model.vis.global_.offwidth, world.model.vis.global_.offheight = SIZE
-            self._renderer = mujoco.Renderer(world.model, height=SIZE[1], width=SIZE[0])
+            shown.model.vis.global_.offwidth, shown.model.vis.global_.offheight = SIZE
+            if self._renderer is not None:
+                self._renderer.close()
+            self._renderer = mujoco.Renderer(shown.model, height=SIZE[1], width=SIZE[0])
 
-    def update(self) -> None:
+    def update(self, world: World) -> None:
         """Shows the present state if a frame is due."""
-        world = self._world
-        if world is None or world.data.time < self._due_s:
+        shown = self._shown
+        if shown is None or world.data.time < self._due_s:
             return
+        shown.take_motion(world.now)
         if self._window is not None and self._window.is_running():
             self._window.sync()
             self._due_s = world.data.time + FRAME_S
         if self._renderer is not None and self._options.pictures is not None:
             camera = mujoco.MjvCamera()
             self._aim(camera)
-            self._renderer.update_scene(world.data, camera)
-            path = self._options.pictures / f"{self._count:05d}.ppm"
-            pixels = self._renderer.render()
-            path.write_bytes(b"P6 %d %d 255\n" % SIZE + pixels.tobytes())
+            self._renderer.update_scene(shown.data, camera)
+            path = self._options.pictures / f"{self._count:05d}.png"
+            path.write_bytes(png(self._renderer.render()))
             self._count += 1
             self._due_s = world.data.time + PICTURE_S
 
     def _aim(self, camera: Any) -> None:
         """Points a camera at the first object."""
-        assert self._world is not None
-        camera.lookat[:] = self._world.first_object_m
+        assert self._shown is not None
+        camera.lookat[:] = self._shown.first_object_m
         camera.distance, camera.azimuth, camera.elevation = 0.5, 140, -20
+
+
+def png(pixels: NDArray[np.uint8]) -> bytes:
+    """Encodes pixels (height, width, 3) as PNG."""
+    height, width, _ = pixels.shape
+    lines = np.zeros((height, 1 + 3 * width), dtype=np.uint8)
+    lines[:, 1:] = pixels.reshape(height, -1)
+
+    def part(kind: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    header = part(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + header + part(b"IDAT", zlib.compress(lines.tobytes())) + part(b"IEND", b"")

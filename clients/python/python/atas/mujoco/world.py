@@ -12,15 +12,18 @@ from .cap import Cap
 from .contacts import Contacts, Slip, element_forces_n, read_contacts
 from .model import Model
 from .options import OBJECT_DAMPING_S, Options
-from .robot import CARRIER_MASS_KG, RIGID_N_M
+from .robot import CARRIER_MASS_KG, DAMPING_SHARE, RIGID_N_M, bounded_damping
 
 NEAR_M = 0.003
-"""Distance of a skin from an object at which its pins are simulated, m. Design choice: no part of the robot moves 3 mm in a tick."""
+"""Distance of a skin from an object at which its pins are simulated, m. Design choice: no part of the robot moves 3 mm between two
+checks."""
+CHECK_TICKS = 4
+"""Ticks between two checks of this distance."""
 FAR_M = 0.006
 """Distance at which they are no longer simulated, m. Above `NEAR_M`, so that a resting hand changes the model once."""
 FRICTION_SPEED = 0.005
 """Speed at which a joint's friction is 76 % of its Coulomb value, rad/s or m/s. Design choice: the friction acts as a torque of
-the state, because a constraint per joint triples the time of a step without contact."""
+the state, because a constraint per joint triples the time of a step without contact. A joint of little inertia has a larger one."""
 
 
 class Failed(Exception):
@@ -45,11 +48,14 @@ class World:
         self._reach_m = np.array([max(float(np.linalg.norm(pin["position_m"])) for pin in tip["pins"]) for tip in tips])
         self._shapes = [thing["shape"] for thing in scene["objects"]]
         self._friction_n_m = options.joint_friction * np.array([joint["effort_max_n_m"] for joint in joints])
+        steady = self._friction_n_m * options.step_us * 1e-6 / (DAMPING_SHARE * np.array([joint["inertia_kg_m2"] for joint in joints]))
+        self._friction_speed = np.maximum(FRICTION_SPEED, steady)
         has = [any(thing[part] for thing in scene["objects"]) for part in ("thread", "neck")]
         self._cap = Cap(scene) if all(has) else None
         self._support_n = np.zeros(len(scene["objects"]))
         self._touched = np.full(len(tips), -1)
         self._slip = Slip(len(tips))
+        self._tick = 0
         # A saved model has all skins.
         self._now = self._model((options.save is not None,) * 2)
         self._now.set_joints(self._reference)
@@ -68,14 +74,19 @@ class World:
         return self._now.data
 
     @property
-    def first_object_m(self) -> NDArray[np.float64]:
-        """Position of the first object, or a place before the robot, m."""
-        bodies = self._now.bodies
-        return np.array(self.data.xpos[bodies[0]]) if len(bodies) else np.array([0.3, 0.0, 0.1])
+    def now(self) -> Model:
+        """The present model with its state."""
+        return self._now
+
+    def shown_model(self) -> Model:
+        """A further model with all skins, to show the motion."""
+        return Model(self._scene, self._options, (True, True))
 
     def advance(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Simulates one tick; returns the state at its end. Raises `Failed` if the solver warned."""
-        self._choose_model()
+        if self._tick % CHECK_TICKS == 0:
+            self._choose_model()
+        self._tick += 1
         now, model, data = self._now, self.model, self.data
         joints, objects = len(now.qpos), len(now.bodies)
         target, velocity, rest = values[:joints], values[joints : 2 * joints], values[2 * joints :]
@@ -88,12 +99,12 @@ class World:
         for step in range(self._substeps):
             # As a drive interpolates: the position of the substep's begin, and the velocity.
             data.ctrl[now.drives] = begin + way * (step / self._substeps) + self._feed_forward * velocity
-            data.qfrc_applied[now.dof] = -self._friction_n_m * np.tanh(data.qvel[now.dof] / FRICTION_SPEED)
+            data.qfrc_applied[now.dof] = -self._friction_n_m * np.tanh(data.qvel[now.dof] / self._friction_speed)
             mujoco.mj_step(model, data)
         self._reference = target.copy()
-        for kind, warning in enumerate(now.warnings):
-            if warning.number:
-                raise Failed(f"MuJoCo warned: {mujoco.mjtWarning(kind).name} at {data.time:.3f} s")
+        warnings = data.warning.number
+        if warnings.any():
+            raise Failed(f"MuJoCo warned: {mujoco.mjtWarning(int(warnings.argmax())).name} at {data.time:.3f} s")
         return self._state()
 
     def _model(self, skins: tuple[bool, bool]) -> Model:
@@ -127,10 +138,9 @@ class World:
             return
         touched = self._touched[self._now.tip_of_carrier]
         n_m = np.where(touched >= 0, stiffness[touched], np.inf)
-        soft = np.isfinite(n_m)
-        n_m = np.where(soft, n_m, RIGID_N_M)
-        damping = np.where(soft, OBJECT_DAMPING_S * n_m, 2.0 * np.sqrt(RIGID_N_M * CARRIER_MASS_KG))
+        n_m = np.minimum(n_m, RIGID_N_M)
         self.model.jnt_stiffness[carriers] = n_m
+        damping = bounded_damping(OBJECT_DAMPING_S * n_m, CARRIER_MASS_KG, self.model.opt.timestep)
         self.model.dof_damping[self.model.jnt_dofadr[carriers]] = damping
 
     def _state(self) -> NDArray[np.float64]:
@@ -143,7 +153,7 @@ class World:
             data.qpos[now.qpos],
             data.qvel[now.dof],
             effort,
-            element_forces_n(now).ravel(),
+            element_forces_n(now),
             contacts.normal_n,
             self._slip.slip_m,
             contacts.touched,
