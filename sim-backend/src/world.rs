@@ -27,7 +27,7 @@ use crate::world_object::WorldObject;
 const PULL_MAX_N: f64 = 100.0;
 
 /// Failure that ends the simulation: the world freezes from then on.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldFault {
     /// Joint of this hand.
     #[error(

@@ -11,6 +11,7 @@
 //! therefore the same for all engines. [`EngineProcess`] describes the messages.
 
 mod description;
+mod pipe;
 mod pool;
 mod process;
 mod state;
@@ -39,7 +40,7 @@ pub trait Engine: Send {
 }
 
 /// Failure of an engine.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EngineError {
     /// The command is not usable.
     #[error("engine rejected: {0}")]
@@ -61,6 +62,15 @@ pub enum EngineError {
     /// The engine reports a failed tick.
     #[error("the engine failed: {0}")]
     Tick(String),
+    /// The process did not answer in time.
+    #[error(
+        "the engine did not answer within {seconds} s and is ended; see its messages above, or \
+         simulate with the built-in engine"
+    )]
+    Timeout {
+        /// Time limit, s.
+        seconds: f64,
+    },
     /// The process ended or broke the protocol.
     #[error("could not exchange data with the engine: {0}; see its messages above")]
     Connection(String),

@@ -11,15 +11,17 @@
 //! | from the engine | 5 failed | reason, UTF-8: the scene or the tick is discarded |
 //!
 //! In a state, an untouched fingertip has object −1, and `engaged` is 0 or 1. The engine answers
-//! each message with one message. It ends when its standard input ends. Its standard error goes
-//! to that of this process.
+//! each message with one message: `begin` within 60 s, a tick within 10 s. It ends within 2 s after
+//! its standard input ends; otherwise it is killed. Its standard error goes to that of this process.
 
 use std::ffi::OsString;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::str::FromStr;
+use std::time::{Duration, Instant};
 
+use super::pipe::{Timed, deadline};
 use super::{Engine, EngineError, EngineScene, PhysicsState, TickInput};
 
 const BEGIN: u32 = 1;
@@ -29,6 +31,24 @@ const STATE: u32 = 4;
 const FAILED: u32 = 5;
 /// Largest payload from an engine, bytes. Design choice: ten times the state of the largest robot.
 const PAYLOAD_MAX: usize = 1 << 20;
+/// Time limits of an engine, s.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    begin_s: f64,
+    tick_s: f64,
+    end_s: f64,
+}
+
+/// Time limits. Design choice: MuJoCo builds a scene in 1 to 10 s, simulates a tick in milliseconds
+/// and ends in 0.1 s on an idle core. Too short: a busy machine ends working engines. Too long: an
+/// engine that hangs blocks the evaluation.
+const LIMITS: Limits = Limits {
+    begin_s: 60.0,
+    tick_s: 10.0,
+    end_s: 2.0,
+};
+/// Period of the check whether an engine has ended.
+const END_CHECK: Duration = Duration::from_millis(5);
 /// Name of the engine in the Python package.
 const MUJOCO: &str = "mujoco";
 /// Environment variable with the Python interpreter that has the package `atas`.
@@ -101,8 +121,9 @@ fn python() -> OsString {
 pub struct EngineProcess {
     child: Child,
     /// `None` after the drop has begun.
-    input: Option<BufWriter<ChildStdin>>,
-    output: BufReader<ChildStdout>,
+    input: Option<BufWriter<Timed<ChildStdin>>>,
+    output: BufReader<Timed<ChildStdout>>,
+    limits: Limits,
     message: Vec<u8>,
     /// The engine has broken the protocol or ended.
     is_lost: bool,
@@ -130,8 +151,9 @@ impl EngineProcess {
         };
         Ok(Self {
             child,
-            input: Some(BufWriter::new(input)),
-            output: BufReader::new(output),
+            input: Some(BufWriter::new(Timed::new(input))),
+            output: BufReader::new(Timed::new(output)),
+            limits: LIMITS,
             message: Vec::new(),
             is_lost: false,
         })
@@ -142,23 +164,29 @@ impl EngineProcess {
         self.is_lost
     }
 
-    /// Sends `self.message` and receives the answer into it; returns the answer's kind.
-    fn exchange(&mut self, kind: u32) -> Result<u32, EngineError> {
+    /// Sends `self.message` and receives the answer into it within `limit_s`; returns the answer's
+    /// kind.
+    fn exchange(&mut self, kind: u32, limit_s: f64) -> Result<u32, EngineError> {
         if self.is_lost {
             return Err(EngineError::Connection("it has ended before".to_owned()));
         }
-        let answer = self.send_and_receive(kind);
+        let answer = self.send_and_receive(kind, deadline(limit_s));
         answer.map_err(|error| {
             self.is_lost = true;
-            EngineError::Connection(match error.kind() {
-                io::ErrorKind::UnexpectedEof | io::ErrorKind::BrokenPipe => "it ended".to_owned(),
-                _ => error.to_string(),
-            })
+            match error.kind() {
+                io::ErrorKind::TimedOut => EngineError::Timeout { seconds: limit_s },
+                io::ErrorKind::UnexpectedEof | io::ErrorKind::BrokenPipe => {
+                    EngineError::Connection("it ended".to_owned())
+                }
+                _ => EngineError::Connection(error.to_string()),
+            }
         })
     }
 
-    fn send_and_receive(&mut self, kind: u32) -> io::Result<u32> {
+    fn send_and_receive(&mut self, kind: u32, deadline: Instant) -> io::Result<u32> {
         let input = self.input.as_mut().ok_or(io::ErrorKind::BrokenPipe)?;
+        input.get_mut().set_deadline(deadline);
+        self.output.get_mut().set_deadline(deadline);
         let length = u32::try_from(self.message.len()).map_err(io::Error::other)?;
         input.write_all(&kind.to_le_bytes())?;
         input.write_all(&length.to_le_bytes())?;
@@ -192,7 +220,7 @@ impl Engine for EngineProcess {
     fn begin(&mut self, scene: &EngineScene) -> Result<(), EngineError> {
         self.message =
             serde_json::to_vec(scene).map_err(|error| EngineError::Scene(error.to_string()))?;
-        match self.exchange(BEGIN)? {
+        match self.exchange(BEGIN, self.limits.begin_s)? {
             READY => Ok(()),
             FAILED => Err(EngineError::Scene(self.text())),
             kind => Err(self.unexpected(kind)),
@@ -202,7 +230,7 @@ impl Engine for EngineProcess {
     fn advance(&mut self, input: &TickInput, state: &mut PhysicsState) -> Result<(), EngineError> {
         self.message.clear();
         input.write(&mut self.message);
-        match self.exchange(TICK)? {
+        match self.exchange(TICK, self.limits.tick_s)? {
             STATE => state.read(&self.message).ok_or_else(|| {
                 let (found, needed) = (self.message.len(), state.message_bytes());
                 EngineError::Tick(format!(
@@ -216,12 +244,24 @@ impl Engine for EngineProcess {
 }
 
 impl Drop for EngineProcess {
-    /// Closes the engine's input, so that it ends, and waits for it.
+    /// Closes the engine's input, so that it ends; kills it if it is lost or does not end in time.
     fn drop(&mut self) {
-        self.input = None;
-        if self.is_lost {
-            let _ = self.child.kill();
+        // Drops the buffer without writing: a lost engine may no longer read.
+        if let Some(input) = self.input.take() {
+            drop(input.into_parts());
         }
+        let end = deadline(self.limits.end_s);
+        while !self.is_lost && Instant::now() < end {
+            if !matches!(self.child.try_wait(), Ok(None)) {
+                return;
+            }
+            std::thread::sleep(END_CHECK);
+        }
+        // Both fail only if the process has ended.
+        let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,7 +12,7 @@ pub struct TickInput {
     pub position_rad: Vec<f64>,
     /// Velocities that the drives feed forward, rad/s or m/s.
     pub velocity_rad_s: Vec<f64>,
-    /// Vertical displacement of each hand by tremor, invisible to the encoders, m.
+    /// Vertical displacement of each hand by tremor and bumps, invisible to the encoders, m.
     pub tremor_m: [f64; 2],
     /// External force at the centre of mass of each object, base frame, N.
     pub pull_n: Vec<[f64; 3]>,
