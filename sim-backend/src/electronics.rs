@@ -12,11 +12,13 @@ use crate::random::Random;
 use crate::scene::{Scene, stream};
 use crate::sensed_hand::SensedHand;
 use crate::sensor::{HandSensor, SeededModel};
+use crate::servo_lag::ServoLag;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Electronics {
     sensors: [HandSensor; 2],
     drive: Drive,
+    lag: Option<ServoLag>,
     pub(crate) clock: Clock,
     joint_sequence: u64,
 }
@@ -70,6 +72,7 @@ impl Electronics {
         Self {
             sensors: HandSide::BOTH.map(sensor),
             drive: Drive::holding(start_rad, joint_speeds_rad_s(robot)),
+            lag: ServoLag::new(scene.errors.servo_lag_s, &start_rad),
             clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
             joint_sequence: 0,
         }
@@ -96,7 +99,11 @@ impl Electronics {
 
     /// Takes the command that arrived during the tick, if any; returns the set-points of the tick.
     pub(crate) fn setpoints(&mut self, command: Option<&JointCommand>) -> JointSetpoints {
-        self.drive.setpoints(command, self.clock.now_ns)
+        let commanded = self.drive.setpoints(command, self.clock.now_ns);
+        match &mut self.lag {
+            None => commanded,
+            Some(lag) => lag.follow(&commanded),
+        }
     }
 
     /// Returns the number of rejected commands plus expiries without a successor.

@@ -82,6 +82,7 @@ mod scene;
 mod sensed_hand;
 mod sensor;
 mod sensor_model;
+mod servo_lag;
 mod shape;
 mod support;
 pub mod swarm;

@@ -316,7 +316,8 @@ fn lists_are_printed() {
     assert!(listed("faults").contains("payloads are lost with this probability"));
     let errors = listed("errors");
     let kinds = sim_backend::Errors::KINDS.iter();
-    for kind in kinds.chain(&sim_backend::Errors::SENSOR_KINDS) {
+    let kinds = kinds.chain(&sim_backend::Errors::SENSOR_KINDS);
+    for kind in kinds.chain(&sim_backend::Errors::DRIVE_KINDS) {
         assert!(
             errors.contains(kind.name) && errors.contains(kind.about),
             "{errors}"

@@ -1,13 +1,13 @@
 //! Text format of errors: `crosstalk`, `all`, `position=2,yaw=5`, `all=0.5`.
 //!
-//! A kind may have an amount, in its own unit; the default is its size in [`Errors::KINDS`] or
-//! [`Errors::SENSOR_KINDS`]. `all` sets every kind of the former; its amount is a factor on all
+//! A kind may have an amount, in its own unit; the default is its size in [`Errors::KINDS`],
+//! [`Errors::SENSOR_KINDS`] or [`Errors::DRIVE_KINDS`]. `all` sets every kind of the first; its amount is a factor on all
 //! sizes. `none` clears all. Commas separate several entries, applied in order.
 
 use core::f64::consts::PI;
 use core::str::FromStr;
 
-use super::{ErrorKind, Errors, SensorErrors};
+use super::{ErrorKind, Errors};
 
 /// Text format of one kind of error.
 struct Field {
@@ -21,7 +21,7 @@ struct Field {
     in_all: bool,
 }
 
-const fn sensor_field(
+const fn field_outside_all(
     name: &'static str,
     unit: &'static str,
     per_unit: f64,
@@ -50,16 +50,17 @@ const fn field(
 
 impl Field {
     fn size(&self) -> f64 {
-        let mut sizes = Errors {
-            sensor: SensorErrors::SIZES,
-            ..Errors::ALL
-        };
+        let mut sizes = Errors::SIZES;
         *(self.field)(&mut sizes)
     }
 }
 
-/// One entry per kind, with the names of [`Errors::KINDS`] and [`Errors::SENSOR_KINDS`].
-const FIELDS: [Field; Errors::KINDS.len() + Errors::SENSOR_KINDS.len()] = [
+/// Number of kinds.
+const KINDS: usize = Errors::KINDS.len() + Errors::SENSOR_KINDS.len() + Errors::DRIVE_KINDS.len();
+
+/// One entry per kind, with the names of [`Errors::KINDS`], [`Errors::SENSOR_KINDS`] and
+/// [`Errors::DRIVE_KINDS`].
+const FIELDS: [Field; KINDS] = [
     field("servo", "%", 0.01, |e| &mut e.servo_stiffness),
     field("links", "mm", 1e-3, |e| &mut e.link_m),
     field("tips", "%", 0.01, |e| &mut e.tip_stiffness),
@@ -71,15 +72,16 @@ const FIELDS: [Field; Errors::KINDS.len() + Errors::SENSOR_KINDS.len()] = [
     field("yaw", "°", PI / 180.0, |e| &mut e.yaw_rad),
     field("expected-width", "mm", 1e-3, |e| &mut e.expected_width_m),
     field("height", "mm", 1e-3, |e| &mut e.height_m),
-    sensor_field("drift", "N/s", 1.0, |e| &mut e.sensor.drift_n_s),
-    sensor_field("hysteresis", "%", 0.01, |e| &mut e.sensor.hysteresis),
-    sensor_field("creep", "%", 0.01, |e| &mut e.sensor.creep_per_decade),
-    sensor_field("saturation", "N", 1.0, |e| &mut e.sensor.saturation_n),
-    sensor_field("dead", "%", 0.01, |e| &mut e.sensor.dead),
-    sensor_field("wear", "%", 0.01, |e| &mut e.sensor.wear),
-    sensor_field("latency", "ms", 1e-3, |e| &mut e.sensor.latency_s),
-    sensor_field("jitter", "ms", 1e-3, |e| &mut e.sensor.jitter_s),
-    sensor_field("frame-loss", "%", 0.01, |e| &mut e.sensor.frame_loss),
+    field_outside_all("drift", "N/s", 1.0, |e| &mut e.sensor.drift_n_s),
+    field_outside_all("hysteresis", "%", 0.01, |e| &mut e.sensor.hysteresis),
+    field_outside_all("creep", "%", 0.01, |e| &mut e.sensor.creep_per_decade),
+    field_outside_all("saturation", "N", 1.0, |e| &mut e.sensor.saturation_n),
+    field_outside_all("dead", "%", 0.01, |e| &mut e.sensor.dead),
+    field_outside_all("wear", "%", 0.01, |e| &mut e.sensor.wear),
+    field_outside_all("latency", "ms", 1e-3, |e| &mut e.sensor.latency_s),
+    field_outside_all("jitter", "ms", 1e-3, |e| &mut e.sensor.jitter_s),
+    field_outside_all("frame-loss", "%", 0.01, |e| &mut e.sensor.frame_loss),
+    field_outside_all("servo-lag", "ms", 1e-3, |e| &mut e.servo_lag_s),
 ];
 
 /// Reason why a text is rejected.
@@ -177,10 +179,12 @@ fn unknown(name: &str) -> ErrorSpecError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::SensorErrors;
 
     #[test]
     fn every_kind_has_a_text_field() {
         let kinds = Errors::KINDS.iter().chain(&Errors::SENSOR_KINDS);
+        let kinds = kinds.chain(&Errors::DRIVE_KINDS);
         for (field, kind) in FIELDS.iter().zip(kinds) {
             assert_eq!(field.name, kind.name);
             assert_eq!(kind.name.parse(), Ok(kind.errors), "{}", kind.name);
@@ -214,6 +218,12 @@ mod tests {
         assert_eq!(
             (errors.sensor.drift_n_s, errors.sensor.latency_s),
             (0.1, 0.02)
+        );
+        let lag: Errors = "all,servo-lag=50".parse().expect("valid text");
+        assert_eq!(
+            (lag.servo_lag_s, Errors::ALL.servo_lag_s),
+            (0.05, 0.0),
+            "all excludes the servo lag"
         );
         let degrees: Errors = "yaw=15".parse().expect("valid text");
         assert!((degrees.yaw_rad - Errors::ALL.yaw_rad).abs() < 1e-12);

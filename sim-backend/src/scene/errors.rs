@@ -55,9 +55,15 @@ pub struct Errors {
     /// Largest object height, m, drawn upwards from the object's own. Clients know it; caps and
     /// bottles keep their height.
     pub height_m: f64,
+    /// Time constant of a first-order lag between command and set-point of every servo, s.
+    pub servo_lag_s: f64,
     /// Further errors of the tactile sensors.
     pub sensor: SensorErrors,
 }
+
+/// Default lag of a servo, s. Design choice: four times the time constant of the sensor filter, and
+/// ten times the command latency of the simulated drives.
+const SERVO_LAG_S: f64 = 0.02;
 
 /// One kind of error, a row of an evaluation table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,10 +90,18 @@ impl Errors {
         yaw_rad: 0.0,
         expected_width_m: 0.0,
         height_m: 0.0,
+        servo_lag_s: 0.0,
         sensor: SensorErrors::NONE,
     };
 
-    /// All errors, each with its size in [`Errors::KINDS`]; no [`SensorErrors`].
+    /// Default size of each error.
+    pub(super) const SIZES: Self = Self {
+        servo_lag_s: SERVO_LAG_S,
+        sensor: SensorErrors::SIZES,
+        ..Self::ALL
+    };
+
+    /// All errors, each with its size in [`Errors::KINDS`]; no servo lag and no [`SensorErrors`].
     pub const ALL: Self = Self {
         servo_stiffness: 0.10,
         link_m: 0.001,
@@ -100,6 +114,7 @@ impl Errors {
         yaw_rad: 15.0 * PI / 180.0,
         expected_width_m: 0.004,
         height_m: 0.20,
+        servo_lag_s: 0.0,
         sensor: SensorErrors::NONE,
     };
 
@@ -195,10 +210,21 @@ impl Errors {
         },
     ];
 
+    /// Kinds of drive errors alone. `all` does not include them: the published tables do not.
+    pub const DRIVE_KINDS: [ErrorKind; 1] = [ErrorKind {
+        name: "servo-lag",
+        about: "every servo follows its commands with a lag of 20 ms",
+        errors: Self {
+            servo_lag_s: SERVO_LAG_S,
+            ..Self::NONE
+        },
+    }];
+
     /// Returns the kind of this name.
     #[must_use]
     pub fn kind_from_name(name: &str) -> Option<&'static ErrorKind> {
-        let mut kinds = Self::KINDS.iter().chain(&Self::SENSOR_KINDS);
+        let outside_all = Self::SENSOR_KINDS.iter().chain(&Self::DRIVE_KINDS);
+        let mut kinds = Self::KINDS.iter().chain(outside_all);
         kinds.find(|kind| kind.name == name)
     }
 
@@ -224,6 +250,7 @@ impl Errors {
                 0.05,
             ),
             ("the height in metres", self.height_m, 0.3),
+            ("the servo lag in seconds", self.servo_lag_s, 1.0),
         ] {
             in_range(what, value, 0.0, upper)?;
         }
@@ -366,6 +393,7 @@ mod tests {
             total.yaw_rad += one.yaw_rad;
             total.expected_width_m += one.expected_width_m;
             total.height_m += one.height_m;
+            total.servo_lag_s += one.servo_lag_s;
         }
         assert_eq!(all, Errors::ALL);
         assert_eq!(Errors::kind_from_name("moon"), None);

@@ -125,6 +125,8 @@ pub(crate) fn errors() -> Result<(), Failure> {
     lines.extend(Errors::KINDS.iter().map(line));
     lines.push("sensor effects, not included in all:".to_owned());
     lines.extend(Errors::SENSOR_KINDS.iter().map(line));
+    lines.push("drive errors, not included in all:".to_owned());
+    lines.extend(Errors::DRIVE_KINDS.iter().map(line));
     print(&lines)
 }
 
