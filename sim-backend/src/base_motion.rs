@@ -31,6 +31,20 @@ pub struct BaseMotion {
     pub heave_m_s2: f64,
 }
 
+/// Reason why a base motion is rejected.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum BaseMotionError {
+    /// Value beyond the limits of a base.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// An external engine simulates the world.
+    #[error(
+        "base motion rejected: the external engine has no moving base; simulate with the built-in \
+         engine"
+    )]
+    ExternalEngine,
+}
+
 impl BaseMotion {
     /// Base at rest.
     pub const STILL: Self = Self {

@@ -187,7 +187,12 @@ impl ExternalHand {
         }
     }
 
-    /// Returns the tremor at the end of the tick, m.
+    /// Starts a bump of the hand's fingertips.
+    pub(crate) fn bump(&mut self, height_m: f64, duration_s: f64) {
+        self.vibration.bump(height_m, duration_s);
+    }
+
+    /// Returns tremor and bump at the end of the tick, m.
     fn tremor_m(&mut self) -> f64 {
         let arm_rad_s = self
             .model
@@ -201,10 +206,12 @@ impl ExternalHand {
 
     /// Returns the grip if fingertips of both grasp sides press this object.
     pub(crate) fn grip_on(&self, object: usize) -> Option<Grip> {
-        TickStart::from_pose(&self.pose).grip(&self.model, |finger| {
+        let presses = |finger: usize| {
             let tip = &self.tips[finger];
             tip.touched == Some(object) && tip.normal_n > 0.0
-        })
+        };
+        let grip = TickStart::from_pose(&self.pose).grip(&self.model, presses)?;
+        Some(grip.raised(self.vibration.bump_m()))
     }
 
     pub(crate) fn tips(&self) -> &[ExternalTip] {

@@ -126,6 +126,11 @@ impl Hand {
         }
     }
 
+    /// Starts a bump of the hand's fingertips.
+    pub(crate) fn bump(&mut self, height_m: f64, duration_s: f64) {
+        self.vibration.bump(height_m, duration_s);
+    }
+
     pub(crate) fn bodies(&self) -> Capsules {
         self.model.capsules(&self.pose)
     }
@@ -139,7 +144,8 @@ impl Hand {
         let presses = |finger: usize| {
             self.nearest_object[finger] == object && self.contacts[finger].is_touching()
         };
-        self.tick_start.grip(&self.model, presses)
+        let grip = self.tick_start.grip(&self.model, presses)?;
+        Some(grip.raised(self.vibration.bump_m()))
     }
 
     /// Returns the nearest object; a fingertip touches one object at a time.

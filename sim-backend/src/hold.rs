@@ -25,6 +25,14 @@ pub(crate) struct Grip {
     pub(crate) closing: Vector3<f64>,
 }
 
+impl Grip {
+    /// Returns the grip of a hand that a bump displaces upwards.
+    pub(crate) fn raised(mut self, by_m: f64) -> Self {
+        self.middle_m.z += by_m;
+        self
+    }
+}
+
 /// Largest slip and rotation of an object over all holds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Hold {

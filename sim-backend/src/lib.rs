@@ -93,7 +93,7 @@ mod vibration;
 mod world;
 mod world_object;
 
-pub use base_motion::BaseMotion;
+pub use base_motion::{BaseMotion, BaseMotionError};
 pub use body::GRAVITY_M_S2;
 pub use clock::{START_NS, TICK_NS};
 pub use drive::LATENCY_MS;

@@ -1,7 +1,8 @@
-//! Hand tremor: vertical displacement of both fingertips, invisible to the encoders.
+//! Hand tremor and bumps: vertical displacement of all fingertips, invisible to the encoders.
 //!
-//! Two tones (prototype): 12 Hz, and 45 Hz at a quarter of the amplitude, each with a seeded phase.
-//! A resting hand has a fifth of the amplitude. Each tone is a phasor rotated once per substep.
+//! Tremor has two tones (prototype): 12 Hz, and 45 Hz at a quarter of the amplitude, each with a
+//! seeded phase. A resting hand has a fifth of the amplitude. Each tone is a phasor rotated once per
+//! substep. A bump is one period of a raised cosine: displacement and velocity begin and end at zero.
 
 use crate::random::Random;
 
@@ -17,6 +18,19 @@ pub(crate) struct Vibration {
     amplitude_m: f64,
     share: f64,
     tones: [Tone; 2],
+    /// Length of a substep, s.
+    dt_s: f64,
+    bump: Option<Bump>,
+    /// Present displacement by the bump, m.
+    bump_m: f64,
+}
+
+/// Bump of the arm: displacement height/2 · (1 − cos(2π·t/duration)).
+#[derive(Clone, Copy, Debug)]
+struct Bump {
+    height_m: f64,
+    duration_s: f64,
+    elapsed_s: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -45,7 +59,19 @@ impl Vibration {
             amplitude_m,
             share: REST_SHARE,
             tones: TONES.map(|t| tone(t, random)),
+            dt_s,
+            bump: None,
+            bump_m: 0.0,
         }
+    }
+
+    /// Starts a bump; it replaces one that has not ended.
+    pub(crate) fn bump(&mut self, height_m: f64, duration_s: f64) {
+        self.bump = Some(Bump {
+            height_m,
+            duration_s,
+            elapsed_s: 0.0,
+        });
     }
 
     /// Filters the amplitude towards rest or motion; call once per `dt_s`.
@@ -57,13 +83,42 @@ impl Vibration {
     /// Advances one substep; returns displacement, m, and velocity, m/s.
     pub(crate) fn step(&mut self) -> (f64, f64) {
         let scale_m = self.amplitude_m * self.share;
-        let mut sum = (0.0, 0.0);
+        let mut sum = self.step_bump();
+        self.bump_m = sum.0;
         for tone in &mut self.tones {
             let [cos, sin] = tone.advance_phase();
             sum.0 += scale_m * tone.weight * sin;
             sum.1 += scale_m * tone.weight * tone.omega_rad_s * cos;
         }
         sum
+    }
+
+    /// Returns the present displacement by a bump, without tremor, m.
+    pub(crate) fn bump_m(&self) -> f64 {
+        self.bump_m
+    }
+
+    fn step_bump(&mut self) -> (f64, f64) {
+        let Some(bump) = &mut self.bump else {
+            return (0.0, 0.0);
+        };
+        bump.elapsed_s += self.dt_s;
+        let bump = *bump;
+        if bump.elapsed_s >= bump.duration_s {
+            self.bump = None;
+            return (0.0, 0.0);
+        }
+        bump.motion()
+    }
+}
+
+impl Bump {
+    /// Returns displacement, m, and velocity, m/s.
+    fn motion(self) -> (f64, f64) {
+        let omega_rad_s = core::f64::consts::TAU / self.duration_s;
+        let (sin, cos) = libm::sincos(omega_rad_s * self.elapsed_s);
+        let half_m = self.height_m / 2.0;
+        (half_m * (1.0 - cos), half_m * omega_rad_s * sin)
     }
 }
 
@@ -99,6 +154,22 @@ mod tests {
             before_m = at_m;
         }
         largest_m
+    }
+
+    #[test]
+    fn bump_rises_to_its_height_and_returns() {
+        let mut vibration = Vibration::new(0.0, DT_S, &mut Random::new(1, 1));
+        assert_eq!(vibration.step(), (0.0, 0.0));
+        vibration.bump(0.004, 0.1);
+        let motion: Vec<(f64, f64)> = (0..500).map(|_| vibration.step()).collect();
+        let largest_m = motion.iter().map(|(at_m, _)| *at_m).fold(0.0, f64::max);
+        assert!((largest_m - 0.004).abs() < 1e-6, "{largest_m} m");
+        for pair in motion.windows(2) {
+            let difference_m_s = (pair[1].0 - pair[0].0) / DT_S;
+            assert!((difference_m_s - pair[1].1).abs() < 5e-3, "{pair:?}");
+        }
+        assert_eq!(motion[450], (0.0, 0.0), "ended after 0.1 s");
+        assert_eq!(vibration.bump_m(), 0.0);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use robot_model::{Capsules, HandSide, HandVector, RobotModel};
 use shm_schemas::{JointCommand, JointSetpoints, WorldTruth};
 
-use crate::base_motion::BaseMotion;
+use crate::base_motion::{BaseMotion, BaseMotionError};
 use crate::builtin::{BuiltIn, SUBSTEP_S};
 use crate::electronics::{Electronics, Sensed};
 use crate::engine::{Engine, EngineError};
@@ -25,6 +25,10 @@ use crate::world_object::WorldObject;
 /// Largest external force on an object per axis, N. Design choice: ten times the holding force of
 /// two fingertips.
 const PULL_MAX_N: f64 = 100.0;
+/// Largest height of a bump, m, and range of its duration, s. Design choice: the displaced
+/// fingertips stay within the distance at which the contact search begins.
+const BUMP_MAX_M: f64 = 0.01;
+const BUMP_S: [f64; 2] = [0.02, 10.0];
 
 /// Failure that ends the simulation: the world freezes from then on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -174,14 +178,43 @@ impl World {
         Ok(())
     }
 
+    /// Bumps the arm of a hand: its fingertips rise and return in `duration_s`, unnoticed by the
+    /// encoders. A negative height bumps downwards. Hand 0 is left.
+    ///
+    /// # Errors
+    /// [`OutOfRange`] if the hand does not exist, the height is not within ±10 mm or the duration
+    /// not within 0.02 to 10 s; the world is unchanged then.
+    pub fn bump(&mut self, hand: usize, height_m: f64, duration_s: f64) -> Result<(), OutOfRange> {
+        let [shortest_s, longest_s] = BUMP_S;
+        in_range("a bump in metres", height_m, -BUMP_MAX_M, BUMP_MAX_M)?;
+        in_range("a bump in seconds", duration_s, shortest_s, longest_s)?;
+        in_range("the index of a bumped hand", hand as f64, 0.0, 1.0)?;
+        match &mut self.physics {
+            Physics::BuiltIn(it) => it.hands[hand].bump(height_m, duration_s),
+            Physics::External(it) => it.hands[hand].bump(height_m, duration_s),
+        }
+        Ok(())
+    }
+
+    /// Restarts slip and turn of an object in the ground truth: from the next tick on, they count
+    /// from the present pose in the hand. Ignores an object that does not exist.
+    pub fn restart_slip(&mut self, object: usize) {
+        if let Some(object) = self.objects.get_mut(object) {
+            object.restart_hold();
+        }
+    }
+
     /// Sets the motion of the robot's base until the next call. Objects that the robot does not
     /// hold move relative to the base; held objects receive its inertial forces.
     ///
     /// # Errors
-    /// [`OutOfRange`] if a value is not finite or beyond the limits of a base; the world is
-    /// unchanged then.
-    pub fn set_base_motion(&mut self, ride: &BaseMotion) -> Result<(), OutOfRange> {
+    /// [`BaseMotionError`] if a value is not finite or beyond the limits of a base, or the base
+    /// moves in a world of an external engine; the world is unchanged then.
+    pub fn set_base_motion(&mut self, ride: &BaseMotion) -> Result<(), BaseMotionError> {
         ride.check()?;
+        if ride.is_moving() && matches!(self.physics, Physics::External(_)) {
+            return Err(BaseMotionError::ExternalEngine);
+        }
         self.base_motion = *ride;
         Ok(())
     }

@@ -202,6 +202,11 @@ impl WorldObject {
         }
     }
 
+    /// Restarts the measurement of slip and rotation.
+    pub(crate) fn restart_hold(&mut self) {
+        self.hold = Hold::default();
+    }
+
     fn displaced_m(&self) -> f64 {
         (self.body.position_m - self.start_m).xy().norm()
     }

@@ -7,7 +7,8 @@ use common::Script;
 use robot_model::{HandSide, RobotModel};
 use shm_schemas::ObjectTruth;
 use sim_backend::course::{Base, Floor, Pace, PlanarPose, Wheels};
-use sim_backend::{BaseMotion, Object, Scene, Sensed, World};
+use sim_backend::engine::{Engine, EngineError, EngineScene, PhysicsState, TickInput};
+use sim_backend::{BaseMotion, BaseMotionError, Object, Scene, Sensed, World};
 
 /// Ticks per step of the base.
 const STEP_TICKS: usize = 5;
@@ -108,4 +109,78 @@ fn impossible_base_motion_is_rejected() {
     (0..100).for_each(|_| world.advance(None));
     let after = world.truth();
     assert!((after.objects[0].position_m[0] - before.objects[0].position_m[0]).abs() < 1e-6);
+}
+
+/// Engine in which nothing moves.
+struct Rest;
+
+impl Engine for Rest {
+    fn begin(&mut self, _scene: &EngineScene) -> Result<(), EngineError> {
+        Ok(())
+    }
+
+    fn advance(&mut self, _input: &TickInput, _out: &mut PhysicsState) -> Result<(), EngineError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn external_engine_rejects_a_moving_base() {
+    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+    let scene = Scene::grasp(wood(), HandSide::Right);
+    let world = World::with_engine(&robot, &scene, 1, Box::new(Rest));
+    let mut world = world.expect("valid scene");
+    let driving = BaseMotion {
+        speed_m_s: 0.1,
+        ..BaseMotion::STILL
+    };
+    let rejected = world.set_base_motion(&driving);
+    assert_eq!(rejected, Err(BaseMotionError::ExternalEngine));
+    assert_eq!(world.set_base_motion(&BaseMotion::STILL), Ok(()));
+}
+
+/// The object follows the bumped hand; its inertia loads the grip.
+#[test]
+fn bump_loads_the_grip() {
+    let slip_m = |over_grip: f64, height_m: f64| {
+        let scene = Scene::grasp(wood(), HandSide::Right);
+        let mut script = Script::from_nominal_grasp(scene, HandSide::Right, 1);
+        script.close_to(wood().required_normal_n() * over_grip);
+        script.lift(0.02);
+        script.ticks(200, |_| ());
+        let world = &mut script.world;
+        world.restart_slip(0);
+        let hand = HandSide::Right.index();
+        world.bump(hand, height_m, 0.1).expect("valid bump");
+        let begin_m = world.truth().objects[0].position_m[2];
+        let mut highest_m = begin_m;
+        script.ticks(200, |script| {
+            highest_m = highest_m.max(script.world.truth().objects[0].position_m[2]);
+        });
+        let object = script.world.truth().objects[0];
+        (object.slip_in_hand_m, highest_m - begin_m)
+    };
+    let (still_m, risen_m) = slip_m(2.8, 0.005);
+    assert!((risen_m - 0.005).abs() < 1e-3, "rose by {risen_m} m");
+    assert!(still_m < 1e-3, "{still_m} m");
+    // 10 mm in 0.1 s accelerate with 2 g at most.
+    let (slid_m, _) = slip_m(1.3, 0.01);
+    assert!(slid_m > 1e-3, "{slid_m} m");
+}
+
+#[test]
+fn impossible_bump_is_rejected() {
+    let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+    let scene = Scene::grasp(wood(), HandSide::Right);
+    let mut world = World::new(&robot, &scene, 1).expect("valid scene");
+    for (hand, height_m, duration_s) in [
+        (2, 0.005, 0.1),
+        (0, f64::NAN, 0.1),
+        (0, 0.02, 0.1),
+        (0, 0.005, 0.0),
+        (0, 0.005, f64::INFINITY),
+    ] {
+        let bumped = world.bump(hand, height_m, duration_s);
+        assert!(bumped.is_err(), "{hand} {height_m} {duration_s}");
+    }
 }

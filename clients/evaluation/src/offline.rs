@@ -10,7 +10,7 @@ use shm_schemas::{
     GoalRequest, GoalState, GoalUpdate, GraspTarget, HandFrame, JointCommand, Mode, Reason,
     WorldTruth,
 };
-use sim_backend::{BaseMotion, OutOfRange, Scene, SceneError, Sensed, TICK_NS, World};
+use sim_backend::{BaseMotion, BaseMotionError, Scene, SceneError, Sensed, TICK_NS, World};
 
 /// Time limit for the controller to become ready, ticks.
 const READY_TIMEOUT_TICKS: u64 = 1000;
@@ -111,8 +111,9 @@ impl OfflineRun {
     /// Sets the motion of the robot's base; see [`World::set_base_motion`].
     ///
     /// # Errors
-    /// [`OutOfRange`] if the motion exceeds the limits of a base.
-    pub fn set_base_motion(&mut self, ride: &BaseMotion) -> Result<(), OutOfRange> {
+    /// [`BaseMotionError`] if the motion exceeds the limits of a base, or the engine has no moving
+    /// base.
+    pub fn set_base_motion(&mut self, ride: &BaseMotion) -> Result<(), BaseMotionError> {
         self.world.set_base_motion(ride)
     }
 

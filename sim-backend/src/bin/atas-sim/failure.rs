@@ -42,7 +42,7 @@ pub(crate) enum Failure {
     )]
     Buses { objects: usize, buses: usize },
     #[error(transparent)]
-    BaseMotion(#[from] sim_backend::OutOfRange),
+    BaseMotion(#[from] sim_backend::BaseMotionError),
     #[error("could not write to standard output: {0}")]
     Output(std::io::Error),
     #[error("could not write manual pages into {folder:?}: {source}")]
