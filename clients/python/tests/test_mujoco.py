@@ -91,6 +91,21 @@ def test_normal_force_matches_the_closed_form(tmp_path: Path, pins: int, depth_m
     assert -force_n[2] == pytest.approx(dome_force_n(reached_m), rel=error)
 
 
+def test_tremor_moves_the_fingertips(tmp_path: Path) -> None:
+    world = World(bench(tmp_path, 5.0), QUIET)
+    for depth in np.linspace(0, 5e-4, 100):
+        move(world, 0.0, depth, 1)
+    pressed_n, _ = move(world, 0.0, 5e-4, 100)
+    reference_n, _ = move(world, 0.0, 3e-4, 200)
+    move(world, 0.0, 5e-4, 200)
+    for ticks, raised_m in [(1, 0.0), (200, 2e-4)]:
+        for _ in range(ticks):
+            state = world.advance(np.array([0, 5e-4, 0, 0, 0, raised_m, 0, 0, 0, np.inf]))
+    raised_n = state[6 : 6 + 123].reshape(41, 3).sum(axis=0)
+    assert raised_n[2] == pytest.approx(reference_n[2], rel=0.1)
+    assert raised_n[2] > 0.7 * pressed_n[2], "the force acts along -z"
+
+
 def test_shear_slips_partially_and_ends_at_the_friction_limit(tmp_path: Path) -> None:
     world = World(bench(tmp_path, 0.5), QUIET)
     for depth in np.linspace(0, 5e-4, 100):

@@ -53,7 +53,10 @@ class Model:
         index = [model.joint(name).id for name in names.joints]
         self.qpos, self.dof = model.jnt_qposadr[index], model.jnt_dofadr[index]
         self.drives = [model.actuator(name).id for name in names.joints]
-        self.hands = [model.body(name).mocapid[0] for name in names.hands]
+        bases = [model.joint(name).id for name in names.bases]
+        self.base_qpos, self.base_dof = model.jnt_qposadr[bases], model.jnt_dofadr[bases]
+        # The solver's tolerance scales with the mean inertia, to which the bases do not belong.
+        model.stat.meaninertia = float(np.delete(model.dof_M0, self.base_dof).mean())
         self.tip_bodies = np.array([model.body(name).id for name in names.tips], dtype=int)
         self.carriers = np.array([model.joint(name).id for name in names.carriers], dtype=int)
         self.tip_of_carrier = np.array(names.tip_of_carrier, dtype=int)
@@ -106,7 +109,7 @@ class Model:
         data, source = self.data, other.data
         mujoco.mj_resetData(self.model, data)
         data.time = source.time
-        data.mocap_pos[:], data.xfrc_applied[self.bodies] = source.mocap_pos, source.xfrc_applied[other.bodies]
+        data.xfrc_applied[self.bodies] = source.xfrc_applied[other.bodies]
         data.ctrl[self.drives] = source.ctrl[other.drives]
         data.eq_active[:], self.model.eq_data[:] = source.eq_active, other.model.eq_data
         for name in self._shared:

@@ -23,6 +23,8 @@ CARRIER_MASS_KG = 0.01
 """Inertia of a fingertip's carrier, kg. Design choice: light beside objects that are not soft, and stable."""
 RIGID_N_M = 1e5
 """Stiffness of the carrier against a rigid object, N/m. Design choice: stable, and ten times the stiffness of the skin."""
+BASE_INERTIA_KG = 100.0
+"""Inertia of a base that tremor and bumps move, kg. Design choice: contact forces move it by nanometres per step."""
 DAMPING_SHARE = 0.5
 """Largest damping times step over inertia of a carrier or pin. The solver computes contact forces before implicit damping acts: at
 a share of 20, the fingertips oscillated at 129 Hz on a bottle; at 0.5 they do not, with steps of 125 to 500 µs."""
@@ -38,7 +40,7 @@ class Names:
     """Names of the parts of a robot, in the order of the messages."""
 
     joints: list[str] = field(default_factory=list)
-    hands: list[str] = field(default_factory=list)
+    bases: list[str] = field(default_factory=list)
     pins: list[str] = field(default_factory=list)
     tip_of_pin: list[int] = field(default_factory=list)
     element_of_pin: list[int] = field(default_factory=list)
@@ -73,7 +75,7 @@ def add_robot(spec: Any, hands: list[dict[str, Any]], options: Options, has_soft
     """Adds both hands to a model; `skins` selects the hands with tactile skin."""
     names = Names()
     for side, hand, has_skin in zip(("left", "right"), hands, skins, strict=True):
-        bodies = _add_hand(spec, side, hand, names)
+        bodies = _add_hand(spec, side, hand, options, names)
         for index, fingertip in enumerate(hand["fingertips"]):
             parent = bodies[-1] if fingertip["frame"] is None else bodies[fingertip["frame"]]
             tip = _add_fingertip(parent, f"{side}-tip{index}", fingertip, names)
@@ -82,10 +84,13 @@ def add_robot(spec: Any, hands: list[dict[str, Any]], options: Options, has_soft
     return names
 
 
-def _add_hand(spec: Any, side: str, hand: dict[str, Any], names: Names) -> list[Any]:
-    """Returns the bodies of the moving frames, and the base as the last one."""
-    base = spec.worldbody.add_body(name=f"{side}-base", mocap=True)
-    names.hands.append(f"{side}-base")
+def _add_hand(spec: Any, side: str, hand: dict[str, Any], options: Options, names: Names) -> list[Any]:
+    """Returns the bodies of the moving frames, and the base as the last one. A saved model has a fixed base."""
+    base = spec.worldbody.add_body(name=f"{side}-base", gravcomp=1.0)
+    if options.save is None:
+        set_inertia(base, LINK_KG, [LINK_KG * 1e-4] * 3)
+        base.add_joint(name=f"{side}-base", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1], armature=BASE_INERTIA_KG)
+        names.bases.append(f"{side}-base")
     bodies: list[Any] = []
     driven: dict[int, str] = {}
     for index, frame in enumerate(hand["frames"]):

@@ -90,7 +90,6 @@ class World:
         now, model, data = self._now, self.model, self.data
         joints, objects = len(now.qpos), len(now.bodies)
         target, velocity, rest = values[:joints], values[joints : 2 * joints], values[2 * joints :]
-        data.mocap_pos[now.hands, 2] = rest[:2]
         data.xfrc_applied[now.bodies, :3] = rest[2 : 2 + 3 * objects].reshape(-1, 3)
         self._set_compliance(rest[2 + 3 * objects :])
         if self._cap is not None:
@@ -99,6 +98,7 @@ class World:
         for step in range(self._substeps):
             # As a drive interpolates: the position of the substep's begin, and the velocity.
             data.ctrl[now.drives] = begin + way * (step / self._substeps) + self._feed_forward * velocity
+            self._move_bases(rest[:2], self._substeps - step)
             data.qfrc_applied[now.dof] = -self._friction_n_m * np.tanh(data.qvel[now.dof] / self._friction_speed)
             mujoco.mj_step(model, data)
         self._reference = target.copy()
@@ -130,6 +130,16 @@ class World:
             following.take_motion(now)
             self._now = following
             self._slip.reset()
+
+    def _move_bases(self, target_m: NDArray[np.float64], steps: int) -> None:
+        """Sets the velocity with which tremor and bumps reach their displacement in the remaining steps of the tick.
+
+        Contact forces follow velocities: a base that jumped would slide along an object without friction.
+        """
+        now, data = self._now, self.data
+        if len(now.base_dof) > 0:
+            way_m = target_m - data.qpos[now.base_qpos]
+            data.qvel[now.base_dof] = way_m / (steps * self.model.opt.timestep)
 
     def _set_compliance(self, stiffness: NDArray[np.float64]) -> None:
         """Gives each fingertip's carrier the stiffness of the object that it touches."""
