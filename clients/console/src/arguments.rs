@@ -23,6 +23,7 @@ mod evals;
 mod examples;
 mod exports;
 mod goals;
+mod holds;
 mod plots;
 mod records;
 mod robots;
@@ -39,7 +40,7 @@ pub use demos::{
 };
 pub use evals::{
     CalibrationEvaluation, Eval, Evaluation, HybridEvaluation, MergeParts, RecordedEvaluation,
-    ReflexEvaluation, SensorEffects, Summary, TaskName, Tuning, Variants,
+    ReflexEvaluation, Summary, TaskName, Tuning, Variants,
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
@@ -47,6 +48,7 @@ pub use goals::{
     Assemble, Grasp, HandName, ObjectProperties, PickPlace, Release, Screw, SendOptions, TurnName,
     UserTask, Zero,
 };
+pub use holds::{Disturbances, Gentleness, HoldOptions, SensorEffects};
 pub use plots::{Plot, PlotOffline, PlotRecorded};
 pub use records::{Record, RecordAction};
 pub use robots::RobotAction;

@@ -13,7 +13,10 @@
 //!
 //!  a behaviour table and modules in one robot ─▶ hybrid: fetch, carry on wheels, set down
 //!
-//!  a drifting, hysteretic or creeping sensor ─▶ sensor_effects: outcomes of a long hold
+//!  held: one object grasped, lifted and held
+//!   ├─▶ sensor_effects: drifting, hysteretic or creeping sensors
+//!   ├─▶ disturbances: loads, bumps, lagging servos
+//!   └─▶ gentleness: peak force, deformation and slip of reference objects
 //!
 //!  recordings of real fingertips ─▶ recorded: production perception against labels
 //! ```
@@ -27,13 +30,17 @@
 //!   computes it.
 
 mod condition;
+mod disturbances;
 mod drawn;
 mod execute;
 pub mod figures;
 mod finding;
+mod gentleness;
+mod held;
 pub mod hybrid;
 mod markdown;
 pub mod offline;
+mod parallel;
 pub mod parts;
 mod physics;
 mod plan;
@@ -55,8 +62,14 @@ pub use atas_tasks::{SIDE, Task, goals, judge};
 pub use condition::{
     Condition, NamedErrors, NamedSensorModel, Noise, conditions, error_conditions,
 };
+pub use disturbances::{DisturbancePlan, DisturbanceReport, DisturbanceRow};
 pub use execute::Evaluated;
 pub use finding::Finding;
+pub use gentleness::{
+    GentlenessPlan, GentlenessReport, GentlenessRow, NoiseRow, reference_objects,
+    reference_or_other,
+};
+pub use held::{Discards, discards_text};
 pub use markdown::{RobotResults, SkinResults, errors_table, robots_table, skins_table, table};
 pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
 pub use plan::{Plan, Shard};

@@ -25,6 +25,8 @@ pub struct OfflineRun {
     index: u64,
     task: Option<Task>,
     targets: Vec<GraspTarget>,
+    /// False: the servos report zero torque.
+    has_torques: bool,
 }
 
 /// Result of one goal.
@@ -95,7 +97,13 @@ impl OfflineRun {
             index: 0,
             task: None,
             targets: Vec::new(),
+            has_torques: true,
         }
+    }
+
+    /// Lets the servos report zero torque from the next tick on.
+    pub(crate) fn hide_torques(&mut self) {
+        self.has_torques = false;
     }
 
     /// Sets an additional task for goals that name it.
@@ -140,6 +148,10 @@ impl OfflineRun {
         mut frame_filter: impl FnMut(&mut HandFrame),
     ) -> &Outputs {
         self.world.sense(&mut self.sensed);
+        if !self.has_torques {
+            self.sensed.joints.effort_n_m.fill(0.0);
+            self.sensed.joints.seal();
+        }
         self.sensed
             .frames
             .iter_mut()
@@ -230,6 +242,11 @@ impl OfflineRun {
     #[must_use]
     pub fn world(&self) -> &World {
         &self.world
+    }
+
+    /// Returns the world, to load objects and bump arms.
+    pub(crate) fn world_mut(&mut self) -> &mut World {
+        &mut self.world
     }
 
     /// Returns the sensor data of the last tick.

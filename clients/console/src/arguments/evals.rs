@@ -6,6 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use serde::{Deserialize, Serialize};
 
 use super::demos::COURSE_TABLE;
+use super::holds::{Disturbances, Gentleness, SensorEffects};
 use super::values::{finite, toml};
 
 /// Tasks of `atas eval`.
@@ -42,6 +43,16 @@ pub enum Eval {
     ///
     /// Each effect with and without joint torques; about 10 min on one core.
     SensorEffects(SensorEffects),
+    /// Load held objects, bump the arm, let the servos lag (results page)
+    ///
+    /// Steps, ramps and impulses of 0.5 to 2 times the weight in several directions, also with the
+    /// baselines; about 20 min on one core.
+    Disturbances(Disturbances),
+    /// Force, deformation and slip of reference objects from egg-like to brick-like (results page)
+    ///
+    /// Also with a fixed-force, a slip-reactive and a position-controlled gripper, and with sensor
+    /// noise × 1 to 4; about 3 min on one core.
+    Gentleness(Gentleness),
     /// Fetch an object with a wheeled robot, carry it across a field, set it down at a goal
     ///
     /// A behaviour table drives the base; tactile modules control the hand.
@@ -129,27 +140,6 @@ pub struct CalibrationEvaluation {
     /// Frame rate of the fingertip sensors in the grasps
     #[arg(long, value_name = "HZ", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub rate_hz: u32,
-    /// Threads; 0 for one per core. Results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
-}
-
-/// Options for the evaluation of sensor effects.
-#[derive(Args, Clone, Debug)]
-pub struct SensorEffects {
-    /// Trials per object and effect
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    pub seeds: u64,
-    /// First seed of each object; 1 to 20000 are reserved for tuning [default: 20001]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
-    pub first_seed: Option<u64>,
-    /// Built-in objects or files, separated by commas [default: wood, slippery-50, paper-box,
-    /// sponge, bottle]
-    #[arg(long, value_name = "NAME|FILE", value_parser = super::values::OBJECTS, hide_possible_values = true, value_delimiter = ',')]
-    pub objects: Vec<String>,
-    /// Print the table of the results page as Markdown
-    #[arg(long)]
-    pub markdown: bool,
     /// Threads; 0 for one per core. Results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,

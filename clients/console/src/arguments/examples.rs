@@ -166,7 +166,25 @@ const HELPS: &[Help] = &[
             "atas eval sensor-effects",
             "atas eval sensor-effects --objects wood,sponge --seeds 2 --markdown",
         ],
-        "one object: task, objects, seeds, first_seed, purpose, rows{effect, torques, trials, held, crushed, dropped, slipped, not_lifted, warned}",
+        "one object: task, engine, objects, seeds, first_seed, purpose, rows{effect, torques, trials, held, crushed, dropped, slipped, not_lifted, discarded, warned}, discarded{REASON}",
+    ),
+    Help(
+        "eval disturbances",
+        &[
+            "atas eval disturbances",
+            "atas eval disturbances --objects wood,sponge --seeds 2 --markdown",
+            "atas eval disturbances --engine mujoco --objects wood --seeds 1",
+        ],
+        "one object: task, engine, objects, seeds, first_seed, purpose, rows{case, policy, setting, trials, allowed, kept, kept_allowed, crushed, dropped, put_back, not_lifted, discarded, slip_mm, slipped, answered, slip_to_command_ms, over_grip}, discarded{REASON}",
+    ),
+    Help(
+        "eval gentleness",
+        &[
+            "atas eval gentleness",
+            "atas eval gentleness --objects egg,brick --seeds 8 --markdown",
+            "atas eval gentleness --tune",
+        ],
+        "one object: task, engine, seeds, first_seed, purpose, rows{object, gripper, setting, trials, held, crushed, dropped, slipped, not_lifted, discarded, peak, deformation_mm, slip_mm, lifted_s}, noise{noise, trials, held, crushed, dropped, over_grip, over_grip_max}, discarded{REASON}",
     ),
     Help(
         "eval reflex",

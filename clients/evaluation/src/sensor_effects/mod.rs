@@ -15,14 +15,16 @@ mod trial;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
 use robot_model::RobotModel;
 use serde::Serialize;
+use sim_backend::engine::{EngineCommand, EnginePool};
 use sim_backend::random::trial_seed;
 use sim_backend::{CreepModel, DriftModel, HysteresisModel, Object, SensorModel};
 
+use crate::held::{self, Discards, HeldTrial, Outcome, discards_text};
+use crate::parallel::run_indexed;
 use crate::seeds;
-use trial::{Ending, Trial};
+use trial::Ending;
 
 /// Drift per fingertip, N/s, and its duration, s (acceptance criterion).
 const DRIFT_N_S: f64 = 0.05;
@@ -43,6 +45,8 @@ pub struct EffectPlan {
     pub seeds: u64,
     /// First seed per object.
     pub first_seed: u64,
+    /// Physics engine in a process of its own; `None`: the built-in one.
+    pub engine: Option<EngineCommand>,
     /// Threads; 0: one per core.
     pub threads: usize,
     /// Controller settings.
@@ -54,6 +58,8 @@ pub struct EffectPlan {
 pub struct EffectReport {
     /// Always `sensor-effects`.
     pub task: &'static str,
+    /// Physics engine, if not the built-in one.
+    pub engine: Option<String>,
     /// Names of the objects.
     pub objects: Vec<String>,
     /// Trials per object and case.
@@ -64,6 +70,8 @@ pub struct EffectReport {
     pub purpose: &'static str,
     /// One row per effect, with and without joint torques.
     pub rows: Vec<EffectRow>,
+    /// Trials that the engine could not simulate, by reason.
+    pub discarded: Discards,
 }
 
 /// Outcomes of one case.
@@ -85,6 +93,8 @@ pub struct EffectRow {
     pub slipped: u64,
     /// Objects that were not lifted, or put back.
     pub not_lifted: u64,
+    /// Trials that the engine could not simulate: never a success.
+    pub discarded: u64,
     /// Trials of any outcome with a warning or HOLD before the end.
     pub warned: u64,
 }
@@ -177,19 +187,14 @@ impl EffectPlan {
             "could not evaluate: the plan has no trial; request at least one object and seed"
         );
         let robot = RobotModel::two_hand_arm()?;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads)
-            .build()?;
-        let one = |index: u64| {
+        let engines = held::engines(self.engine.as_ref());
+        let worlds = run_indexed(self.worlds(), self.threads, stop, |index| {
             let (object, number) = (index / self.seeds, self.first_seed + index % self.seeds);
-            let endings = self.endings(&robot, object as usize, number, stop)?;
+            let endings = self.endings(&robot, engines.as_ref(), object as usize, number, stop)?;
             done();
             Ok(endings)
-        };
-        let indices: Vec<u64> = (0..self.worlds()).collect();
-        let worlds: anyhow::Result<Vec<Option<Vec<Ending>>>> =
-            pool.install(|| indices.into_par_iter().with_max_len(1).map(one).collect());
-        let worlds: Option<Vec<Vec<Ending>>> = worlds?.into_iter().collect();
+        })?;
+        let worlds: Option<Vec<Vec<Ending>>> = worlds.into_iter().flatten().collect();
         Ok(worlds.map(|worlds| self.report(&worlds)))
     }
 
@@ -197,6 +202,7 @@ impl EffectPlan {
     fn endings(
         &self,
         robot: &RobotModel,
+        engines: Option<&EnginePool>,
         object: usize,
         number: u64,
         stop: &AtomicBool,
@@ -205,15 +211,20 @@ impl EffectPlan {
         let seed = trial_seed(&nominal.name, number);
         let mut endings = Vec::new();
         for torques in [true, false] {
-            let trial = Trial::new(robot, nominal.clone(), seed, self.settings, torques)?;
-            let reference = trial.run(&SensorModel::default())?;
+            let trial = HeldTrial::new(robot, engines, nominal.clone(), seed, self.settings)?;
+            let trial = if torques {
+                trial
+            } else {
+                trial.without_torques()
+            };
+            let reference = trial::run(&trial, &SensorModel::default())?;
             for (_, effect) in CASES {
                 if stop.load(Ordering::Relaxed) {
                     return Ok(None);
                 }
                 endings.push(match effect {
-                    Effect::None => reference,
-                    _ => trial.run(&effect.model(reference.lifted_s))?,
+                    Effect::None => reference.clone(),
+                    _ => trial::run(&trial, &effect.model(reference.lifted_s))?,
                 });
             }
         }
@@ -230,6 +241,7 @@ impl EffectPlan {
         });
         EffectReport {
             task: "sensor-effects",
+            engine: self.engine.as_ref().map(ToString::to_string),
             objects: self
                 .objects
                 .iter()
@@ -239,6 +251,7 @@ impl EffectPlan {
             first_seed: self.first_seed,
             purpose: seeds::purpose(self.first_seed, self.seeds),
             rows: rows.collect(),
+            discarded: held::count_discards(worlds.iter().flatten().map(|end| &end.discarded)),
         }
     }
 }
@@ -258,17 +271,19 @@ impl EffectRow {
             dropped: 0,
             slipped: 0,
             not_lifted: 0,
+            discarded: 0,
             warned: 0,
         };
         for ending in endings {
             row.trials += 1;
             row.warned += u64::from(ending.warned);
             *match ending.outcome {
-                trial::Outcome::Held => &mut row.held,
-                trial::Outcome::Crushed => &mut row.crushed,
-                trial::Outcome::Dropped => &mut row.dropped,
-                trial::Outcome::Slipped => &mut row.slipped,
-                trial::Outcome::NotLifted => &mut row.not_lifted,
+                Outcome::Held => &mut row.held,
+                Outcome::Crushed => &mut row.crushed,
+                Outcome::Dropped => &mut row.dropped,
+                Outcome::Slipped => &mut row.slipped,
+                Outcome::NotLifted => &mut row.not_lifted,
+                Outcome::Discarded => &mut row.discarded,
             } += 1;
         }
         row
@@ -296,7 +311,7 @@ impl EffectReport {
             let counts = counts.map(|count| count.to_string()).join(" | ");
             text += &format!("| {} | {torques} | {counts} |\n", row.effect);
         }
-        text
+        text + &discards_text(&self.discarded)
     }
 }
 
@@ -326,6 +341,7 @@ mod tests {
             objects: vec![Object::built_in("wood").expect("built in")],
             seeds: 1,
             first_seed: seeds::EVALUATION_START,
+            engine: None,
             threads: 0,
             settings: atas_core::Settings::default(),
         };
@@ -335,7 +351,8 @@ mod tests {
             .expect("not stopped");
         assert_eq!(report.rows.len(), 2 * CASES.len());
         for row in &report.rows {
-            let sum = row.held + row.crushed + row.dropped + row.slipped + row.not_lifted;
+            let held_or_not = row.held + row.slipped + row.not_lifted + row.discarded;
+            let sum = held_or_not + row.crushed + row.dropped;
             assert_eq!((row.trials, sum), (1, 1), "{row:?}");
         }
         assert_eq!((report.rows[0].effect, report.rows[0].held), ("none", 1));

@@ -1,11 +1,11 @@
 //! `atas eval`: makes evaluation plans from arguments and runs them with a progress bar.
 
 mod calibration;
+mod holds;
 mod hybrid;
 mod recording;
 mod reflex;
 mod rows;
-mod sensor_effects;
 mod shards;
 mod summary;
 mod table;
@@ -22,7 +22,7 @@ use atas_evaluation::{
 use indicatif::{ProgressBar, ProgressStyle};
 use robot_model::RobotFiles;
 use shm_schemas::layout::UnknownLayout;
-use sim_backend::engine::EngineError;
+use sim_backend::engine::{EngineCommand, EngineError};
 use sim_backend::{Object, ObjectError, SensorModelError};
 
 /// Value of `--errors` for one row per error.
@@ -46,9 +46,9 @@ pub(crate) fn evaluate(
         Eval::Reflex(arguments) => reflex::reflex(arguments, interrupt, output),
         Eval::Calibration(arguments) => calibration::calibration(arguments, interrupt, output),
         Eval::Hybrid(arguments) => hybrid::hybrid(arguments, interrupt, output),
-        Eval::SensorEffects(arguments) => {
-            sensor_effects::sensor_effects(arguments, interrupt, output)
-        }
+        Eval::SensorEffects(arguments) => holds::sensor_effects(arguments, interrupt, output),
+        Eval::Disturbances(arguments) => holds::disturbances(arguments, interrupt, output),
+        Eval::Gentleness(arguments) => holds::gentleness(arguments, interrupt, output),
         Eval::Merge(merging) => shards::merge(merging, output),
         Eval::Tune(tuning) => tune::tune(tuning, interrupt, output),
     }
@@ -113,11 +113,8 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
     let skin = skin.map_err(|error: UnknownLayout| {
         ExitError::with_code(Exit::Usage, format!("could not use --skin: {error}"))
     })?;
-    let engine = arguments.engine.as_deref().map(str::parse).transpose();
-    let engine = engine
-        .map_err(|error: EngineError| ExitError::with_code(Exit::Usage, error.to_string()))?;
     Ok(Plan {
-        engine,
+        engine: engine(arguments.engine.as_deref())?,
         robot,
         skin,
         task,
@@ -130,6 +127,16 @@ fn plan(task: Task, arguments: &Evaluation) -> anyhow::Result<Plan> {
         threads: arguments.threads,
         settings: atas_core::Settings::default(),
     })
+}
+
+/// Parses the value of --engine.
+fn engine(text: Option<&str>) -> anyhow::Result<Option<EngineCommand>> {
+    let engine = text.map(str::parse).transpose();
+    engine.map_err(|error: EngineError| usage(error.to_string()))
+}
+
+fn usage(text: String) -> anyhow::Error {
+    ExitError::with_code(Exit::Usage, text)
 }
 
 /// Returns the requested conditions, or the task's default ones, with the requested errors.

@@ -1,0 +1,169 @@
+//! Disturbances of a held object: added loads, bumps of the arm and lagging servos, for the ATAS
+//! modules and the baselines.
+//!
+//! ```text
+//!  object, seed, grip policy ─▶ grasp, lift, hold ─▶ case: load, bump or lag ─▶ outcome, slip,
+//!                               latency of the response, force afterwards
+//! ```
+//!
+//! * **In:** objects, seeds, an engine. **Out:** a [`DisturbanceReport`]: one row per case and
+//!   policy.
+//! * **Invariants:** with the built-in engine, the report depends on the plan only. All policies and
+//!   cases of an object and seed have the same world, noise and direction of the load.
+//! * **Not included:** contact of the arm with its environment; a bump displaces the fingertips.
+
+mod applied;
+mod case;
+mod report;
+mod response;
+mod trial;
+
+use std::sync::atomic::AtomicBool;
+
+use robot_model::RobotModel;
+use sim_backend::Object;
+use sim_backend::engine::EngineCommand;
+use sim_backend::random::trial_seed;
+
+use crate::Task;
+use crate::held::{self, Grip, HeldTrial};
+use crate::parallel::run_indexed;
+use crate::policy::GripPolicy;
+use case::CASES;
+
+pub use report::{DisturbanceReport, DisturbanceRow};
+
+/// Plan of the evaluation.
+#[derive(Clone, Debug)]
+pub struct DisturbancePlan {
+    /// Nominal objects.
+    pub objects: Vec<Object>,
+    /// Trials per object, case and policy.
+    pub seeds: u64,
+    /// First seed per object.
+    pub first_seed: u64,
+    /// True: the baselines of the grasp get the same trials.
+    pub baselines: bool,
+    /// Physics engine in a process of its own; `None`: the built-in one.
+    pub engine: Option<EngineCommand>,
+    /// Threads; 0: one per core.
+    pub threads: usize,
+    /// Controller settings.
+    pub settings: atas_core::Settings,
+}
+
+/// One trial of the plan: case, policy, object, number of the seed.
+struct Job {
+    case: usize,
+    grip: Grip,
+    object: usize,
+    number: u64,
+}
+
+impl DisturbancePlan {
+    /// Returns the number of trials.
+    #[must_use]
+    pub fn trials(&self) -> u64 {
+        self.worlds() * (CASES.len() * self.grips().len()) as u64
+    }
+
+    /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
+    ///
+    /// # Errors
+    /// The robot, a world or an engine cannot be created, or the plan is empty.
+    pub fn run(
+        &self,
+        stop: &AtomicBool,
+        done: impl Fn() + Sync,
+    ) -> anyhow::Result<Option<DisturbanceReport>> {
+        anyhow::ensure!(
+            self.worlds() > 0,
+            "could not evaluate: the plan has no trial; request at least one object and seed"
+        );
+        let robot = RobotModel::two_hand_arm()?;
+        let engines = held::engines(self.engine.as_ref());
+        let endings = run_indexed(self.trials(), self.threads, stop, |index| {
+            let job = self.job(index);
+            let nominal = &self.objects[job.object];
+            let seed = trial_seed(&nominal.name, job.number);
+            let trial = HeldTrial::new(
+                &robot,
+                engines.as_ref(),
+                nominal.clone(),
+                seed,
+                self.settings,
+            )?;
+            let ending = trial::run(&trial, CASES[job.case], job.grip, seed)?;
+            done();
+            Ok(ending)
+        })?;
+        Ok(endings.map(|endings| DisturbanceReport::new(self, &endings)))
+    }
+
+    fn worlds(&self) -> u64 {
+        self.objects.len() as u64 * self.seeds
+    }
+
+    /// Returns the grip policies, the ATAS modules first.
+    fn grips(&self) -> Vec<Grip> {
+        let baselines = GripPolicy::baselines(Task::Grasp, None);
+        let baselines = baselines.into_iter().filter(|_| self.baselines);
+        let policies = core::iter::once(GripPolicy::BuiltIn).chain(baselines);
+        policies.map(Grip::Policy).collect()
+    }
+
+    /// Returns a trial: all worlds of a row are consecutive.
+    fn job(&self, index: u64) -> Job {
+        let (row, world) = (index / self.worlds(), index % self.worlds());
+        let grips = self.grips();
+        Job {
+            case: row as usize / grips.len(),
+            grip: grips[row as usize % grips.len()],
+            object: (world / self.seeds) as usize,
+            number: self.first_seed + world % self.seeds,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seeds;
+
+    /// One rigid object: it is kept without a disturbance; the rows count every case and policy.
+    #[test]
+    fn report_counts_every_case_and_policy() {
+        let plan = |threads| DisturbancePlan {
+            objects: vec![Object::built_in("wood").expect("built in")],
+            seeds: 1,
+            first_seed: seeds::EVALUATION_START,
+            baselines: true,
+            engine: None,
+            threads,
+            settings: atas_core::Settings::default(),
+        };
+        let run = |threads| {
+            let report = plan(threads).run(&AtomicBool::new(false), || ());
+            report.expect("it runs").expect("not stopped")
+        };
+        let report = run(0);
+        assert_eq!(report.rows.len(), 3 * CASES.len());
+        for row in &report.rows {
+            let lost = row.crushed + row.dropped + row.put_back + row.not_lifted;
+            let sum = row.kept + lost + row.discarded;
+            assert_eq!((row.trials, sum), (1, 1), "{row:?}");
+        }
+        let ours = &report.rows[0];
+        assert_eq!(
+            (ours.case.as_str(), ours.policy, ours.kept),
+            ("none", "ours", 1)
+        );
+        assert!(
+            ours.slip_mm.is_some_and(|[_, most_mm]| most_mm < 0.5),
+            "{ours:?}"
+        );
+        let lines = report.markdown().lines().count();
+        assert_eq!(lines, 2 + CASES.len());
+        assert_eq!(report, run(1), "independent of the number of threads");
+    }
+}

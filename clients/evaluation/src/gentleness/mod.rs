@@ -1,0 +1,177 @@
+//! Gentleness: forces and deformations of reference objects from egg-like to brick-like, for the
+//! ATAS modules, three baselines, and growing sensor noise.
+//!
+//! ```text
+//!  reference object, seed, gripper ─▶ grasp, lift, hold ─▶ peak force, deformation, slip, time
+//!                          noise × 1 to 4 ─▶ success and over-grip of the ATAS modules
+//! ```
+//!
+//! * **In:** objects, seeds, an engine. **Out:** a [`GentlenessReport`].
+//! * **Invariants:** with the built-in engine, the report depends on the plan only. All grippers of
+//!   an object and seed get the same world and noise. The baselines are tuned on the same objects
+//!   with other seeds.
+//! * **Not included:** damage other than by the largest force of a fingertip.
+
+mod grips;
+mod objects;
+mod report;
+mod trial;
+
+use std::sync::atomic::AtomicBool;
+
+use robot_model::RobotModel;
+use sim_backend::Object;
+use sim_backend::engine::EngineCommand;
+use sim_backend::random::trial_seed;
+
+use crate::held::{self, Grip, HeldTrial};
+use crate::parallel::run_indexed;
+use trial::Ending;
+
+pub use objects::{reference_objects, reference_or_other};
+pub use report::{GentlenessReport, GentlenessRow, NoiseRow};
+
+/// Noise of the robustness rows, as factor on the sensor model (acceptance criterion).
+const NOISES: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
+
+/// Plan of the evaluation.
+#[derive(Clone, Debug)]
+pub struct GentlenessPlan {
+    /// Nominal objects.
+    pub objects: Vec<Object>,
+    /// Trials per object and gripper.
+    pub seeds: u64,
+    /// First seed per object.
+    pub first_seed: u64,
+    /// True: all candidates of the baselines, without robustness to noise.
+    pub tunes: bool,
+    /// Physics engine in a process of its own; `None`: the built-in one.
+    pub engine: Option<EngineCommand>,
+    /// Threads; 0: one per core.
+    pub threads: usize,
+    /// Controller settings.
+    pub settings: atas_core::Settings,
+}
+
+/// Gripper and noise of some trials.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Series {
+    grip: Grip,
+    noise: f64,
+}
+
+impl GentlenessPlan {
+    /// Returns the number of trials.
+    #[must_use]
+    pub fn trials(&self) -> u64 {
+        self.worlds() * self.series().len() as u64
+    }
+
+    /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
+    ///
+    /// # Errors
+    /// The robot, a world or an engine cannot be created, or the plan is empty.
+    pub fn run(
+        &self,
+        stop: &AtomicBool,
+        done: impl Fn() + Sync,
+    ) -> anyhow::Result<Option<GentlenessReport>> {
+        anyhow::ensure!(
+            self.worlds() > 0,
+            "could not evaluate: the plan has no trial; request at least one object and seed"
+        );
+        let robot = RobotModel::two_hand_arm()?;
+        let engines = held::engines(self.engine.as_ref());
+        let series = self.series();
+        let endings = run_indexed(self.trials(), self.threads, stop, |index| {
+            let (series, world) = (
+                series[(index / self.worlds()) as usize],
+                index % self.worlds(),
+            );
+            let nominal = &self.objects[(world / self.seeds) as usize];
+            let seed = trial_seed(&nominal.name, self.first_seed + world % self.seeds);
+            let trial = HeldTrial::new(
+                &robot,
+                engines.as_ref(),
+                nominal.clone(),
+                seed,
+                self.settings,
+            )?;
+            let ending = trial::run(&trial, series.grip, series.noise)?;
+            done();
+            Ok(ending)
+        })?;
+        Ok(endings.map(|endings| GentlenessReport::new(self, &self.by_series(endings))))
+    }
+
+    fn worlds(&self) -> u64 {
+        self.objects.len() as u64 * self.seeds
+    }
+
+    /// Returns all grippers at noise × 1, then the ATAS modules at larger noise.
+    fn series(&self) -> Vec<Series> {
+        let of = |grip| Series { grip, noise: 1.0 };
+        if self.tunes {
+            return grips::candidates().into_iter().map(of).collect();
+        }
+        let grips = grips::grips();
+        let ours = grips[0];
+        let noisy = NOISES[1..]
+            .iter()
+            .map(|&noise| Series { grip: ours, noise });
+        grips.into_iter().map(of).chain(noisy).collect()
+    }
+
+    /// Groups the endings by series; within one, the trials of an object are consecutive.
+    fn by_series(&self, endings: Vec<Ending>) -> Vec<(Series, Vec<Ending>)> {
+        let mut endings = endings.into_iter();
+        let worlds = self.worlds() as usize;
+        let series = self.series().into_iter();
+        series
+            .map(|series| (series, endings.by_ref().take(worlds).collect()))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seeds;
+
+    #[test]
+    fn report_counts_every_gripper_and_noise() {
+        let plan = |threads| GentlenessPlan {
+            objects: vec![reference_or_other("egg").expect("known")],
+            seeds: 1,
+            first_seed: seeds::EVALUATION_START,
+            tunes: false,
+            engine: None,
+            threads,
+            settings: atas_core::Settings::default(),
+        };
+        let run = |threads| {
+            let report = plan(threads).run(&AtomicBool::new(false), || ());
+            report.expect("it runs").expect("not stopped")
+        };
+        let report = run(0);
+        let names: Vec<&str> = report.rows.iter().map(|row| row.gripper).collect();
+        assert_eq!(names, ["ours", "fixed_force", "slip_reactive", "position"]);
+        for row in &report.rows {
+            let lost = row.crushed + row.dropped + row.slipped + row.not_lifted;
+            assert_eq!(
+                (row.trials, row.held + lost + row.discarded),
+                (1, 1),
+                "{row:?}"
+            );
+        }
+        let ours = &report.rows[0];
+        assert_eq!((ours.object.as_str(), ours.held), ("egg", 1), "{ours:?}");
+        assert!(
+            ours.peak.is_some_and(|peak| (1.0..4.0).contains(&peak)),
+            "{ours:?}"
+        );
+        let noises: Vec<f64> = report.noise.iter().map(|row| row.noise).collect();
+        assert_eq!(noises, NOISES);
+        assert_eq!(report, run(1), "independent of the number of threads");
+    }
+}

@@ -1,0 +1,223 @@
+//! `atas eval sensor-effects`, `disturbances` and `gentleness`: evaluations that hold one object.
+
+use atas_console::arguments::{Disturbances, Gentleness, HoldOptions, SensorEffects};
+use atas_console::{Interrupt, Output, table};
+use atas_evaluation::{
+    Discards, DisturbancePlan, DisturbanceReport, EffectPlan, EffectReport, GentlenessPlan,
+    GentlenessReport, GentlenessRow, NoiseRow, Task, discards_text, reference_objects,
+    reference_or_other, seeds,
+};
+use sim_backend::engine::EngineCommand;
+use sim_backend::{Object, ObjectError};
+
+/// Objects of the sensor effects without --objects: rigid, slippery, soft and heavy ones that can be
+/// held.
+const EFFECT_OBJECTS: [&str; 5] = ["wood", "slippery-50", "paper-box", "sponge", "bottle"];
+
+pub(super) fn sensor_effects(
+    arguments: &SensorEffects,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let names: Vec<&str> = match arguments.objects.is_empty() {
+        true => EFFECT_OBJECTS.to_vec(),
+        false => arguments.objects.iter().map(String::as_str).collect(),
+    };
+    let objects = names.into_iter().map(Object::from_name_or_file);
+    let options = &arguments.hold;
+    let plan = EffectPlan {
+        objects: valid(objects.collect())?,
+        seeds: options.seeds,
+        first_seed: first_seed(options),
+        engine: engine(options)?,
+        threads: options.threads,
+        settings: atas_core::Settings::default(),
+    };
+    let report = super::with_progress_bar(plan.worlds(), |done| plan.run(interrupt.flag(), done))?;
+    if output.is_json() {
+        return output.json(&report);
+    }
+    if options.markdown {
+        return output.line(report.markdown().trim_end());
+    }
+    print_effects(&report, output)
+}
+
+pub(super) fn disturbances(
+    arguments: &Disturbances,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let objects = match arguments.objects.is_empty() {
+        true => Task::PickPlace.objects(),
+        false => {
+            let names = arguments.objects.iter();
+            names.map(|name| Object::from_name_or_file(name)).collect()
+        }
+    };
+    let options = &arguments.hold;
+    let plan = DisturbancePlan {
+        objects: valid(objects)?,
+        seeds: options.seeds,
+        first_seed: first_seed(options),
+        baselines: !arguments.no_baselines,
+        engine: engine(options)?,
+        threads: options.threads,
+        settings: atas_core::Settings::default(),
+    };
+    let report = super::with_progress_bar(plan.trials(), |done| plan.run(interrupt.flag(), done))?;
+    if output.is_json() {
+        return output.json(&report);
+    }
+    if options.markdown {
+        return output.line(report.markdown().trim_end());
+    }
+    print_disturbances(&report, output)
+}
+
+pub(super) fn gentleness(
+    arguments: &Gentleness,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let objects = match arguments.objects.is_empty() {
+        true => reference_objects(),
+        false => {
+            let names = arguments.objects.iter();
+            names.map(|name| reference_or_other(name)).collect()
+        }
+    };
+    let options = &arguments.hold;
+    let plan = GentlenessPlan {
+        objects: valid(objects)?,
+        seeds: options.seeds,
+        first_seed: match arguments.tune {
+            true => *seeds::TUNING.start(),
+            false => first_seed(options),
+        },
+        tunes: arguments.tune,
+        engine: engine(options)?,
+        threads: options.threads,
+        settings: atas_core::Settings::default(),
+    };
+    let report = super::with_progress_bar(plan.trials(), |done| plan.run(interrupt.flag(), done))?;
+    if output.is_json() {
+        return output.json(&report);
+    }
+    if options.markdown {
+        return output.line(report.markdown().trim_end());
+    }
+    print_gentleness(&report, output)
+}
+
+fn valid(objects: Result<Vec<Object>, ObjectError>) -> anyhow::Result<Vec<Object>> {
+    objects.map_err(|error| super::usage(error.to_string()))
+}
+
+fn engine(options: &HoldOptions) -> anyhow::Result<Option<EngineCommand>> {
+    super::engine(options.engine.as_deref())
+}
+
+fn first_seed(options: &HoldOptions) -> u64 {
+    options.first_seed.unwrap_or(seeds::EVALUATION_START)
+}
+
+fn print_effects(report: &EffectReport, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&[
+        "effect",
+        "joint torques",
+        "trials",
+        "held",
+        "crushed",
+        "dropped",
+        "slipped",
+        "not lifted",
+        "warned",
+    ]);
+    for row in &report.rows {
+        let torques = if row.torques { "yes" } else { "no" };
+        let mut cells = vec![row.effect.to_owned(), torques.to_owned()];
+        let counts = [
+            row.trials,
+            row.held,
+            row.crushed,
+            row.dropped,
+            row.slipped,
+            row.not_lifted,
+            row.warned,
+        ];
+        cells.extend(counts.map(|count| count.to_string()));
+        rows.add_row(cells);
+    }
+    output.table(rows)?;
+    print_discards(&report.discarded, output)?;
+    output.line(format_args!(
+        "{}, {} seeds each from {}, purpose: {}",
+        report.objects.join(", "),
+        report.seeds,
+        report.first_seed,
+        report.purpose
+    ))
+}
+
+fn print_disturbances(report: &DisturbanceReport, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&[
+        "disturbance",
+        "policy",
+        "allowed",
+        "kept",
+        "slip mm",
+        "response ms",
+        "over-grip",
+    ]);
+    for row in &report.rows {
+        let policy = format!("{} {}", row.policy, row.setting);
+        let mut cells = vec![row.case.clone(), policy, row.allowed.to_string()];
+        cells.extend(row.cells());
+        rows.add_row(cells);
+    }
+    output.table(rows)?;
+    print_discards(&report.discarded, output)?;
+    output.line(
+        "allowed: trials in which friction could hold the object throughout; slip and response: \
+         median; maximum; response: from 0.1 mm of slip to the first closing command",
+    )?;
+    output.line(format_args!(
+        "{}, {} seeds each from {}, purpose: {}, engine: {}",
+        report.objects.join(", "),
+        report.seeds,
+        report.first_seed,
+        report.purpose,
+        report.engine.as_deref().unwrap_or("built-in"),
+    ))
+}
+
+fn print_gentleness(report: &GentlenessReport, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&GentlenessRow::HEADER);
+    for row in &report.rows {
+        rows.add_row(row.cells().to_vec());
+    }
+    output.table(rows)?;
+    if !report.noise.is_empty() {
+        let mut rows = table(&NoiseRow::HEADER);
+        for row in &report.noise {
+            rows.add_row(row.cells().to_vec());
+        }
+        output.table(rows)?;
+    }
+    print_discards(&report.discarded, output)?;
+    output.line(format_args!(
+        "{} seeds of each object from {}, purpose: {}, engine: {}",
+        report.seeds,
+        report.first_seed,
+        report.purpose,
+        report.engine.as_deref().unwrap_or("built-in"),
+    ))
+}
+
+fn print_discards(discards: &Discards, output: &mut Output) -> anyhow::Result<()> {
+    match discards_text(discards) {
+        text if text.is_empty() => Ok(()),
+        text => output.line(text.trim_end()),
+    }
+}
