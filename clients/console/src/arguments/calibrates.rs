@@ -50,6 +50,10 @@ pub struct CalibrateModel {
     /// Stated accuracy of the sensor, N, which the residual is compared with
     #[arg(long, value_name = "N", value_parser = finite)]
     pub accuracy: Option<f64>,
+    /// Compare the model with the domain in which the controller was validated; exit with an error
+    /// if a value is outside
+    #[arg(long)]
+    pub check_domain: bool,
     /// Output sensor model, for `atas-sim run --sensor-model`
     #[arg(long, value_name = "FILE.toml", value_parser = toml)]
     pub out: Option<PathBuf>,

@@ -1,6 +1,7 @@
 //! `atas calibrate`: fits a calibration to recorded silence and presses; reports its errors and
 //! writes the daemon's settings. `model.rs` fits a sensor model for the simulator.
 
+mod domain;
 pub(crate) mod guide;
 mod model;
 mod rows;

@@ -18,6 +18,7 @@ use atas_evaluation::recorded::Sheet;
 use serde::Serialize;
 use sim_backend::{CreepModel, DriftModel, FrameModel, HysteresisModel, SensorModel};
 
+use super::domain::{self, Checked};
 use print::{model_file, print};
 use quiet::Column;
 use response::{Effects, Response, Search};
@@ -51,6 +52,9 @@ pub(super) struct Report {
     /// Effects that this recording cannot determine, with the reason.
     not_identified: Vec<String>,
     model: SensorModel,
+    /// Comparison with the domain of validity, if requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    domain: Option<Vec<Checked>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -79,19 +83,37 @@ pub(super) fn fit_model(arguments: &CalibrateModel, output: &mut Output) -> anyh
         super::write_new(path, &model_file(&report)?)?;
     }
     if output.is_json() {
-        return output.json(&report);
+        output.json(&report)?;
+    } else {
+        print(&report, output)?;
+        if let Some(path) = &arguments.out {
+            output.line(format_args!("wrote {}", path.display()))?;
+        }
     }
-    print(&report, output)?;
-    if let Some(path) = &arguments.out {
-        output.line(format_args!("wrote {}", path.display()))?;
+    let outside = report.domain.iter().flatten().filter(|it| !it.valid);
+    let outside: Vec<&str> = outside.map(|it| it.name.as_str()).collect();
+    match outside.is_empty() {
+        true => Ok(()),
+        false => Err(ExitError::with_code(
+            Exit::Failed,
+            format!(
+                "the sensor is outside the domain in which grasps were validated: {}; improve the \
+                 sensor or evaluate the controller with --sensor-model",
+                outside.join(", ")
+            ),
+        )
+        .into()),
     }
-    Ok(())
 }
 
 pub(super) fn report(arguments: &CalibrateModel) -> anyhow::Result<Report> {
     let sheet = Sheet::open(&arguments.recording)?;
     let series = Series::read(&sheet, arguments)?;
-    fit(&series, arguments)
+    let mut report = fit(&series, arguments)?;
+    if arguments.check_domain {
+        report.domain = Some(domain::check(&report.model)?);
+    }
+    Ok(report)
 }
 
 fn fit(series: &Series, arguments: &CalibrateModel) -> anyhow::Result<Report> {
@@ -113,6 +135,7 @@ fn fit(series: &Series, arguments: &CalibrateModel) -> anyhow::Result<Report> {
         effects: Vec::new(),
         accuracy_n: arguments.accuracy,
         not_identified: Vec::new(),
+        domain: None,
         model: SensorModel {
             about: format!("fitted to {path}"),
             gain_spread: 0.0,

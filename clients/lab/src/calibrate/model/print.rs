@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use anyhow::ensure;
 use atas_console::{Output, table};
 
+use super::super::domain::{Checked, LAYOUT};
 use super::Report;
 
 /// Returns the text of a model file, with the residual as a comment.
@@ -84,9 +85,37 @@ pub(super) fn print(report: &Report, output: &mut Output) -> anyhow::Result<()> 
     for reason in &report.not_identified {
         output.line(format_args!("not identified: {reason}"))?;
     }
+    if let Some(domain) = &report.domain {
+        print_domain(domain, model.layout.as_deref(), output)?;
+    }
     ensure!(
         model.step_n[0] > 0.0,
         "could not fit a model: the readings never change"
     );
     Ok(())
+}
+
+fn print_domain(
+    domain: &[Checked],
+    layout: Option<&str>,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let mut rows = table(&["property", "value", "valid", "within", "failure beyond"]);
+    for of in domain {
+        let limit = |bound: Option<f64>| bound.map_or("…".to_owned(), |bound| bound.to_string());
+        rows.add_row([
+            of.name.clone(),
+            format!("{:.3} {}", of.value, of.unit),
+            format!("{} to {}", limit(of.low), limit(of.high)),
+            if of.valid { "yes" } else { "no" }.to_owned(),
+            of.failure.clone().unwrap_or_default(),
+        ]);
+    }
+    output.table(rows)?;
+    match layout {
+        None | Some(LAYOUT) => Ok(()),
+        Some(layout) => output.line(format_args!(
+            "valid ranges hold per element of {LAYOUT}; this sensor has the layout {layout}"
+        )),
+    }
 }

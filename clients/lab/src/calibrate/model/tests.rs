@@ -11,6 +11,7 @@ const PERIOD_S: f64 = 0.02;
 
 fn arguments(recording: &Path, reading: &[&str]) -> CalibrateModel {
     CalibrateModel {
+        check_domain: false,
         recording: recording.to_owned(),
         reading: reading.iter().map(|name| (*name).to_owned()).collect(),
         force: None,
