@@ -63,6 +63,8 @@ def main() -> None:
     if arguments[:1] == [COMMAND]:
         sys.exit(convert(arguments[1:]))
     options = parse(arguments)
+    if options.pictures is not None and not os.environ.get("DISPLAY"):
+        os.environ.setdefault("MUJOCO_GL", "egl")
     channel = Channel.standard()
     try:
         import mujoco  # noqa: F401

@@ -27,6 +27,8 @@ def build(scene: dict[str, Any], options: Options, skins: tuple[bool, bool]) -> 
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.option.impratio = 200.0
+    # Contacts are fewer than joints: the dual solver takes half of the time of Newton's method, with equal results.
+    spec.option.solver = mujoco.mjtSolver.mjSOL_PGS
     has_soft_object = any(thing["stiffness_n_m"] is not None for thing in scene["objects"])
     # The solver eliminates joints from last to first. Pins after objects couple only with their arm and an object.
     objects = add_scene(spec, scene)

@@ -10,9 +10,9 @@ SHEAR_RATIO = 0.7
 """Tangential over normal stiffness of a pin. Mindlin's theory gives 0.7 to 1 for rubber on a flat; as in `atas-sim`."""
 SKIN_DAMPING_S = 0.002
 """Damping over stiffness of a pin, s; as in `atas-sim`."""
-PIN_MASS_KG = 1e-3
-"""Inertia of a pin along each of its axes, kg. Design choice: its natural frequency (about 225 Hz) is below half of the step rate
-and above the skin's own bandwidth of 80 Hz."""
+PIN_MASS_KG = 2e-3
+"""Inertia of a pin along each of its axes, kg. Design choice: its natural frequency (160 Hz) is far below the step rate and above the
+skin's own bandwidth of 80 Hz. With half of it, sliding pins chatter at steps of 500 µs."""
 PIN_RADIUS_M = 0.0015
 """Radius of a pin's tip, m. Design choice: smaller than half of the distance of elements."""
 CONTACT_TIME_S = 0.001

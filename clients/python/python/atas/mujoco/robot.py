@@ -25,9 +25,9 @@ RIGID_N_M = 1e5
 """Stiffness of the carrier against a rigid object, N/m. Design choice: stable, and ten times the stiffness of the skin."""
 BASE_INERTIA_KG = 100.0
 """Inertia of a base that tremor and bumps move, kg. Design choice: contact forces move it by nanometres per step."""
-DAMPING_SHARE = 0.5
+DAMPING_SHARE = 1.0
 """Largest damping times step over inertia of a carrier or pin. The solver computes contact forces before implicit damping acts: at
-a share of 20, the fingertips oscillated at 129 Hz on a bottle; at 0.5 they do not, with steps of 125 to 500 µs."""
+a share of 20, the fingertips oscillated at 129 Hz on a bottle; up to 1 they do not, with steps of 125 to 500 µs."""
 
 
 def bounded_damping(damping: Any, mass_kg: float, step_s: float) -> Any:
@@ -157,6 +157,7 @@ def _add_link(parent: Any, to: Any) -> None:
 def _add_fingertip(parent: Any, name: str, fingertip: dict[str, Any], names: Names) -> Any:
     tip = parent.add_body(name=name, pos=fingertip["position_m"], quat=quaternion(fingertip["rotation"]), gravcomp=1.0)
     set_inertia(tip, LINK_KG, [LINK_KG * 1e-4] * 3)
+    _add_link(parent, fingertip["position_m"])
     names.tips.append(name)
     names.elements.append(fingertip["elements"])
     return tip

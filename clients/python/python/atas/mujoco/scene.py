@@ -19,9 +19,12 @@ SUPPORT_SOLREF = [0.002, 1.0]
 def add_scene(spec: Any, scene: dict[str, Any]) -> list[str]:
     """Adds table, plates and objects to a model. Returns the names of the objects' bodies."""
     world = spec.worldbody
+    sky = {"type": mujoco.mjtTexture.mjTEXTURE_SKYBOX, "builtin": mujoco.mjtBuiltin.mjBUILTIN_GRADIENT}
+    spec.add_texture(name="sky", rgb1=[0.95, 0.97, 1.0], rgb2=[0.6, 0.7, 0.8], width=64, height=384, **sky)
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
     world.add_light(pos=[0, 0, 2], dir=[0, 0, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
     support = {"contype": SUPPORT_TYPE, "conaffinity": 0, "friction": [TABLE_FRICTION, 0.0, 0.0], "solref": SUPPORT_SOLREF, "priority": 2}
-    world.add_geom(name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 0.1], rgba=[0.9, 0.9, 0.88, 1], **support)
+    world.add_geom(name="table", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 0.1], rgba=[0.72, 0.72, 0.7, 1], **support)
     for index, plate in enumerate(scene["plates"]):
         half = plate["height_m"] / 2
         if half > 0:

@@ -35,14 +35,14 @@ class Show:
         self._window: Any = None
         self._renderer: Any = None
         self._shown: Model | None = None
-        self._due_s = 0.0
+        self._frame_due_s = self._picture_due_s = 0.0
         self._count = 0
 
     def begin(self, world: World) -> None:
         """Shows another scene from its beginning."""
         if not self._options.viewer and self._options.pictures is None:
             return
-        self._due_s = 0.0
+        self._frame_due_s = self._picture_due_s = 0.0
         self._shown = shown = world.shown_model()
         if self._options.viewer:
             import mujoco.viewer
@@ -56,31 +56,39 @@ class Show:
             shown.model.vis.global_.offwidth, shown.model.vis.global_.offheight = SIZE
             if self._renderer is not None:
                 self._renderer.close()
-            self._renderer = mujoco.Renderer(shown.model, height=SIZE[1], width=SIZE[0])
+            self._renderer = renderer(shown.model)
 
     def update(self, world: World) -> None:
         """Shows the present state if a frame is due."""
-        shown = self._shown
-        if shown is None or world.data.time < self._due_s:
+        shown, now_s = self._shown, float(world.data.time)
+        if shown is None or now_s < min(self._frame_due_s, self._picture_due_s):
             return
         shown.take_motion(world.now)
+        self._frame_due_s = now_s + FRAME_S
         if self._window is not None and self._window.is_running():
             self._window.sync()
-            self._due_s = world.data.time + FRAME_S
-        if self._renderer is not None and self._options.pictures is not None:
+        if self._renderer is not None and self._options.pictures is not None and now_s >= self._picture_due_s:
             camera = mujoco.MjvCamera()
             self._aim(camera)
             self._renderer.update_scene(shown.data, camera)
             path = self._options.pictures / f"{self._count:05d}.png"
             path.write_bytes(png(self._renderer.render()))
             self._count += 1
-            self._due_s = world.data.time + PICTURE_S
+            self._picture_due_s = now_s + PICTURE_S
 
     def _aim(self, camera: Any) -> None:
         """Points a camera at the first object."""
         assert self._shown is not None
         camera.lookat[:] = self._shown.first_object_m
         camera.distance, camera.azimuth, camera.elevation = 0.5, 140, -20
+
+
+def renderer(model: Any) -> Any:
+    """Creates the off-screen renderer. Raises ValueError without OpenGL."""
+    try:
+        return mujoco.Renderer(model, height=SIZE[1], width=SIZE[0])
+    except (mujoco.FatalError, AttributeError, ImportError, RuntimeError) as error:
+        raise ValueError(f"pictures need OpenGL: {error}; install libegl1 or libosmesa6 and set MUJOCO_GL to egl or osmesa") from error
 
 
 def png(pixels: NDArray[np.uint8]) -> bytes:

@@ -12,7 +12,7 @@ from .cap import Cap
 from .contacts import Contacts, Slip, element_forces_n, read_contacts
 from .model import Model
 from .options import OBJECT_DAMPING_S, Options
-from .robot import CARRIER_MASS_KG, DAMPING_SHARE, RIGID_N_M, bounded_damping
+from .robot import BASE_INERTIA_KG, CARRIER_MASS_KG, DAMPING_SHARE, RIGID_N_M, bounded_damping
 
 NEAR_M = 0.003
 """Distance of a skin from an object at which its pins are simulated, m. Design choice: no part of the robot moves 3 mm between two
@@ -132,14 +132,14 @@ class World:
             self._slip.reset()
 
     def _move_bases(self, target_m: NDArray[np.float64], steps: int) -> None:
-        """Sets the velocity with which tremor and bumps reach their displacement in the remaining steps of the tick.
+        """Pushes the bases so that tremor and bumps reach their displacement in the remaining steps of the tick.
 
         Contact forces follow velocities: a base that jumped would slide along an object without friction.
         """
-        now, data = self._now, self.data
+        now, data, step_s = self._now, self.data, self.model.opt.timestep
         if len(now.base_dof) > 0:
-            way_m = target_m - data.qpos[now.base_qpos]
-            data.qvel[now.base_dof] = way_m / (steps * self.model.opt.timestep)
+            velocity_m_s = (target_m - data.qpos[now.base_qpos]) / (steps * step_s)
+            data.qfrc_applied[now.base_dof] = BASE_INERTIA_KG * (velocity_m_s - data.qvel[now.base_dof]) / step_s
 
     def _set_compliance(self, stiffness: NDArray[np.float64]) -> None:
         """Gives each fingertip's carrier the stiffness of the object that it touches."""
