@@ -13,7 +13,7 @@ from .objects import OBJECTS
 EXAMPLES = """\
 examples:
   python -m atas.sensitivity parameters
-  python -m atas.sensitivity one-at-a-time --out sensitivity --trials 48
+  python -m atas.sensitivity one-at-a-time --out sensitivity --trials 40
   python -m atas.sensitivity morris --out sensitivity --trials 24 --trajectories 8
   python -m atas.sensitivity one-at-a-time --parameters drift latency rate --levels 9
   python -m atas.sensitivity one-at-a-time --engine mujoco --trials 16 --least-success 0.8
@@ -73,7 +73,7 @@ def parser() -> argparse.ArgumentParser:
     single = commands.add_parser(
         "one-at-a-time", help="vary each parameter alone; writes domain.toml", epilog=EXAMPLES, formatter_class=raw
     )
-    _add_common(single, trials=48)
+    _add_common(single, trials=40)
     single.add_argument("--levels", type=odd, default=5, metavar="N", help="levels per parameter, odd [%(default)s]")
     single.add_argument(
         "--least-success", type=share(0.0, 1.0), default=0.85, metavar="SHARE",
@@ -85,7 +85,7 @@ def parser() -> argparse.ArgumentParser:
     _add_common(screen, trials=24)
     screen.add_argument("--trajectories", type=count(2), default=8, metavar="N", help="trajectories [%(default)s]")
     screen.add_argument(
-        "--span", type=share(0.01, 1.0), default=0.3, metavar="SHARE",
+        "--span", type=share(0.01, 1.0), default=0.4, metavar="SHARE",
         help="share of each range around the nominal value; all parameters at their ends leave no success [%(default)s]",
     )  # fmt: skip
     screen.add_argument("--design-seed", type=count(0), default=1, metavar="N", help="seed of the trajectories [%(default)s]")

@@ -43,7 +43,7 @@ def _describe(parameter: Parameter) -> dict[str, Any]:
         "unit": parameter.unit,
         "nominal": parameter.nominal,
         "range": [parameter.first, parameter.last],
-        "scale": "logarithmic" if parameter.is_log else "linear",
+        "scale": parameter.scale.value,
         "option": parameter.via.value,
         "source": parameter.source,
     }
@@ -163,16 +163,16 @@ DOMAIN_HEADER = """\
 #                  `success_lower_bound` or above, and at most `crushed` objects are crushed.
 # [[parameter]]    one per parameter, amounts in `unit`:
 #   nominal        value of the simulator's default.
-#   low, high      least and largest valid value. An absent bound means that values on this side of
-#                  `nominal` were not tested; they are better than nominal (less noise, higher rate).
+#   low, high      least and largest valid value. Absent: values on this side of `nominal` were not
+#                  tested; they are better than nominal (less noise, higher rate).
 #   low_fails_at, high_fails_at
 #                  next tested value, which violates the criterion. The domain ends between both
 #                  values. Absent: the tested range ends at `low` or `high` without a violation.
 #   low_success, high_success
 #                  successes and trials at the bound.
 #   model_key, model_factor
-#                  key of a sensor model file with this property: amount = `model_factor` × its value
-#                  (largest magnitude of a list, smallest for `saturation_n`). Absent: none.
+#                  key of a sensor model file with this property; amount = `model_factor` × value. Of
+#                  a list, the largest magnitude counts (`saturation_n`: the smallest). Absent: none.
 # Amounts per element hold for the fingertips of the robot in [evaluation].
 """
 
