@@ -41,11 +41,10 @@ class Progress:
             print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
-def need_libraries() -> None:
-    """Ends the program if a library is not installed."""
-    for name in ("SALib", "matplotlib"):
-        if importlib.util.find_spec(name) is None:
-            sys.exit(f"{name} is not installed; run: pip install 'atas[sensitivity]'")
+def need_salib() -> None:
+    """Ends the program if SALib is not installed."""
+    if importlib.util.find_spec("SALib") is None:
+        sys.exit("SALib is not installed; run: pip install 'atas[sensitivity]'")
 
 
 def print_parameters() -> None:
@@ -56,10 +55,10 @@ def print_parameters() -> None:
         print(f"{p.name:15} {p.group:8} {p.unit:14} {p.nominal:8g}  {ends:16} {p.via.value:15} {p.source}")
 
 
-def evaluate(options: argparse.Namespace, points: Sequence[Point]) -> tuple[Outcomes, Evaluator, Settings]:
+def evaluate(options: argparse.Namespace, program: Path, points: Sequence[Point]) -> tuple[Outcomes, Evaluator, Settings]:
     """Evaluates the points."""
     settings = Settings(options.trials, options.first_seed, tuple(dict.fromkeys(options.objects)), options.robot, options.engine)
-    evaluator = Evaluator(find_program(options.program), options.out, settings, options.jobs)
+    evaluator = Evaluator(program, options.out, settings, options.jobs)
     progress = Progress()
     try:
         outcomes = evaluator.run(points, progress.report)
@@ -80,12 +79,12 @@ def save(out: Path, files: dict[str, str]) -> None:
     print("written: " + ", ".join(str(out / name) for name in files))
 
 
-def one_at_a_time(options: argparse.Namespace, parameters: tuple[Parameter, ...], command: str) -> Outcomes:
+def one_at_a_time(options: argparse.Namespace, program: Path, parameters: tuple[Parameter, ...], command: str) -> Outcomes:
     """Runs the one-at-a-time method and writes its files."""
     from . import figures, report
 
     criterion = Criterion(options.least_success)
-    outcomes, evaluator, settings = evaluate(options, points(parameters, options.levels))
+    outcomes, evaluator, settings = evaluate(options, program, points(parameters, options.levels))
     found = sorted(rows(parameters, options.levels, outcomes), key=lambda row: -row.effect)
     origin = report.Origin(command, evaluator.identity, settings)
     title = f"Grasp, one parameter at a time: {options.trials} trials per cell, seeds from {options.first_seed}"
@@ -105,14 +104,14 @@ def one_at_a_time(options: argparse.Namespace, parameters: tuple[Parameter, ...]
     return outcomes
 
 
-def morris(options: argparse.Namespace, parameters: tuple[Parameter, ...], command: str) -> Outcomes:
+def morris(options: argparse.Namespace, program: Path, parameters: tuple[Parameter, ...], command: str) -> Outcomes:
     """Runs the global method and writes its files."""
     from . import figures, report
     from .morris import Design
 
     design = Design.sample(parameters, options.trajectories, options.span, options.design_seed)
     # The nominal point first: it shows a wrong command line at once.
-    outcomes, evaluator, settings = evaluate(options, [{}, *design.points()])
+    outcomes, evaluator, settings = evaluate(options, program, [{}, *design.points()])
     screenings = design.screen(outcomes)
     origin = report.Origin(command, evaluator.identity, settings)
     files = {"morris.json": to_json(report.morris_json(design, screenings, outcomes, origin))}
@@ -144,7 +143,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if options.command == "parameters":
         print_parameters()
         return
-    need_libraries()
+    need_salib()
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     is_single = options.command == "one-at-a-time"
     try:
@@ -155,7 +154,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         top.error(str(error))
     run = one_at_a_time if is_single else morris
     try:
-        outcomes = run(options, parameters, shlex.join(["python", "-m", "atas.sensitivity", *words]))
+        outcomes = run(options, find_program(options.program), parameters, shlex.join(["python", "-m", "atas.sensitivity", *words]))
     except MissingProgram as error:
         print(error, file=sys.stderr)
         sys.exit(NOT_FOUND)

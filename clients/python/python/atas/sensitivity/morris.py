@@ -6,7 +6,6 @@ effect (mu*) ranks the parameters; the deviation (sigma) shows interactions and 
 
 from __future__ import annotations
 
-import importlib.metadata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -105,8 +104,3 @@ def _problem(parameters: Sequence[Parameter]) -> dict[str, object]:
     """Problem description of SALib. Its ranges are shares of the span."""
     names = [parameter.name for parameter in parameters]
     return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
-
-
-def library_version() -> str:
-    """Version of SALib."""
-    return importlib.metadata.version("SALib")

@@ -125,7 +125,10 @@ PARAMETERS: tuple[Parameter, ...] = (
     _error("crosstalk", "sensor", "%", 40.0, "eight times the default error; the simulator's limit is 50 %", model=("crosstalk", 1e2)),
     _error("drift", "sensor", "± N/s", 0.1, "twice the default error; eFlesh has 0.0013 N/s", model=("drift.rate_n_s", 1.0)),
     _error("hysteresis", "sensor", "%", 20.0, "the simulator's limit; four times the default error", model=("hysteresis.share", 1e2)),
-    _error("creep", "sensor", "% per decade", 40.0, "six times that of eFlesh (6.25 %); the simulator's limit is 50 %", model=("creep.per_decade", 1e2)),
+    _error(
+        "creep", "sensor", "% per decade", 40.0, "six times that of eFlesh (6.25 %); the simulator's limit is 50 %",
+        model=("creep.per_decade", 1e2),
+    ),
     _error(
         "saturation", "sensor", "N per element", 0.25, "largest force of the hand to half of the default error",
         first=8.0, model=("saturation_n", 1.0),
@@ -136,7 +139,10 @@ PARAMETERS: tuple[Parameter, ...] = (
         "latency", "sensor", "ms", 100.0, "USB bridges (timer of 16 ms) to six times that; design choice",
         model=("frames.latency_s", 1e3),
     ),
-    _error("jitter", "sensor", "ms", 64.0, "USB bridges (timer of 16 ms) to four times that; design choice", model=("frames.jitter_s", 1e3)),
+    _error(
+        "jitter", "sensor", "ms", 64.0, "USB bridges (timer of 16 ms) to four times that; design choice",
+        model=("frames.jitter_s", 1e3),
+    ),
     _error("frame-loss", "sensor", "%", 80.0, "16 times the default error", model=("frames.loss", 1e2)),
     _error("tips", "contact", "± %", 50.0, "the simulator's limit; true stiffness of the skin, unknown to the controller"),
     _factor("friction", "friction", 3.0, "smooth plastic to rubber: 0.07 to 1.8 over all objects"),

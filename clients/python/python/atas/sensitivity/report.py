@@ -14,7 +14,7 @@ from .morris import Design, Screening
 from .one_at_a_time import Bound, Criterion, Row
 from .parameters import Parameter
 
-LIBRARIES = ("SALib", "matplotlib", "numpy")
+LIBRARIES = ("SALib", "numpy")
 NAMED = 3
 """Number of parameters that the summary names as the most important ones."""
 
@@ -171,8 +171,8 @@ DOMAIN_HEADER = """\
 #   low_success, high_success
 #                  successes and trials at the bound.
 #   model_key, model_factor
-#                  key of a sensor model file with this property; amount = `model_factor` × value. Of
-#                  a list, the largest magnitude counts (`saturation_n`: the smallest). Absent: none.
+#                  key of a sensor model file with this property: amount = `model_factor` × value.
+#                  Of a list, the largest magnitude (`saturation_n`: the smallest). Absent: none.
 # Amounts per element hold for the fingertips of the robot in [evaluation].
 """
 
