@@ -107,9 +107,15 @@ def test_values_become_options_and_files() -> None:
     values = {"drift": 0.05, "yaw": 10.0, "rate": 100.0, "resolution": 10.0, "mass": 2.0}
     found = realise(values, ("wood", "sponge"), Path("out"), "tag")
     assert found.options[:6] == ["--noise", "1", "--rate-hz", "100", "--errors", "drift=0.05,yaw=10"]
-    assert found.options[6:] == ["--sensor-model", "out/models/tag.toml", "--objects", "out/objects/tag/wood.toml,out/objects/tag/sponge.toml"]
+    objects = "out/objects/tag/wood.toml,out/objects/tag/sponge.toml"
+    assert found.options[6:] == ["--sensor-model", "out/models/tag.toml", "--objects", objects]
     assert found.files["models/tag.toml"] == "step_n = [0.01, 0.01]\n"
     assert "mass_kg = 0.6\n" in found.files["objects/tag/wood.toml"]
+
+
+def test_engine_and_robot_are_passed_on() -> None:
+    options = Settings(8, 1, ("wood",), robot="arm7-gripper", engine="mujoco --pins 3").options()
+    assert options[4:8] == ["--robot", "arm7-gripper", "--engine", "mujoco --pins 3"]
 
 
 def test_wilson_interval_matches_known_values() -> None:

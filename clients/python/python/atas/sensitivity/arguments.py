@@ -19,7 +19,8 @@ examples:
   python -m atas.sensitivity one-at-a-time --engine mujoco --trials 16 --least-success 0.8
 
 Finished points stay in FOLDER/points. The same command continues after an interrupt, and another
-method reuses them. Another build of the programs, or another trial number, evaluates again.
+method reuses them. Other trials, or another build of the programs, are evaluated again. After a
+change of an own engine, use another folder.
 
 exit codes: 0 success, 1 a point failed, 2 invalid command line, 5 interrupted, 127 atas not found
 """

@@ -203,7 +203,7 @@ class Evaluator:
         with self._lock:
             if self._is_stopped:
                 raise Failed("interrupted")
-            # A session of its own: the terminal's interrupt reaches this process only, which ends
+            # A separate session: the terminal's interrupt reaches this process only, which ends
             # the evaluations.
             child = subprocess.Popen(
                 [str(self._program), *words],

@@ -173,7 +173,8 @@ DOMAIN_HEADER = """\
 #   model_key, model_factor
 #                  key of a sensor model file with this property: amount = `model_factor` × value.
 #                  Of a list, the largest magnitude (`saturation_n`: the smallest). Absent: none.
-# Amounts per element hold for the fingertips of the robot in [evaluation].
+# A unit with ± is a half width: each trial draws its amount within it. Amounts per element hold for
+# the fingertips of the robot in [evaluation].
 """
 
 
