@@ -15,7 +15,7 @@ from atas.sensitivity.evaluation import Evaluator, Failed, Outcomes, Settings, n
 from atas.sensitivity.measures import MEASURES, Measures, wilson
 from atas.sensitivity.morris import Design
 from atas.sensitivity.objects import OBJECTS, file_text
-from atas.sensitivity.one_at_a_time import Criterion, Row, points, rows
+from atas.sensitivity.one_at_a_time import Beyond, Criterion, Row, points, rows
 from atas.sensitivity.parameters import PARAMETERS, select
 from conftest import PROGRAMS, ROOT
 
@@ -161,17 +161,17 @@ def test_domain_ends_before_the_first_failing_level() -> None:
     criterion = Criterion(0.85)
     domain = row("drift", good, good, bad, good, good).domain(criterion)
     assert domain is not None and domain.low is None and domain.high is not None
-    assert (domain.high.value, domain.high.fails_at) == (0.00625, 0.025)
+    assert domain.high.value == 0.00625 and domain.high.beyond is not None and domain.high.beyond.value == 0.025
     crushes = row("drift", good, good, measures(48, crushed=1), good, good).domain(criterion)
-    assert crushes == domain
+    assert crushes is not None and crushes.text() == domain.text() == "to 0.00625"
     # A missing result is not valid either; a rate is worse when it is lower.
     rate = row("rate", good, good, None, good, good).domain(criterion)
     assert rate is not None and rate.high is None and rate.low is not None
-    assert (rate.low.value, rate.low.fails_at) == (316.0, 100.0)
+    assert rate.low.value == 316.0 and rate.low.beyond == Beyond(100.0, None) and rate.low.beyond.cause == "unknown"
     mass = row("mass", bad, good, good, good, good).domain(criterion)
     assert mass is not None and mass.low is not None and mass.high is not None
-    assert (mass.low.value, mass.low.fails_at, mass.low.edge) == (0.5774, 0.3333, 1)
-    assert (mass.high.value, mass.high.fails_at, mass.high.edge) == (3.0, None, 5)
+    assert (mass.low.value, mass.low.beyond, mass.low.edge) == (0.5774, Beyond(0.3333, bad), 1)
+    assert (mass.high.value, mass.high.beyond, mass.high.edge) == (3.0, None, 5)
     assert row("drift", bad, good, good).domain(criterion) is None
 
 
@@ -191,6 +191,7 @@ def test_domain_file_is_valid_toml(tmp_path: Path) -> None:
     latency, mass = domain["parameter"]
     assert latency == {
         "name": "latency", "group": "sensor", "unit": "ms", "nominal": 0.0, "high": 0.0, "high_fails_at": 6.25,
+        "high_failure": "dropped",
         "high_success": [40, 40], "model_key": "frames.latency_s", "model_factor": 1000.0,
     }  # fmt: skip
     assert mass["low"] == 0.3333 and "low_fails_at" not in mass and "model_key" not in mass
@@ -225,6 +226,8 @@ def test_figures_and_tables_are_reproducible(tmp_path: Path) -> None:
     table = report.one_at_a_time_table(results, Criterion(0.8), 40)
     assert "| latency, ms | **0**, 6.25, 25, 56.25, 100 | 40, 34, 15, 0, 0 |" in table
     assert "from 0.3333 (end of the range) to 3 (end of the range)" in table
+    domain = report.domain_table(results, Criterion(0.8))
+    assert "| latency, ms | to 0 | 6.25 | 85 [71, 93] | dropped |" in domain and "| 2.5 | – | unknown |" in domain
 
 
 @pytest.mark.parametrize(

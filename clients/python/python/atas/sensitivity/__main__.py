@@ -94,6 +94,7 @@ def one_at_a_time(options: argparse.Namespace, program: Path, parameters: tuple[
             "one-at-a-time.json": to_json(report.one_at_a_time_json(found, criterion, outcomes, origin)),
             "one-at-a-time.md": report.one_at_a_time_table(found, criterion, options.trials),
             "one-at-a-time.svg": figures.one_at_a_time(found, criterion, title),
+            "domain.md": report.domain_table(found, criterion),
             "domain.toml": report.domain_toml(found, criterion, origin),
         },
     )

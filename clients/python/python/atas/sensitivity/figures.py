@@ -119,8 +119,8 @@ def one_at_a_time(rows: Sequence[Row], criterion: Criterion, title: str) -> str:
         drawing.text(150, base_px, row.parameter.label, "e")
         drawing.text(158, base_px, " · ".join(_short(level.value) for level in row.levels), "g")
         domain = row.domain(criterion)
-        for bound in (domain.low, domain.high) if domain is not None else ():
-            if bound is not None and bound.fails_at is not None:
+        for bound in domain.bounds if domain is not None else ():
+            if bound.beyond is not None:
                 edge_px, top_px = left_px + bound.edge * CELL_PX - 0.5, TOP_PX + y * ROW_PX - 0.5
                 drawing.line(edge_px, top_px, edge_px, top_px + ROW_PX, "#06c", 3)
     return drawing.svg()

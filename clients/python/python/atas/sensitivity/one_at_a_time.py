@@ -37,6 +37,21 @@ class Criterion:
 
 
 @dataclass(frozen=True)
+class Beyond:
+    """First level outside the domain."""
+
+    value: float
+    measures: Measures | None
+    """Results there; `None` if the point failed."""
+
+    @property
+    def cause(self) -> str:
+        """Most frequent failure there."""
+        failures = self.measures.failures if self.measures is not None else {}
+        return min(failures, key=lambda name: (-failures[name], name), default="unknown")
+
+
+@dataclass(frozen=True)
 class Bound:
     """Bound of the domain on one side of the nominal value."""
 
@@ -44,7 +59,7 @@ class Bound:
     """Farthest valid level."""
     measures: Measures
     """Results there."""
-    fails_at: float | None
+    beyond: Beyond | None
     """Next level, which violates the criterion; `None` if the range ends before."""
     edge: int
     """Number of levels before the bound, counted over the range."""
@@ -57,12 +72,17 @@ class Domain:
     low: Bound | None
     high: Bound | None
 
+    @property
+    def bounds(self) -> list[Bound]:
+        """Bounds of the tested sides."""
+        return [bound for bound in (self.low, self.high) if bound is not None]
+
     def text(self) -> str:
         """Domain in words."""
         parts = []
         for word, bound in (("from", self.low), ("to", self.high)):
             if bound is not None:
-                end = " (end of the range)" if bound.fails_at is None else ""
+                end = " (end of the range)" if bound.beyond is None else ""
                 parts.append(f"{word} {bound.value:g}{end}")
         return " ".join(parts)
 
@@ -104,15 +124,15 @@ class Row:
         if not outward:
             return None
         last = self.nominal_index
-        fails_at = None
+        beyond = None
         for index in outward:
             if not criterion.holds(self.measures[index]):
-                fails_at = self.levels[index].value
+                beyond = Beyond(self.levels[index].value, self.measures[index])
                 break
             last = index
         measures = self.measures[last]
         assert measures is not None, "a valid level has a result"
-        return Bound(self.levels[last].value, measures, fails_at, last + (outward.step > 0))
+        return Bound(self.levels[last].value, measures, beyond, last + (outward.step > 0))
 
 
 def points(parameters: Sequence[Parameter], count: int) -> list[Point]:

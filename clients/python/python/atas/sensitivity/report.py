@@ -75,7 +75,8 @@ def one_at_a_time_json(rows: Sequence[Row], criterion: Criterion, outcomes: Outc
 def _bound(bound: Bound | None) -> dict[str, Any] | None:
     if bound is None:
         return None
-    return {"value": bound.value, "fails_at": bound.fails_at, "succeeded": bound.measures.succeeded}
+    beyond = None if bound.beyond is None else {"value": bound.beyond.value, "cause": bound.beyond.cause}
+    return {"value": bound.value, "succeeded": bound.measures.succeeded, "beyond": beyond}
 
 
 def morris_json(design: Design, screenings: Sequence[Screening], outcomes: Outcomes, origin: Origin) -> dict[str, Any]:
@@ -135,6 +136,22 @@ def one_at_a_time_table(rows: Sequence[Row], criterion: Criterion, trials: int) 
     return _table(heading, body)
 
 
+def domain_table(rows: Sequence[Row], criterion: Criterion) -> str:
+    """Markdown table of the domain of validity, largest effect first."""
+    body = []
+    for row in rows:
+        domain = row.domain(criterion)
+        beyond = [bound.beyond for bound in domain.bounds if bound.beyond is not None] if domain is not None else []
+        results = [next_one.measures for next_one in beyond]
+        columns = [
+            [f"{next_one.value:g}" for next_one in beyond],
+            ["–" if m is None else f"{100 * m.success:.0f} [{100 * m.success_ci95[0]:.0f}, {100 * m.success_ci95[1]:.0f}]" for m in results],
+            [next_one.cause for next_one in beyond],
+        ]
+        body.append([row.parameter.label, "none" if domain is None else domain.text(), *("; ".join(column) for column in columns)])
+    return _table(["parameter", "valid", "fails at", "success there, % [95 %]", "most frequent failure there"], body)
+
+
 def morris_table(screenings: Sequence[Screening], labels: dict[str, str]) -> str:
     """Markdown table of the effects, largest effect on success first."""
     first = screenings[0]
@@ -168,6 +185,8 @@ DOMAIN_HEADER = """\
 #   low_fails_at, high_fails_at
 #                  next tested value, which violates the criterion. The domain ends between both
 #                  values. Absent: the tested range ends at `low` or `high` without a violation.
+#   low_failure, high_failure
+#                  most frequent failure at that value.
 #   low_success, high_success
 #                  successes and trials at the bound.
 #   model_key, model_factor
@@ -199,8 +218,9 @@ def domain_toml(rows: Sequence[Row], criterion: Criterion, origin: Origin) -> st
             if bound is None:
                 continue
             lines.append(f"{side} = {bound.value}")
-            if bound.fails_at is not None:
-                lines.append(f"{side}_fails_at = {bound.fails_at}")
+            if bound.beyond is not None:
+                lines.append(f"{side}_fails_at = {bound.beyond.value}")
+                lines.append(f"{side}_failure = {_string(bound.beyond.cause)}")
             lines.append(f"{side}_success = [{bound.measures.succeeded}, {bound.measures.trials}]")
         if parameter.model_key is not None:
             lines += [f"model_key = {_string(parameter.model_key)}", f"model_factor = {float(f'{parameter.model_factor:.6g}')}"]
