@@ -198,6 +198,19 @@ def test_domain_file_is_valid_toml(tmp_path: Path) -> None:
     assert all(len(line) <= 100 for line in text.splitlines() if line.startswith("#"))
 
 
+def test_committed_domain_matches_the_table_of_parameters() -> None:
+    toml = pytest.importorskip("tomllib", reason="Python 3.10 has no TOML reader")
+    text = (ROOT / "clients" / "lab" / "src" / "calibrate" / "domain.toml").read_text()
+    assert text.startswith(report.DOMAIN_HEADER)
+    domain = toml.loads(text)
+    assert domain["version"] == 1 and domain["evaluation"]["first_seed"] > 20_000
+    committed = {of["name"]: (of["unit"], of["nominal"], of.get("model_key")) for of in domain["parameter"]}
+    assert committed == {of.name: (of.unit, of.nominal, of.model_key) for of in PARAMETERS}
+    page = (ROOT / "clients" / "guide" / "src" / "results.md").read_text()
+    for of in domain["parameter"]:
+        assert f"| {of['name']}, {of['unit']} | " in page, of["name"]
+
+
 def test_morris_finds_the_strongest_parameter(tmp_path: Path) -> None:
     pytest.importorskip("SALib")
     parameters = select(["drift", "latency", "hysteresis", "mass"])

@@ -79,6 +79,8 @@ class Domain:
 
     def text(self) -> str:
         """Domain in words."""
+        if self.low is not None and self.high is not None and self.low.value == self.high.value:
+            return f"{self.low.value:g} only"
         parts = []
         for word, bound in (("from", self.low), ("to", self.high)):
             if bound is not None:
