@@ -15,6 +15,8 @@ OVER_GRIP_MOST = 4.0
 """Over-grip of the darkest colour. Light objects reach 2 to 5 without any error (results page)."""
 SHARE_MOST = 0.25
 """Share of crushed or dropped objects of the darkest colour. Design choice."""
+EFFECT_LEAST = 0.2
+"""Least effect of the darkest colour. Design choice: single trials must not look like large effects."""
 MISSING = "#bbbbbb"
 """Colour of a cell without value."""
 CELL_PX, ROW_PX, GAP_PX, TOP_PX = 28, 17, 12, 52
@@ -127,7 +129,7 @@ def one_at_a_time(rows: Sequence[Row], criterion: Criterion, title: str) -> str:
 
 
 def morris(screenings: Sequence[Screening], labels: dict[str, str], title: str) -> str:
-    """Heat map of mu* and sigma by parameter and measure. Colours are relative to the column."""
+    """Heat map of mu* and sigma by parameter and measure. Colours are relative to the column's largest."""
     shown = [screening for screening in screenings if screening.effects]
     names = shown[0].ranking()
     left_px, column_px = 160, 110
@@ -141,8 +143,8 @@ def morris(screenings: Sequence[Screening], labels: dict[str, str], title: str) 
         for offset, (key, symbol) in enumerate((("mu_star", "µ*"), ("sigma", "σ"))):
             at_px = x_px + offset * CELL_PX
             drawing.text(at_px + CELL_PX / 2, TOP_PX - 5, symbol, "m")
-            most = max(getattr(effect, key) for effect in screening.effects.values())
+            most = max(EFFECT_LEAST, *(getattr(effect, key) for effect in screening.effects.values()))
             for y, name in enumerate(names):
                 value = getattr(screening.effects[name], key)
-                drawing.cell(at_px, y, value / most if most > 0 else 0.0, f"{value:.2f}")
+                drawing.cell(at_px, y, value / most, f"{value:.2f}")
     return drawing.svg()

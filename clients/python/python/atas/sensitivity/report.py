@@ -10,6 +10,7 @@ from typing import Any
 
 from .design import Point
 from .evaluation import Outcomes, Settings
+from .measures import Measures
 from .morris import Design, Screening
 from .one_at_a_time import Bound, Criterion, Row
 from .parameters import Parameter
@@ -136,16 +137,23 @@ def one_at_a_time_table(rows: Sequence[Row], criterion: Criterion, trials: int) 
     return _table(heading, body)
 
 
+def _success_cell(measures: Measures | None) -> str:
+    """Success with its interval, %."""
+    if measures is None:
+        return "–"
+    low, high = measures.success_ci95
+    return f"{100 * measures.success:.0f} [{100 * low:.0f}, {100 * high:.0f}]"
+
+
 def domain_table(rows: Sequence[Row], criterion: Criterion) -> str:
     """Markdown table of the domain of validity, largest effect first."""
     body = []
     for row in rows:
         domain = row.domain(criterion)
         beyond = [bound.beyond for bound in domain.bounds if bound.beyond is not None] if domain is not None else []
-        results = [next_one.measures for next_one in beyond]
         columns = [
             [f"{next_one.value:g}" for next_one in beyond],
-            ["–" if m is None else f"{100 * m.success:.0f} [{100 * m.success_ci95[0]:.0f}, {100 * m.success_ci95[1]:.0f}]" for m in results],
+            [_success_cell(next_one.measures) for next_one in beyond],
             [next_one.cause for next_one in beyond],
         ]
         body.append([row.parameter.label, "none" if domain is None else domain.text(), *("; ".join(column) for column in columns)])
