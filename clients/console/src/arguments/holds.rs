@@ -42,6 +42,9 @@ pub struct Disturbances {
     /// Built-in objects or files, separated by commas [default: all that can be held]
     #[arg(long, value_name = "NAME|FILE", value_parser = super::values::OBJECTS, hide_possible_values = true, value_delimiter = ',')]
     pub objects: Vec<String>,
+    /// Only cases whose name contains one of these texts, separated by commas, for example bump
+    #[arg(long, value_name = "TEXT", value_delimiter = ',')]
+    pub cases: Vec<String>,
     /// Omit the baselines: a gripper with fixed force, and one that increases force on slip
     #[arg(long)]
     pub no_baselines: bool,

@@ -29,7 +29,7 @@ use crate::Task;
 use crate::held::{self, Grip, HeldTrial};
 use crate::parallel::run_indexed;
 use crate::policy::GripPolicy;
-use case::CASES;
+use case::{CASES, Disturbance};
 
 pub use report::{DisturbanceReport, DisturbanceRow};
 
@@ -42,6 +42,8 @@ pub struct DisturbancePlan {
     pub seeds: u64,
     /// First seed per object.
     pub first_seed: u64,
+    /// Texts of which one is part of the name of each evaluated case; empty: all cases.
+    pub cases: Vec<String>,
     /// True: the baselines of the grasp get the same trials.
     pub baselines: bool,
     /// Physics engine in a process of its own; `None`: the built-in one.
@@ -64,7 +66,7 @@ impl DisturbancePlan {
     /// Returns the number of trials.
     #[must_use]
     pub fn trials(&self) -> u64 {
-        self.worlds() * (CASES.len() * self.grips().len()) as u64
+        self.worlds() * (self.cases().len() * self.grips().len()) as u64
     }
 
     /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
@@ -77,9 +79,10 @@ impl DisturbancePlan {
         done: impl Fn() + Sync,
     ) -> anyhow::Result<Option<DisturbanceReport>> {
         anyhow::ensure!(
-            self.worlds() > 0,
-            "could not evaluate: the plan has no trial; request at least one object and seed"
+            self.trials() > 0,
+            "could not evaluate: the plan has no trial; request at least one object, seed and case"
         );
+        let cases = self.cases();
         let robot = RobotModel::two_hand_arm()?;
         let engines = held::engines(self.engine.as_ref());
         let endings = run_indexed(self.trials(), self.threads, stop, |index| {
@@ -93,7 +96,7 @@ impl DisturbancePlan {
                 seed,
                 self.settings,
             )?;
-            let ending = trial::run(&trial, CASES[job.case], job.grip, seed)?;
+            let ending = trial::run(&trial, cases[job.case], job.grip, seed)?;
             done();
             Ok(ending)
         })?;
@@ -102,6 +105,15 @@ impl DisturbancePlan {
 
     fn worlds(&self) -> u64 {
         self.objects.len() as u64 * self.seeds
+    }
+
+    /// Returns the requested cases.
+    fn cases(&self) -> Vec<Disturbance> {
+        let is_requested = |case: &Disturbance| {
+            let (name, mut texts) = (case.name(), self.cases.iter());
+            self.cases.is_empty() || texts.any(|text| name.contains(text.as_str()))
+        };
+        CASES.into_iter().filter(is_requested).collect()
     }
 
     /// Returns the grip policies, the ATAS modules first.
@@ -130,24 +142,47 @@ mod tests {
     use super::*;
     use crate::seeds;
 
-    /// One rigid object: it is kept without a disturbance; the rows count every case and policy.
-    #[test]
-    fn report_counts_every_case_and_policy() {
-        let plan = |threads| DisturbancePlan {
+    fn plan(threads: usize) -> DisturbancePlan {
+        DisturbancePlan {
             objects: vec![Object::built_in("wood").expect("built in")],
             seeds: 1,
             first_seed: seeds::EVALUATION_START,
+            cases: Vec::new(),
             baselines: true,
             engine: None,
             threads,
             settings: atas_core::Settings::default(),
+        }
+    }
+
+    #[test]
+    fn cases_are_selected_by_their_names() {
+        let check = |texts: &[&str], expected: usize| {
+            let plan = DisturbancePlan {
+                cases: texts.iter().map(|text| (*text).to_owned()).collect(),
+                ..plan(0)
+            };
+            assert_eq!(plan.cases().len(), expected, "{texts:?}");
+            assert_eq!(plan.trials(), 3 * expected as u64);
         };
+        check(&[], CASES.len());
+        check(&["bump", "lag"], 3);
+        check(&["moon"], 0);
+    }
+
+    /// One rigid object: it is kept without a disturbance; the rows count cases and policies.
+    #[test]
+    fn report_counts_cases_and_policies() {
         let run = |threads| {
-            let report = plan(threads).run(&AtomicBool::new(false), || ());
+            let plan = DisturbancePlan {
+                cases: vec!["none".to_owned(), "bump 5".to_owned()],
+                ..plan(threads)
+            };
+            let report = plan.run(&AtomicBool::new(false), || ());
             report.expect("it runs").expect("not stopped")
         };
         let report = run(0);
-        assert_eq!(report.rows.len(), 3 * CASES.len());
+        assert_eq!(report.rows.len(), 3 * 2);
         for row in &report.rows {
             let lost = row.crushed + row.dropped + row.put_back + row.not_lifted;
             let sum = row.kept + lost + row.discarded;
@@ -163,7 +198,7 @@ mod tests {
             "{ours:?}"
         );
         let lines = report.markdown().lines().count();
-        assert_eq!(lines, 2 + CASES.len());
+        assert_eq!(lines, 2 + 2);
         assert_eq!(report, run(1), "independent of the number of threads");
     }
 }

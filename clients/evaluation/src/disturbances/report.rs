@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::DisturbancePlan;
-use super::case::CASES;
 use super::trial::{Ending, Outcome};
 use crate::held::{self, Discards, Grip, discards_text};
 use crate::seeds;
@@ -73,7 +72,8 @@ impl DisturbanceReport {
     /// Summarises the endings in the order of the plan.
     pub(super) fn new(plan: &DisturbancePlan, endings: &[Ending]) -> Self {
         let grips = plan.grips();
-        let cases = CASES
+        let cases = plan
+            .cases()
             .into_iter()
             .flat_map(|case| grips.iter().map(move |grip| (case, grip)));
         let rows = cases.zip(endings.chunks(plan.worlds() as usize));

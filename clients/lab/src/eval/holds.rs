@@ -60,6 +60,7 @@ pub(super) fn disturbances(
         objects: valid(objects)?,
         seeds: options.seeds,
         first_seed: first_seed(options),
+        cases: arguments.cases.clone(),
         baselines: !arguments.no_baselines,
         engine: engine(options)?,
         threads: options.threads,
