@@ -66,7 +66,7 @@ pub use disturbances::{DisturbancePlan, DisturbanceReport, DisturbanceRow};
 pub use execute::Evaluated;
 pub use finding::Finding;
 pub use gentleness::{
-    GentlenessPlan, GentlenessReport, GentlenessRow, NoiseRow, reference_objects,
+    GentlenessPlan, GentlenessReport, GentlenessRow, RobustnessRow, reference_objects,
     reference_or_other,
 };
 pub use held::{Discards, discards_text};

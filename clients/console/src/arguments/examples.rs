@@ -184,7 +184,7 @@ const HELPS: &[Help] = &[
             "atas eval gentleness --objects egg,brick --seeds 8 --markdown",
             "atas eval gentleness --tune",
         ],
-        "one object: task, engine, seeds, first_seed, purpose, rows{object, gripper, setting, trials, held, crushed, dropped, slipped, not_lifted, discarded, peak, deformation_mm, slip_mm, lifted_s}, noise{noise, trials, held, crushed, dropped, over_grip, over_grip_max}, discarded{REASON}",
+        "one object: task, engine, seeds, first_seed, purpose, rows{object, gripper, setting, trials, held, crushed, dropped, slipped, not_lifted, discarded, peak, deformation_mm, slip_mm, lifted_s}, robustness{condition, gripper, trials, held, crushed, dropped, over_grip, over_grip_max}, discarded{REASON}",
     ),
     Help(
         "eval reflex",

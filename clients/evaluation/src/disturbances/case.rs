@@ -1,8 +1,7 @@
 //! Disturbances of a held object: loads, bumps of the arm, servos with lag.
 
+use sim_backend::Errors;
 use sim_backend::random::Random;
-
-use crate::held::HeldTrial;
 
 /// Duration of a ramp, s (acceptance criterion).
 pub(super) const RAMP_S: f64 = 1.0;
@@ -138,13 +137,16 @@ impl Disturbance {
         }
     }
 
-    /// Returns the trial with the errors of this case.
-    pub(super) fn prepare<'a>(self, trial: &HeldTrial<'a>) -> HeldTrial<'a> {
-        trial.with_scene(|scene| {
-            if self == Self::ServoLag {
-                scene.errors.servo_lag_s = SERVO_LAG_S;
-            }
-        })
+    /// Returns the errors of this case.
+    pub(super) fn errors(self) -> Errors {
+        Errors {
+            servo_lag_s: if self == Self::ServoLag {
+                SERVO_LAG_S
+            } else {
+                0.0
+            },
+            ..Errors::NONE
+        }
     }
 
     /// Returns height, m, and duration, s, of the bump, if it is one.

@@ -95,6 +95,7 @@ impl DisturbancePlan {
                 nominal.clone(),
                 seed,
                 self.settings,
+                &cases[job.case].errors(),
             )?;
             let ending = trial::run(&trial, cases[job.case], job.grip, seed)?;
             done();

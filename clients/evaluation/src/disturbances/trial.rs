@@ -55,8 +55,7 @@ pub(super) fn run(
     grip: Grip,
     seed: u64,
 ) -> anyhow::Result<Ending> {
-    let trial = disturbance.prepare(trial);
-    let applied = Applied::new(disturbance, &trial, seed);
+    let applied = Applied::new(disturbance, trial, seed);
     let mut ending = Ending {
         outcome: Outcome::NotLifted,
         allowed: applied.is_allowed(&trial.load()),

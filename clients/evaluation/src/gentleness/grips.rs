@@ -11,10 +11,10 @@ const MARGINS_M: [f64; 9] = [
 
 /// Best fixed force, N, slip-reactive start and maximum, N, and margin, m, on the reference objects:
 /// success over the tuning seeds, then lowest peak force (`atas eval gentleness --tune`).
-const FIXED_N: f64 = 2.0;
-const START_N: f64 = 0.35;
+const FIXED_N: f64 = 1.0;
+const START_N: f64 = 1.0;
 const CEILING_N: f64 = 8.0;
-const MARGIN_M: f64 = 0.002;
+const MARGIN_M: f64 = 0.005;
 
 /// Returns the ATAS modules, then the baselines.
 pub(super) fn grips() -> Vec<Grip> {

@@ -1,9 +1,9 @@
 //! Gentleness: forces and deformations of reference objects from egg-like to brick-like, for the
-//! ATAS modules, three baselines, and growing sensor noise.
+//! ATAS modules and three baselines, also with sensor noise and wrong expected widths.
 //!
 //! ```text
 //!  reference object, seed, gripper ─▶ grasp, lift, hold ─▶ peak force, deformation, slip, time
-//!                          noise × 1 to 4 ─▶ success and over-grip of the ATAS modules
+//!                  noise × 1 to 4, wrong widths ─▶ success and over-grip
 //! ```
 //!
 //! * **In:** objects, seeds, an engine. **Out:** a [`GentlenessReport`].
@@ -20,19 +20,21 @@ mod trial;
 use std::sync::atomic::AtomicBool;
 
 use robot_model::RobotModel;
-use sim_backend::Object;
 use sim_backend::engine::EngineCommand;
 use sim_backend::random::trial_seed;
+use sim_backend::{Errors, Object};
 
 use crate::held::{self, Grip, HeldTrial};
 use crate::parallel::run_indexed;
 use trial::Ending;
 
 pub use objects::{reference_objects, reference_or_other};
-pub use report::{GentlenessReport, GentlenessRow, NoiseRow};
+pub use report::{GentlenessReport, GentlenessRow, RobustnessRow};
 
-/// Noise of the robustness rows, as factor on the sensor model (acceptance criterion).
-const NOISES: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
+/// Larger noise of the robustness rows, as factor on the sensor model (acceptance criterion).
+const NOISES: [f64; 3] = [2.0, 3.0, 4.0];
+/// Largest error of the expected width, m: that of `--errors expected-width`.
+const WIDTH_ERROR_M: f64 = 0.004;
 
 /// Plan of the evaluation.
 #[derive(Clone, Debug)]
@@ -43,7 +45,7 @@ pub struct GentlenessPlan {
     pub seeds: u64,
     /// First seed per object.
     pub first_seed: u64,
-    /// True: all candidates of the baselines, without robustness to noise.
+    /// True: all candidates of the baselines, without robustness.
     pub tunes: bool,
     /// Physics engine in a process of its own; `None`: the built-in one.
     pub engine: Option<EngineCommand>,
@@ -53,11 +55,51 @@ pub struct GentlenessPlan {
     pub settings: atas_core::Settings,
 }
 
-/// Gripper and noise of some trials.
+/// Gripper and condition of some trials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Series {
     grip: Grip,
-    noise: f64,
+    condition: Condition,
+}
+
+/// Deviation from exact widths and noise × 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Condition {
+    Nominal,
+    /// Factor on the noise.
+    Noise(f64),
+    /// The expected width is wrong.
+    Width,
+}
+
+impl Condition {
+    fn name(self) -> String {
+        match self {
+            Self::Nominal => "noise × 1, exact width".to_owned(),
+            Self::Noise(noise) => format!("noise × {noise}"),
+            Self::Width => {
+                format!("expected width wrong by up to {} mm", WIDTH_ERROR_M * 1e3)
+            }
+        }
+    }
+
+    fn noise(self) -> f64 {
+        match self {
+            Self::Noise(noise) => noise,
+            Self::Nominal | Self::Width => 1.0,
+        }
+    }
+
+    fn errors(self) -> Errors {
+        Errors {
+            expected_width_m: if self == Self::Width {
+                WIDTH_ERROR_M
+            } else {
+                0.0
+            },
+            ..Errors::NONE
+        }
+    }
 }
 
 impl GentlenessPlan {
@@ -96,8 +138,9 @@ impl GentlenessPlan {
                 nominal.clone(),
                 seed,
                 self.settings,
+                &series.condition.errors(),
             )?;
-            let ending = trial::run(&trial, series.grip, series.noise)?;
+            let ending = trial::run(&trial, series.grip, series.condition.noise())?;
             done();
             Ok(ending)
         })?;
@@ -108,18 +151,19 @@ impl GentlenessPlan {
         self.objects.len() as u64 * self.seeds
     }
 
-    /// Returns all grippers at noise × 1, then the ATAS modules at larger noise.
+    /// Returns all grippers with exact widths and noise × 1, the ATAS modules at larger noise, then
+    /// all grippers with wrong widths.
     fn series(&self) -> Vec<Series> {
-        let of = |grip| Series { grip, noise: 1.0 };
+        let under = |condition| move |grip| Series { grip, condition };
         if self.tunes {
-            return grips::candidates().into_iter().map(of).collect();
+            let candidates = grips::candidates().into_iter();
+            return candidates.map(under(Condition::Nominal)).collect();
         }
         let grips = grips::grips();
-        let ours = grips[0];
-        let noisy = NOISES[1..]
-            .iter()
-            .map(|&noise| Series { grip: ours, noise });
-        grips.into_iter().map(of).chain(noisy).collect()
+        let noisy = NOISES.map(|noise| under(Condition::Noise(noise))(grips[0]));
+        let nominal = grips.iter().copied().map(under(Condition::Nominal));
+        let width = grips.iter().copied().map(under(Condition::Width));
+        nominal.chain(noisy).chain(width).collect()
     }
 
     /// Groups the endings by series; within one, the trials of an object are consecutive.
@@ -139,7 +183,7 @@ mod tests {
     use crate::seeds;
 
     #[test]
-    fn report_counts_every_gripper_and_noise() {
+    fn report_counts_grippers_and_conditions() {
         let plan = |threads| GentlenessPlan {
             objects: vec![reference_or_other("egg").expect("known")],
             seeds: 1,
@@ -170,8 +214,7 @@ mod tests {
             ours.peak.is_some_and(|peak| (1.0..4.0).contains(&peak)),
             "{ours:?}"
         );
-        let noises: Vec<f64> = report.noise.iter().map(|row| row.noise).collect();
-        assert_eq!(noises, NOISES);
+        assert_eq!(report.robustness.len(), 4 + NOISES.len() + 4);
         assert_eq!(report, run(1), "independent of the number of threads");
     }
 }

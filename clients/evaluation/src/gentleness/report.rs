@@ -1,9 +1,9 @@
-//! Report of the gentleness: one row per object and gripper, and one per noise.
+//! Report of the gentleness: one row per object and gripper, and one per gripper and condition.
 
 use serde::Serialize;
 
 use super::trial::{Ending, Figures};
-use super::{GentlenessPlan, NOISES, Series};
+use super::{Condition, GentlenessPlan, Series};
 use crate::held::{self, Discards, Outcome, discards_text};
 use crate::seeds;
 use crate::statistics::median;
@@ -26,8 +26,8 @@ pub struct GentlenessReport {
     pub purpose: &'static str,
     /// One row per object and gripper; with several objects also one per gripper over all.
     pub rows: Vec<GentlenessRow>,
-    /// ATAS modules over all objects, one row per noise; empty for tuning.
-    pub noise: Vec<NoiseRow>,
+    /// One row per condition and gripper over all objects; empty for tuning.
+    pub robustness: Vec<RobustnessRow>,
     /// Trials that the engine could not simulate, by reason.
     pub discarded: Discards,
 }
@@ -65,11 +65,13 @@ pub struct GentlenessRow {
     pub lifted_s: Option<f64>,
 }
 
-/// Results of the ATAS modules at one noise.
+/// Results of one gripper under one condition, over all objects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NoiseRow {
-    /// Factor on the noise of the sensor model.
-    pub noise: f64,
+pub struct RobustnessRow {
+    /// Condition as text.
+    pub condition: String,
+    /// Name of the gripper.
+    pub gripper: &'static str,
     /// Trials.
     pub trials: u64,
     /// Objects in the lifted hand at the end, stable and unharmed.
@@ -95,7 +97,7 @@ impl GentlenessReport {
         if plan.tunes || plan.objects.len() > 1 {
             let quiet = series
                 .iter()
-                .filter(|(series, _)| series.noise == NOISES[0]);
+                .filter(|(series, _)| series.condition == Condition::Nominal);
             let total = |(series, endings): &(Series, Vec<Ending>)| {
                 GentlenessRow::new(ALL.to_owned(), *series, endings)
             };
@@ -104,8 +106,9 @@ impl GentlenessReport {
         if plan.tunes {
             rows.sort_by(|a, b| b.held.cmp(&a.held).then(order(a.peak, b.peak)));
         }
-        let ours = series.iter().filter(|(of, _)| of.grip == series[0].0.grip);
-        let noise = ours.map(|(series, endings)| NoiseRow::new(series.noise, endings));
+        let robustness = series
+            .iter()
+            .map(|(series, endings)| RobustnessRow::new(*series, endings));
         Self {
             task: "gentleness",
             engine: plan.engine.as_ref().map(ToString::to_string),
@@ -113,10 +116,10 @@ impl GentlenessReport {
             first_seed: plan.first_seed,
             purpose: seeds::purpose(plan.first_seed, plan.seeds),
             rows,
-            noise: if plan.tunes {
+            robustness: if plan.tunes {
                 Vec::new()
             } else {
-                noise.collect()
+                robustness.collect()
             },
             discarded: held::count_discards(all.map(|ending| &ending.discarded)),
         }
@@ -133,10 +136,10 @@ impl GentlenessReport {
         };
         let rows = self.rows.iter().map(|row| row.cells().to_vec());
         let mut text = table(&GentlenessRow::HEADER, rows.collect());
-        if !self.noise.is_empty() {
-            let rows = self.noise.iter().map(|row| row.cells().to_vec());
+        if !self.robustness.is_empty() {
+            let rows = self.robustness.iter().map(|row| row.cells().to_vec());
             text += "\n";
-            text += &table(&NoiseRow::HEADER, rows.collect());
+            text += &table(&RobustnessRow::HEADER, rows.collect());
         }
         text + &discards_text(&self.discarded)
     }
@@ -146,7 +149,7 @@ impl GentlenessReport {
 fn rows(plan: &GentlenessPlan, series: &[(Series, Vec<Ending>)]) -> Vec<GentlenessRow> {
     let quiet = series
         .iter()
-        .filter(|(series, _)| series.noise == NOISES[0]);
+        .filter(|(series, _)| series.condition == Condition::Nominal);
     let of_object = |index: usize| {
         let name = &plan.objects[index].name;
         let seeds = plan.seeds as usize;
@@ -230,10 +233,11 @@ impl GentlenessRow {
     }
 }
 
-impl NoiseRow {
-    /// Headings of [`NoiseRow::cells`].
-    pub const HEADER: [&str; 6] = [
-        "noise",
+impl RobustnessRow {
+    /// Headings of [`RobustnessRow::cells`].
+    pub const HEADER: [&str; 7] = [
+        "condition",
+        "gripper",
         "held",
         "crushed",
         "dropped",
@@ -241,11 +245,12 @@ impl NoiseRow {
         "largest",
     ];
 
-    fn new(noise: f64, endings: &[Ending]) -> Self {
+    fn new(series: Series, endings: &[Ending]) -> Self {
         let held = endings.iter().filter(|end| end.outcome == Outcome::Held);
         let over_grip: Vec<f64> = held.map(|end| end.figures.over_grip).collect();
         Self {
-            noise,
+            condition: series.condition.name(),
+            gripper: series.grip.name(),
             trials: endings.len() as u64,
             held: over_grip.len() as u64,
             crushed: count(endings, Outcome::Crushed),
@@ -257,9 +262,10 @@ impl NoiseRow {
 
     /// Returns the row as text.
     #[must_use]
-    pub fn cells(&self) -> [String; 6] {
+    pub fn cells(&self) -> [String; 7] {
         [
-            format!("× {}", self.noise),
+            self.condition.clone(),
+            self.gripper.replace('_', " "),
             format!("{} of {}", self.held, self.trials),
             self.crushed.to_string(),
             self.dropped.to_string(),

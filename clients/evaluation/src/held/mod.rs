@@ -1,5 +1,5 @@
-//! Grasp, lift and long hold of one object, tick by tick: what the evaluations of sensor effects,
-//! disturbances and gentleness share.
+//! Grasp, lift and long hold of one object, tick by tick: the common part of the evaluations of
+//! sensor effects, disturbances and gentleness.
 //!
 //! ```text
 //!  robot, object, seed ─▶ HeldTrial: scene and goal ─▶ HeldRun: grip, lift, watch ─▶ Outcome
@@ -23,7 +23,7 @@ use atas_tasks::goals::grasp_goal;
 use robot_model::RobotModel;
 use shm_schemas::{GoalRequest, ObjectTruth};
 use sim_backend::engine::{EngineCommand, EngineError, EnginePool};
-use sim_backend::{GraspHint, Object, Scene, World, WorldFault};
+use sim_backend::{Errors, GraspHint, Object, Scene, World, WorldFault};
 
 use crate::Task;
 use crate::judge::{Load, SLIP_MAX_M, TURN_MAX_RAD};
@@ -101,7 +101,7 @@ impl Grip {
 }
 
 impl<'a> HeldTrial<'a> {
-    /// Prepares the grasp of a member of the object's family.
+    /// Prepares the grasp of a member of the object's family, with these errors.
     ///
     /// # Errors
     /// The robot cannot grasp.
@@ -111,8 +111,10 @@ impl<'a> HeldTrial<'a> {
         object: Object,
         seed: u64,
         settings: Settings,
+        errors: &Errors,
     ) -> anyhow::Result<Self> {
         let scene = Task::Grasp.scene(robot, object)?.varied(seed);
+        let scene = scene.with_errors(errors, seed);
         let hint = scene
             .grasp_hint(0)
             .context("a grasp's scene has an object")?;
@@ -136,7 +138,7 @@ impl<'a> HeldTrial<'a> {
         }
     }
 
-    /// Changes the scene: sensor model, noise or errors.
+    /// Changes the sensors of the scene.
     pub(crate) fn with_scene(&self, change: impl FnOnce(&mut Scene)) -> Self {
         let mut scene = self.scene.clone();
         change(&mut scene);

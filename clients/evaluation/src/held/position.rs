@@ -1,5 +1,5 @@
 //! Position-controlled gripper, a baseline without tactile sensing: it closes to the expected width
-//! minus a margin, whatever force results, then lifts and holds.
+//! minus a margin without regard to the force, then lifts and holds.
 //!
 //! It streams targets to the teleoperation of the production controller with a touch threshold that
 //! no force reaches. Motion limits and safety gate are therefore those of the other policies.

@@ -19,7 +19,7 @@ use robot_model::RobotModel;
 use serde::Serialize;
 use sim_backend::engine::{EngineCommand, EnginePool};
 use sim_backend::random::trial_seed;
-use sim_backend::{CreepModel, DriftModel, HysteresisModel, Object, SensorModel};
+use sim_backend::{CreepModel, DriftModel, Errors, HysteresisModel, Object, SensorModel};
 
 use crate::held::{self, Discards, HeldTrial, Outcome, discards_text};
 use crate::parallel::run_indexed;
@@ -211,7 +211,14 @@ impl EffectPlan {
         let seed = trial_seed(&nominal.name, number);
         let mut endings = Vec::new();
         for torques in [true, false] {
-            let trial = HeldTrial::new(robot, engines, nominal.clone(), seed, self.settings)?;
+            let trial = HeldTrial::new(
+                robot,
+                engines,
+                nominal.clone(),
+                seed,
+                self.settings,
+                &Errors::NONE,
+            )?;
             let trial = if torques {
                 trial
             } else {

@@ -4,7 +4,7 @@ use atas_console::arguments::{Disturbances, Gentleness, HoldOptions, SensorEffec
 use atas_console::{Interrupt, Output, table};
 use atas_evaluation::{
     Discards, DisturbancePlan, DisturbanceReport, EffectPlan, EffectReport, GentlenessPlan,
-    GentlenessReport, GentlenessRow, NoiseRow, Task, discards_text, reference_objects,
+    GentlenessReport, GentlenessRow, RobustnessRow, Task, discards_text, reference_objects,
     reference_or_other, seeds,
 };
 use sim_backend::engine::EngineCommand;
@@ -199,9 +199,9 @@ fn print_gentleness(report: &GentlenessReport, output: &mut Output) -> anyhow::R
         rows.add_row(row.cells().to_vec());
     }
     output.table(rows)?;
-    if !report.noise.is_empty() {
-        let mut rows = table(&NoiseRow::HEADER);
-        for row in &report.noise {
+    if !report.robustness.is_empty() {
+        let mut rows = table(&RobustnessRow::HEADER);
+        for row in &report.robustness {
             rows.add_row(row.cells().to_vec());
         }
         output.table(rows)?;
