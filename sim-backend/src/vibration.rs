@@ -1,8 +1,9 @@
 //! Hand tremor and bumps: vertical displacement of all fingertips, invisible to the encoders.
 //!
 //! Tremor has two tones (prototype): 12 Hz, and 45 Hz at a quarter of the amplitude, each with a
-//! seeded phase. A resting hand has a fifth of the amplitude. Each tone is a phasor rotated once per
-//! substep. A bump is one period of a raised cosine: displacement and velocity begin and end at zero.
+//! seeded phase. A resting hand has a fifth of the amplitude. Each tone is a phasor rotated once
+//! per substep. A bump is one period of a raised cosine: displacement and velocity begin and end at
+//! zero.
 
 use crate::random::Random;
 

@@ -12,7 +12,8 @@
 //!
 //! In a state, an untouched fingertip has object −1, and `engaged` is 0 or 1. The engine answers
 //! each message with one message: `begin` within 60 s, a tick within 10 s. It ends within 2 s after
-//! its standard input ends; otherwise it is killed. Its standard error goes to that of this process.
+//! its standard input ends; otherwise it is killed. Its standard error goes to that of this
+//! process.
 
 use std::ffi::OsString;
 use std::io::{self, BufReader, BufWriter, Read, Write};

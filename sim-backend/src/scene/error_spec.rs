@@ -1,8 +1,9 @@
 //! Text format of errors: `crosstalk`, `all`, `position=2,yaw=5`, `all=0.5`.
 //!
 //! A kind may have an amount, in its own unit; the default is its size in [`Errors::KINDS`],
-//! [`Errors::SENSOR_KINDS`] or [`Errors::DRIVE_KINDS`]. `all` sets every kind of the first; its amount is a factor on all
-//! sizes. `none` clears all. Commas separate several entries, applied in order.
+//! [`Errors::SENSOR_KINDS`] or [`Errors::DRIVE_KINDS`]. `all` sets every kind of the first; its
+//! amount is a factor on all sizes. `none` clears all. Commas separate several entries, applied in
+//! order.
 
 use core::f64::consts::PI;
 use core::str::FromStr;

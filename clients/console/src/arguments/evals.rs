@@ -50,8 +50,8 @@ pub enum Eval {
     Disturbances(Disturbances),
     /// Force, deformation and slip of reference objects from egg-like to brick-like (results page)
     ///
-    /// Also with a fixed-force, a slip-reactive and a position-controlled gripper, with sensor noise
-    /// × 1 to 4 and with wrong expected widths; about 5 min on one core.
+    /// Also with a fixed-force, a slip-reactive and a position-controlled gripper, with sensor
+    /// noise × 1 to 4 and with wrong expected widths; about 5 min on one core.
     Gentleness(Gentleness),
     /// Fetch an object with a wheeled robot, carry it across a field, set it down at a goal
     ///

@@ -8,8 +8,8 @@
 //!
 //! * **In:** objects, seeds, an engine. **Out:** a [`DisturbanceReport`]: one row per case and
 //!   policy.
-//! * **Invariants:** with the built-in engine, the report depends on the plan only. All policies and
-//!   cases of an object and seed have the same world, noise and direction of the load.
+//! * **Invariants:** with the built-in engine, the report depends on the plan only. All policies
+//!   and cases of an object and seed have the same world, noise and direction of the load.
 //! * **Not included:** contact of the arm with its environment; a bump displaces the fingertips.
 
 mod applied;

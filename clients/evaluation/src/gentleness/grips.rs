@@ -9,8 +9,8 @@ const MARGINS_M: [f64; 9] = [
     0.0005, 0.001, 0.0015, 0.002, 0.0025, 0.003, 0.004, 0.005, 0.006,
 ];
 
-/// Best fixed force, N, slip-reactive start and maximum, N, and margin, m, on the reference objects:
-/// success over the tuning seeds, then lowest peak force (`atas eval gentleness --tune`).
+/// Best fixed force, N, slip-reactive start and maximum, N, and margin, m, on the reference
+/// objects: success over the tuning seeds, then lowest peak force (`atas eval gentleness --tune`).
 const FIXED_N: f64 = 1.0;
 const START_N: f64 = 1.0;
 const CEILING_N: f64 = 8.0;

@@ -25,8 +25,8 @@ const APPROACH_HEIGHT_M: f64 = 0.06;
 /// End of each phase, s: above the object, down, closed. Design choice: the times of the other
 /// policies without waiting.
 const PHASES_S: [f64; 3] = [2.5, 4.5, 10.5];
-/// Speeds of closing (both sides) and lifting, m/s: those of the other policies (approach 2 mm/s per
-/// side, lift 10 mm/s).
+/// Speeds of closing (both sides) and lifting, m/s: those of the other policies (approach 2 mm/s
+/// per side, lift 10 mm/s).
 const CLOSING_M_S: f64 = 0.004;
 const LIFTING_M_S: f64 = 0.01;
 

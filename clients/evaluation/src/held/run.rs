@@ -46,7 +46,8 @@ impl<'a> HeldRun<'a> {
         };
         Ok(Self {
             robot: trial.robot,
-            // A drifting sensor may keep the controller from becoming ready: then nothing is lifted.
+            // A drifting sensor may keep the controller from becoming ready: then nothing is
+            // lifted.
             request: run.request(&goal).ok(),
             gripper,
             seed: trial.seed,

@@ -10,8 +10,8 @@ use atas_evaluation::{
 use sim_backend::engine::EngineCommand;
 use sim_backend::{Object, ObjectError};
 
-/// Objects of the sensor effects without --objects: rigid, slippery, soft and heavy ones that can be
-/// held.
+/// Objects of the sensor effects without --objects: rigid, slippery, soft and heavy ones that can
+/// be held.
 const EFFECT_OBJECTS: [&str; 5] = ["wood", "slippery-50", "paper-box", "sponge", "bottle"];
 
 pub(super) fn sensor_effects(
