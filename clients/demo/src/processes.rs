@@ -44,6 +44,9 @@ impl Processes {
         simulate.extend(scene.iter().map(String::as_str));
         let mut control = vec!["--bus", name, "--config", NO_CONFIGURATION];
         control.extend(robot);
+        if let Some(engine) = &running.engine {
+            simulate.extend(["--engine", engine.as_str()]);
+        }
         if running.vary {
             simulate.push("--vary");
         }

@@ -55,6 +55,12 @@ pub struct DemoOptions {
     /// Run in real time at 1 kHz (default)
     #[arg(long)]
     pub realtime: bool,
+    /// Physics engine of the simulator [default: built-in]
+    ///
+    /// As in `atas-sim run`: "mujoco --viewer" shows a window, "mujoco --pictures FOLDER" writes
+    /// pictures. Use --lockstep if the machine is slower than real time.
+    #[arg(long, value_name = "COMMAND")]
+    pub engine: Option<String>,
     /// Show the demo in a browser: starts when the page is open, runs until Ctrl-C
     #[arg(long)]
     pub dashboard: bool,
