@@ -66,7 +66,7 @@ impl External {
     ) -> Result<Self, EngineError> {
         engine.begin(&EngineScene::new(&bodies, start_rad, scene, TICK_S, seed))?;
         let cap = scene.objects.iter().enumerate();
-        let cap = cap.filter_map(|(index, placed)| Some((index, placed.object.thread?)));
+        let mut cap = cap.filter_map(|(index, placed)| Some((index, placed.object.thread?)));
         let [left, right] = bodies.map(|body| body.model);
         let [of_left, of_right] = vibrations;
         let of = |side| HandVector::from_slice(&start_rad[robot.joint_range(side)]);
@@ -78,7 +78,7 @@ impl External {
             ],
             input: TickInput::new(robot, scene),
             state: PhysicsState::new(robot, scene),
-            cap: cap.last(),
+            cap: cap.next_back(),
         })
     }
 

@@ -25,7 +25,7 @@ pub use process::{EngineCommand, EngineProcess};
 pub use state::{CapState, ObjectState, PhysicsState, TickInput};
 
 /// Physics engine that simulates one scene at a time.
-pub trait Engine: Send {
+pub trait Engine: Send + Sync {
     /// Builds the scene; the engine forgets the previous one.
     ///
     /// # Errors

@@ -101,8 +101,7 @@ pub(super) fn fit_model(arguments: &CalibrateModel, output: &mut Output) -> anyh
                  sensor or evaluate the controller with --sensor-model",
                 outside.join(", ")
             ),
-        )
-        .into()),
+        )),
     }
 }
 
