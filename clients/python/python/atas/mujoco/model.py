@@ -69,8 +69,7 @@ class Model:
     def _find_pins(self, names: Names) -> None:
         model = self.model
         joints = [[model.joint(f"{pin}-{axis}").id for axis in "nxy"] for pin in names.pins]
-        index = np.array(joints, dtype=int).reshape(-1, 3)
-        index = index.ravel()
+        index = np.array(joints, dtype=int).ravel()
         self.pin_qpos, self.pin_dof = model.jnt_qposadr[index], model.jnt_dofadr[index]
         self.pin_stiffness = np.outer(names.stiffness_of_pin, [1.0, SHEAR_RATIO, SHEAR_RATIO]).ravel()
         self.pin_damping = model.dof_damping[self.pin_dof]
