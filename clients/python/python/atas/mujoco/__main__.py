@@ -22,8 +22,6 @@ def serve(channel: Channel, options: Options) -> None:
     from .show import Show
     from .world import Failed, World
 
-    # By default, MuJoCo appends its warnings to a file in the working directory.
-    mujoco.set_mju_user_warning(lambda text: print(f"MuJoCo: {text}", file=sys.stderr))
     world: World | None = None
     show = Show(options)
     while (message := channel.receive()) is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import mujoco
@@ -34,6 +35,8 @@ class World:
     """Simulated scene."""
 
     def __init__(self, scene: dict[str, Any], options: Options) -> None:
+        # By default, MuJoCo appends its warnings to a file in the working directory.
+        mujoco.set_mju_user_warning(lambda text: print(f"MuJoCo: {text}", file=sys.stderr))
         self._scene, self._options = scene, options
         self._models: dict[tuple[bool, bool], Model] = {}
         self._substeps = round(scene["tick_s"] * 1e6 / options.step_us)
