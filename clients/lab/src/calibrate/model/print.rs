@@ -112,10 +112,10 @@ fn print_domain(
         ]);
     }
     output.table(rows)?;
-    match layout {
-        None | Some(LAYOUT) => Ok(()),
-        Some(layout) => output.line(format_args!(
-            "valid ranges hold per element of {LAYOUT}; this sensor has the layout {layout}"
-        )),
+    if layout == Some(LAYOUT) {
+        return Ok(());
     }
+    output.line(format_args!(
+        "valid ranges hold for each element of {LAYOUT}; a sensor with fewer elements may differ"
+    ))
 }
