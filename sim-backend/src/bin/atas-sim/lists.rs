@@ -58,6 +58,13 @@ impl ObjectRow {
     }
 }
 
+/// Prints one JSON object per line.
+fn print_json(rows: &[impl Serialize]) -> Result<(), Failure> {
+    // Serialisation cannot fail: only numbers and strings.
+    let line = |row| serde_json::to_string(row).unwrap_or_default();
+    print(&rows.iter().map(line).collect::<Vec<_>>())
+}
+
 pub(crate) fn objects(format: Format) -> Result<(), Failure> {
     let names = Object::names().chain(Object::part_names());
     let rows: Result<Vec<_>, _> = names
@@ -65,13 +72,7 @@ pub(crate) fn objects(format: Format) -> Result<(), Failure> {
         .collect();
     let rows = rows?;
     match format {
-        // Serialisation cannot fail: only numbers and strings.
-        Format::Json => print(
-            &rows
-                .iter()
-                .map(|row| serde_json::to_string(row).unwrap_or_default())
-                .collect::<Vec<_>>(),
-        ),
+        Format::Json => print_json(&rows),
         Format::Human => {
             let header = format!(
                 "{:16} {:>7} {:>8} {:>9} {:>8} {:>8} {:>9} {:>7}",
@@ -172,13 +173,7 @@ pub(crate) fn sensors(name: Option<&str>, format: Format) -> Result<(), Failure>
     let rows: Result<Vec<_>, _> = SensorModel::names().map(SensorRow::built_in).collect();
     let rows = rows?;
     match format {
-        // Serialisation cannot fail: only numbers and strings.
-        Format::Json => print(
-            &rows
-                .iter()
-                .map(|row| serde_json::to_string(row).unwrap_or_default())
-                .collect::<Vec<_>>(),
-        ),
+        Format::Json => print_json(&rows),
         Format::Human => {
             let header = format!(
                 "{:16} {:14} {:>5} {:>8} {:>12} {:>14}  about",
