@@ -7,6 +7,7 @@ use atas_evaluation::{
     GentlenessReport, GentlenessRow, RobustnessRow, Task, discards_text, reference_objects,
     reference_or_other, seeds,
 };
+use serde::Serialize;
 use sim_backend::engine::EngineCommand;
 use sim_backend::{Object, ObjectError};
 
@@ -19,14 +20,10 @@ pub(super) fn sensor_effects(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let names: Vec<&str> = match arguments.objects.is_empty() {
-        true => EFFECT_OBJECTS.to_vec(),
-        false => arguments.objects.iter().map(String::as_str).collect(),
-    };
-    let objects = names.into_iter().map(Object::from_name_or_file);
+    let usual = || EFFECT_OBJECTS.map(Object::built_in).into_iter().collect();
     let options = &arguments.hold;
     let plan = EffectPlan {
-        objects: valid(objects.collect())?,
+        objects: objects(&arguments.objects, usual, Object::from_name_or_file)?,
         seeds: options.seeds,
         first_seed: first_seed(options),
         engine: engine(options)?,
@@ -34,13 +31,13 @@ pub(super) fn sensor_effects(
         settings: atas_core::Settings::default(),
     };
     let report = super::with_progress_bar(plan.worlds(), |done| plan.run(interrupt.flag(), done))?;
-    if output.is_json() {
-        return output.json(&report);
-    }
-    if options.markdown {
-        return output.line(report.markdown().trim_end());
-    }
-    print_effects(&report, output)
+    show(
+        &report,
+        options,
+        EffectReport::markdown,
+        print_effects,
+        output,
+    )
 }
 
 pub(super) fn disturbances(
@@ -48,16 +45,10 @@ pub(super) fn disturbances(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let objects = match arguments.objects.is_empty() {
-        true => Task::PickPlace.objects(),
-        false => {
-            let names = arguments.objects.iter();
-            names.map(|name| Object::from_name_or_file(name)).collect()
-        }
-    };
+    let usual = || Task::PickPlace.objects();
     let options = &arguments.hold;
     let plan = DisturbancePlan {
-        objects: valid(objects)?,
+        objects: objects(&arguments.objects, usual, Object::from_name_or_file)?,
         seeds: options.seeds,
         first_seed: first_seed(options),
         cases: arguments.cases.clone(),
@@ -67,13 +58,13 @@ pub(super) fn disturbances(
         settings: atas_core::Settings::default(),
     };
     let report = super::with_progress_bar(plan.trials(), |done| plan.run(interrupt.flag(), done))?;
-    if output.is_json() {
-        return output.json(&report);
-    }
-    if options.markdown {
-        return output.line(report.markdown().trim_end());
-    }
-    print_disturbances(&report, output)
+    show(
+        &report,
+        options,
+        DisturbanceReport::markdown,
+        print_disturbances,
+        output,
+    )
 }
 
 pub(super) fn gentleness(
@@ -81,16 +72,9 @@ pub(super) fn gentleness(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let objects = match arguments.objects.is_empty() {
-        true => reference_objects(),
-        false => {
-            let names = arguments.objects.iter();
-            names.map(|name| reference_or_other(name)).collect()
-        }
-    };
     let options = &arguments.hold;
     let plan = GentlenessPlan {
-        objects: valid(objects)?,
+        objects: objects(&arguments.objects, reference_objects, reference_or_other)?,
         seeds: options.seeds,
         first_seed: match arguments.tune {
             true => *seeds::TUNING.start(),
@@ -102,17 +86,43 @@ pub(super) fn gentleness(
         settings: atas_core::Settings::default(),
     };
     let report = super::with_progress_bar(plan.trials(), |done| plan.run(interrupt.flag(), done))?;
-    if output.is_json() {
-        return output.json(&report);
-    }
-    if options.markdown {
-        return output.line(report.markdown().trim_end());
-    }
-    print_gentleness(&report, output)
+    show(
+        &report,
+        options,
+        GentlenessReport::markdown,
+        print_gentleness,
+        output,
+    )
 }
 
-fn valid(objects: Result<Vec<Object>, ObjectError>) -> anyhow::Result<Vec<Object>> {
+/// Returns the named objects, or the usual ones if no name is given.
+fn objects(
+    names: &[String],
+    usual: impl FnOnce() -> Result<Vec<Object>, ObjectError>,
+    find: impl Fn(&str) -> Result<Object, ObjectError>,
+) -> anyhow::Result<Vec<Object>> {
+    let objects = match names {
+        [] => usual(),
+        names => names.iter().map(|name| find(name)).collect(),
+    };
     objects.map_err(|error| super::usage(error.to_string()))
+}
+
+/// Prints a report in the requested form.
+fn show<R: Serialize>(
+    report: &R,
+    options: &HoldOptions,
+    markdown: impl FnOnce(&R) -> String,
+    print: impl FnOnce(&R, &mut Output) -> anyhow::Result<()>,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    if output.is_json() {
+        return output.json(report);
+    }
+    if options.markdown {
+        return output.line(markdown(report).trim_end());
+    }
+    print(report, output)
 }
 
 fn engine(options: &HoldOptions) -> anyhow::Result<Option<EngineCommand>> {
