@@ -93,6 +93,28 @@ def test_normal_force_matches_the_closed_form(tmp_path: Path, pins: int, depth_m
     assert -force_n[2] == pytest.approx(dome_force_n(reached_m), rel=error)
 
 
+def test_soft_object_yields_in_series_with_the_skin(tmp_path: Path) -> None:
+    """A stiffness that changed with each touch would drive an oscillation, which crushed a sponge."""
+    scene, depth_m, stiffness_n_m = bench(tmp_path, friction=0.5), 0.0003, 500.0
+    scene["objects"][0]["stiffness_n_m"] = stiffness_n_m
+    world = World(scene, QUIET)
+    forces_n = []
+    for tick in range(600):
+        # 2 mm/s, as a hand approaches.
+        z_m = min(-0.0005 + 2e-6 * tick, depth_m)
+        state = world.advance(np.array([0, z_m, 0, 0, 0, 0, 0, 0, 0, stiffness_n_m]))
+        forces_n.append(-state[6 : 6 + 123].reshape(41, 3).sum(axis=0)[2])
+        if world.now.skins[1]:
+            assert world.model.jnt_stiffness[world.now.carriers] == pytest.approx(stiffness_n_m)
+    # Sum of both compressions is the depth.
+    yields_m = np.linspace(0, depth_m, 3001)
+    force_n = next(stiffness_n_m * y for y in yields_m if stiffness_n_m * y >= dome_force_n(depth_m - y))
+    assert forces_n[-1] == pytest.approx(force_n, rel=0.1)
+    touched = int(np.flatnonzero(np.array(forces_n) > 0.01)[0])
+    assert min(forces_n[touched:]) > 0.005, "the touch is lost"
+    assert np.ptp(forces_n[-50:]) < 0.02 * force_n, "the force oscillates"
+
+
 def test_tremor_moves_the_fingertips(tmp_path: Path) -> None:
     world = World(bench(tmp_path, 5.0), QUIET)
     for depth in np.linspace(0, 5e-4, 100):

@@ -57,6 +57,7 @@ class World:
         self._cap = Cap(scene) if all(has) else None
         self._support_n = np.zeros(len(scene["objects"]))
         self._touched = np.full(len(tips), -1)
+        self._nearest = np.zeros(len(tips), dtype=int)
         self._slip = Slip(len(tips))
         self._tick = 0
         # A saved model has all skins.
@@ -120,10 +121,13 @@ class World:
         now, data = self._now, self.data
         if len(now.bodies) == 0:
             return
-        tips_m, nearest_m = data.xpos[now.tip_bodies], np.full(len(now.tip_bodies), np.inf)
-        for body, shape in zip(now.bodies, self._shapes, strict=True):
+        tips_m, distances_m = data.xpos[now.tip_bodies], np.empty((len(now.bodies), len(now.tip_bodies)))
+        for index, (body, shape) in enumerate(zip(now.bodies, self._shapes, strict=True)):
             local_m = (tips_m - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
-            nearest_m = np.minimum(nearest_m, _distance_m(shape, local_m) - self._reach_m)
+            distances_m[index] = _distance_m(shape, local_m) - self._reach_m
+        nearest_m = distances_m.min(axis=0)
+        # A stiffness that changed with each touch would drive an oscillation: its spring would be tensed by one and relaxed by another.
+        self._nearest = np.where(self._touched >= 0, self._touched, distances_m.argmin(axis=0))
         left, right = (
             bool((nearest_m[self._hand_of_tip == side] < (FAR_M if has_skin else NEAR_M)).any())
             for side, has_skin in enumerate(now.skins)
@@ -145,13 +149,11 @@ class World:
             data.qfrc_applied[now.base_dof] = BASE_INERTIA_KG * (velocity_m_s - data.qvel[now.base_dof]) / step_s
 
     def _set_compliance(self, stiffness: NDArray[np.float64]) -> None:
-        """Gives each fingertip's carrier the stiffness of the object that it touches."""
+        """Gives each fingertip's carrier the stiffness of the object that it touches or will touch first."""
         carriers = self._now.carriers
         if len(carriers) == 0:
             return
-        touched = self._touched[self._now.tip_of_carrier]
-        n_m = np.where(touched >= 0, stiffness[touched], np.inf)
-        n_m = np.minimum(n_m, RIGID_N_M)
+        n_m = np.minimum(stiffness[self._nearest[self._now.tip_of_carrier]], RIGID_N_M)
         self.model.jnt_stiffness[carriers] = n_m
         damping = bounded_damping(OBJECT_DAMPING_S * n_m, CARRIER_MASS_KG, self.model.opt.timestep)
         self.model.dof_damping[self.model.jnt_dofadr[carriers]] = damping
