@@ -32,33 +32,39 @@ def read_contacts(model: Model) -> Contacts:
     """Returns the contact forces at the end of a step."""
     data: Any = model.data
     objects, pins = len(model.bodies), len(model.pin_geoms)
-    none = Contacts(np.zeros(model.tips), np.full(model.tips, -1), np.zeros(objects), np.zeros(pins))
+    result = Contacts(np.zeros(model.tips), np.full(model.tips, -1), np.zeros(objects), np.zeros(pins))
     if data.ncon == 0 or objects == 0:
-        return none
-    address = data.contact.efc_address
-    active = address >= 0
-    geoms, frames, address = data.contact.geom[active], data.contact.frame[active], address[active]
-    force_n = data.efc_force[address[:, None] + np.arange(3)]
-    pin, things = model.pin_of_geom[geoms].max(axis=1), model.object_of_geom[geoms]
-    thing, on_pin = things.max(axis=1), model.pin_of_geom[geoms].max(axis=1) >= 0
-    pin, along_n = pin[on_pin], force_n[on_pin, 0]
-    none.pressed_n[:] = np.bincount(pin, along_n, pins)
-    share = np.bincount(model.tip_of_pin[pin] * objects + thing[on_pin], along_n, model.tips * objects).reshape(-1, objects)
-    none.normal_n[:] = share.sum(axis=1)
-    none.touched[:] = np.where(none.normal_n > 0, share.argmax(axis=1), -1)
-    others = ~on_pin & (thing >= 0)
-    upward_n = np.einsum("ca,ca->c", frames[others].reshape(-1, 3, 3)[:, :, 2], force_n[others])
-    # MuJoCo's force acts on the second geometry.
-    sign = np.where(things[others, 1] >= 0, 1.0, -1.0)
-    none.support_n[:] = np.bincount(thing[others], sign * upward_n, objects)
-    return none
+        return result
+    contact = data.contact
+    geoms, address = contact.geom, contact.efc_address
+    efc_n = data.efc_force
+    pin, thing = model.pin_of_geom[geoms].max(axis=1), model.object_of_geom[geoms].max(axis=1)
+    # A contact beyond its gap has no rows.
+    along_n = np.where(address >= 0, efc_n[address], 0.0)
+    on_pin = pin >= 0
+    if on_pin.any():
+        pressed = pin[on_pin]
+        result.pressed_n[:] = np.bincount(pressed, along_n[on_pin], pins)
+        tip_and_object = model.tip_of_pin[pressed] * objects + thing[on_pin]
+        share = np.bincount(tip_and_object, along_n[on_pin], model.tips * objects).reshape(-1, objects)
+        result.normal_n = share.sum(axis=1)
+        result.touched = np.where(result.normal_n > 0, share.argmax(axis=1), -1)
+    for index in np.flatnonzero(~on_pin & (thing >= 0) & (address >= 0)):
+        upward = contact.frame[index].reshape(3, 3)[:, 2]
+        # MuJoCo's force acts on the second geometry.
+        sign = 1.0 if model.object_of_geom[geoms[index, 1]] >= 0 else -1.0
+        result.support_n[thing[index]] += sign * float(upward @ efc_n[address[index] : address[index] + 3])
+    return result
 
 
 def element_forces_n(model: Model) -> Floats:
     """Returns the forces of objects on the elements, tip frame, N, flat: those that deflect the pins."""
-    data: Any = model.data
-    along = model.pin_stiffness * data.qpos[model.pin_qpos] + model.pin_damping * data.qvel[model.pin_dof]
-    return np.asarray(model.elements_of_pins @ along)
+    force_n = np.zeros((model.elements, 3))
+    if len(model.pin_geoms) > 0:
+        along = model.pin_stiffness * model.qpos_now[model.pin_qpos] + model.pin_damping * model.qvel_now[model.pin_dof]
+        of_pins = (along.reshape(-1, 3, 1) * model.pin_axes).sum(axis=1)
+        force_n[model.sensing] = np.add.reduceat(of_pins, model.first_pins)
+    return force_n.ravel()
 
 
 class Slip:
@@ -66,6 +72,7 @@ class Slip:
 
     def __init__(self, tips: int) -> None:
         self.slip_m = np.zeros(tips)
+        self._touched = np.full(tips, -1)
         self._on_object_m: Floats | None = None
 
     def reset(self) -> None:
@@ -74,15 +81,23 @@ class Slip:
 
     def update(self, model: Model, contacts: Contacts) -> None:
         """Adds the motion of pressed pins on the surface, weighted by their force."""
-        if len(model.pin_geoms) == 0:
-            self.slip_m[:] = 0.0
-            return
-        data: Any = model.data
-        body = model.bodies[np.maximum(contacts.touched, 0)][model.tip_of_pin]
-        from_object_m = data.geom_xpos[model.pin_geoms] - data.xpos[body]
-        now_m = np.einsum("pji,pj->pi", data.xmat[body].reshape(-1, 3, 3), from_object_m)
-        moved_m = np.zeros(len(body)) if self._on_object_m is None else np.linalg.norm(now_m - self._on_object_m, axis=1)
-        self._on_object_m = now_m
-        weighted = np.bincount(model.tip_of_pin, contacts.pressed_n * moved_m, model.tips)
-        self.slip_m += weighted / np.maximum(contacts.normal_n, 1e-9)
-        self.slip_m[contacts.touched < 0] = 0.0
+        touched = contacts.touched
+        on_object_m = None if (touched < 0).all() else _pins_on_objects_m(model, touched)
+        if on_object_m is not None and self._on_object_m is not None:
+            way_m = on_object_m - self._on_object_m
+            moved_m = np.sqrt((way_m * way_m).sum(axis=1))
+            weighted = np.bincount(model.tip_of_pin, contacts.pressed_n * moved_m, model.tips)
+            goes_on = touched == self._touched
+            self.slip_m[goes_on] += (weighted / np.maximum(contacts.normal_n, 1e-9))[goes_on]
+        self._touched, self._on_object_m = touched, on_object_m
+        self.slip_m[touched < 0] = 0.0
+
+
+def _pins_on_objects_m(model: Model, touched: Indices) -> Floats:
+    """Positions of the pins in the frames of the objects that their fingertips touch, m."""
+    data, result_m = model.data, np.zeros((len(model.pin_geoms), 3))
+    of_pins = touched[model.tip_of_pin]
+    for index in set(touched[touched >= 0].tolist()):
+        body, pins = model.bodies[index], of_pins == index
+        result_m[pins] = (data.geom_xpos[model.pin_geoms[pins]] - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
+    return result_m

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .options import SHEAR_RATIO, Options
 from .robot import Names, add_robot
-from .scene import add_scene
+from .scene import add_contacts, add_scene
 
 
 def build(scene: dict[str, Any], options: Options, skins: tuple[bool, bool]) -> tuple[Any, Names, list[str]]:
@@ -33,6 +33,7 @@ def build(scene: dict[str, Any], options: Options, skins: tuple[bool, bool]) -> 
     # The solver eliminates joints from last to first. Pins after objects couple only with their arm and an object.
     objects = add_scene(spec, scene)
     names = add_robot(spec, scene["hands"], options, has_soft_object, skins)
+    add_contacts(spec, scene, names.pins)
     model = spec.compile()
     if options.save is not None:
         options.save.write_text(spec.to_xml())
@@ -46,6 +47,8 @@ class Model:
         self.skins = skins
         self.model, names, objects = build(scene, options, skins)
         self.data = mujoco.MjData(self.model)
+        self.qpos_now, self.qvel_now = self.data.qpos, self.data.qvel
+        """Views of the state: getting them from MuJoCo takes longer than reading them."""
         self._find_joints(names)
         self._find_pins(names)
         self._find_objects(objects)
@@ -76,11 +79,11 @@ class Model:
         first = np.concatenate([[0], np.cumsum(names.elements)]).astype(int)
         self.tips, self.elements = len(names.elements), int(first[-1])
         self.tip_of_pin = np.array(names.tip_of_pin, dtype=int)
-        self.elements_of_pins = np.zeros((3 * self.elements, len(index)))
-        """Matrix from forces along the pins' axes to the forces of the elements, tip frame."""
-        for pin, (tip, element, axes) in enumerate(zip(names.tip_of_pin, names.element_of_pin, names.axes_of_pin, strict=True)):
-            row = 3 * (first[tip] + element)
-            self.elements_of_pins[row : row + 3, 3 * pin : 3 * pin + 3] = np.transpose(axes)
+        element = first[self.tip_of_pin] + np.array(names.element_of_pin, dtype=int)
+        self.sensing, self.first_pins = np.unique(element, return_index=True)
+        """Elements with pins, and the first pin of each: pins are in the order of elements."""
+        self.pin_axes = np.array(names.axes_of_pin, dtype=float).reshape(-1, 3, 3)
+        """Axes of each pin's joints, tip frame: rows."""
         self.pin_geoms = np.array([model.geom(pin).id for pin in names.pins], dtype=int)
         self.pin_of_geom = np.full(model.ngeom, -1)
         self.pin_of_geom[self.pin_geoms] = np.arange(len(names.pins))

@@ -1,7 +1,7 @@
 """Builds a robot with drives and tactile skins from a scene description.
 
 Each moving frame of the robot is a body with one joint. A joint carries the reflected inertia of its
-drive; links have no mass, because gravity is compensated and the drives' inertia dominates. A
+drive; links have next to no mass, because gravity is compensated and the drives' inertia dominates. A
 mimicking frame follows its joint by an equality constraint.
 """
 
@@ -13,10 +13,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from .options import PIN_MASS_KG, PIN_RADIUS_M, PIN_TYPE, SHEAR_RATIO, SKIN_DAMPING_S, Options
+from .options import PIN_MASS_KG, PIN_RADIUS_M, SHEAR_RATIO, SKIN_DAMPING_S, Options
 
-LINK_KG = 1e-4
-"""Mass of a link, kg: MuJoCo needs one. Design choice: negligible beside a drive's inertia."""
+LINK_KG = 1e-5
+"""Mass of a link, kg: MuJoCo needs one. Design choice: negligible beside a drive's inertia, and 20 links weigh 2 mN, so that no
+gravity compensation is needed, which costs a Jacobian per body."""
 ROBOT_GROUP = 2
 """Geometry group of the parts that only show the robot."""
 CARRIER_MASS_KG = 0.01
@@ -86,7 +87,7 @@ def add_robot(spec: Any, hands: list[dict[str, Any]], options: Options, has_soft
 
 def _add_hand(spec: Any, side: str, hand: dict[str, Any], options: Options, names: Names) -> list[Any]:
     """Returns the bodies of the moving frames, and the base as the last one. A saved model has a fixed base."""
-    base = spec.worldbody.add_body(name=f"{side}-base", gravcomp=1.0)
+    base = spec.worldbody.add_body(name=f"{side}-base")
     if options.save is None:
         set_inertia(base, LINK_KG, [LINK_KG * 1e-4] * 3)
         base.add_joint(name=f"{side}-base", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1], armature=BASE_INERTIA_KG)
@@ -108,7 +109,7 @@ def _add_frame(
         position = position + rotation[:, 2] * frame["offset"]
     else:
         rotation = turned_about_z(rotation, frame["offset"])
-    body = parent.add_body(name=name, pos=position, quat=quaternion(rotation), gravcomp=1.0)
+    body = parent.add_body(name=name, pos=position, quat=quaternion(rotation))
     set_inertia(body, LINK_KG, [LINK_KG * 1e-4] * 3)
     kind = mujoco.mjtJoint.mjJNT_SLIDE if frame["slides"] else mujoco.mjtJoint.mjJNT_HINGE
     moving = body.add_joint(name=name, type=kind, axis=[0, 0, 1])
@@ -155,7 +156,7 @@ def _add_link(parent: Any, to: Any) -> None:
 
 
 def _add_fingertip(parent: Any, name: str, fingertip: dict[str, Any], names: Names) -> Any:
-    tip = parent.add_body(name=name, pos=fingertip["position_m"], quat=quaternion(fingertip["rotation"]), gravcomp=1.0)
+    tip = parent.add_body(name=name, pos=fingertip["position_m"], quat=quaternion(fingertip["rotation"]))
     set_inertia(tip, LINK_KG, [LINK_KG * 1e-4] * 3)
     _add_link(parent, fingertip["position_m"])
     names.tips.append(name)
@@ -209,7 +210,7 @@ def _pins(pins: list[dict[str, Any]], per_element: int) -> list[dict[str, Any]]:
 
 def _add_pin(tip: Any, name: str, pin: dict[str, Any], options: Options) -> None:
     normal = np.asarray(pin["normal"])
-    body = tip.add_body(name=name, pos=np.asarray(pin["position_m"]) - PIN_RADIUS_M * normal, gravcomp=1.0)
+    body = tip.add_body(name=name, pos=np.asarray(pin["position_m"]) - PIN_RADIUS_M * normal)
     mass_kg = PIN_MASS_KG / options.pins
     for axis, ratio, suffix in zip((normal, *pin["tangents"]), (1.0, SHEAR_RATIO, SHEAR_RATIO), "nxy", strict=True):
         stiffness = ratio * pin["stiffness_n_m"]
@@ -221,7 +222,7 @@ def _add_pin(tip: Any, name: str, pin: dict[str, Any], options: Options) -> None
         type=mujoco.mjtGeom.mjGEOM_SPHERE,
         size=[PIN_RADIUS_M, 0, 0],
         mass=1e-6,
-        contype=PIN_TYPE,
+        contype=0,
         conaffinity=0,
         rgba=[0.2, 0.25, 0.3, 1.0],
     )

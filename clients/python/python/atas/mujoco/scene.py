@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from .cap import CARRIER_SHARE, add_joints, add_rim, engaged_height_m, half_height_m
-from .options import CONTACT_TIME_S, OBJECT_TYPE, PIN_TYPE, SUPPORT_TYPE, TABLE_FRICTION
+from .options import CONTACT_TIME_S, OBJECT_TYPE, SUPPORT_TYPE, TABLE_FRICTION
 from .robot import quaternion, set_inertia
 
 COLOURS = [[0.78, 0.6, 0.38, 1.0], [0.45, 0.62, 0.8, 0.6], [0.6, 0.75, 0.5, 1.0], [0.8, 0.5, 0.5, 1.0]]
@@ -71,14 +71,23 @@ def _add_geometry(body: Any, index: int, thing: dict[str, Any]) -> None:
         type=mujoco.mjtGeom.mjGEOM_BOX if box else mujoco.mjtGeom.mjGEOM_CYLINDER,
         size=box or [*cylinder, 0],
         contype=OBJECT_TYPE,
-        conaffinity=PIN_TYPE | SUPPORT_TYPE,
-        friction=[thing["friction"], 0.0, 0.0],
-        priority=1,
-        condim=3,
-        solref=[CONTACT_TIME_S, 1.0],
-        solimp=[0.995, 0.999, 0.0001, 0.5, 2.0],
+        conaffinity=SUPPORT_TYPE,
         rgba=COLOURS[index % len(COLOURS)],
     )
+
+
+def add_contacts(spec: Any, scene: dict[str, Any], pins: list[str]) -> None:
+    """Lets each pin touch each object."""
+    for index, thing in enumerate(scene["objects"]):
+        for pin in pins:
+            spec.add_pair(
+                geomname1=pin,
+                geomname2=f"object{index}",
+                condim=3,
+                friction=[thing["friction"]] * 2 + [0.0] * 3,
+                solref=[CONTACT_TIME_S, 1.0],
+                solimp=[0.995, 0.999, 0.0001, 0.5, 2.0],
+            )
 
 
 def _inertia(thing: dict[str, Any]) -> list[float]:

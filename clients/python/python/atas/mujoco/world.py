@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from typing import Any
 
 import mujoco
@@ -98,13 +99,15 @@ class World:
         self._set_compliance(rest[2 + 3 * objects :])
         if self._cap is not None:
             self._cap.update(model, data, self._support_n[self._cap.index])
-        begin, way = self._reference, target - self._reference
+        begin, way = self._reference + self._feed_forward * velocity, target - self._reference
+        ctrl, applied, qvel = data.ctrl, data.qfrc_applied, now.qvel_now
+        applied[now.base_dof] = self._push_on_bases(rest[:2])
         for step in range(self._substeps):
             # As a drive interpolates: the position of the substep's begin, and the velocity.
-            data.ctrl[now.drives] = begin + way * (step / self._substeps) + self._feed_forward * velocity
-            self._move_bases(rest[:2], self._substeps - step)
-            data.qfrc_applied[now.dof] = -self._friction_n_m * np.tanh(data.qvel[now.dof] / self._friction_speed)
+            ctrl[now.drives] = begin + way * (step / self._substeps)
+            applied[now.dof] = -self._friction_n_m * np.tanh(qvel[now.dof] / self._friction_speed)
             mujoco.mj_step(model, data)
+            applied[now.base_dof] = 0.0
         self._reference = target.copy()
         warnings = data.warning.number
         if warnings.any():
@@ -138,15 +141,16 @@ class World:
             self._now = following
             self._slip.reset()
 
-    def _move_bases(self, target_m: NDArray[np.float64], steps: int) -> None:
-        """Pushes the bases so that tremor and bumps reach their displacement in the remaining steps of the tick.
+    def _push_on_bases(self, target_m: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Force of one step after which the bases reach the displacement of tremor and bumps at the end of the tick, N.
 
         Contact forces follow velocities: a base that jumped would slide along an object without friction.
         """
-        now, data, step_s = self._now, self.data, self.model.opt.timestep
-        if len(now.base_dof) > 0:
-            velocity_m_s = (target_m - data.qpos[now.base_qpos]) / (steps * step_s)
-            data.qfrc_applied[now.base_dof] = BASE_INERTIA_KG * (velocity_m_s - data.qvel[now.base_dof]) / step_s
+        now, step_s = self._now, self.model.opt.timestep
+        if len(now.base_dof) == 0:
+            return np.zeros(0)
+        velocity_m_s = (target_m - now.qpos_now[now.base_qpos]) / (self._substeps * step_s)
+        return np.asarray(BASE_INERTIA_KG * (velocity_m_s - now.qvel_now[now.base_dof]) / step_s)
 
     def _set_compliance(self, stiffness: NDArray[np.float64]) -> None:
         """Gives each fingertip's carrier the stiffness of the object that it touches or will touch first."""
@@ -165,14 +169,14 @@ class World:
         self._touched, self._support_n = contacts.touched, contacts.support_n
         self._slip.update(now, contacts)
         parts = [
-            data.qpos[now.qpos],
-            data.qvel[now.dof],
+            now.qpos_now[now.qpos],
+            now.qvel_now[now.dof],
             effort,
             element_forces_n(now),
             contacts.normal_n,
             self._slip.slip_m,
             contacts.touched,
-            self._objects(contacts).ravel(),
+            *self._objects(contacts),
             np.zeros(3) if self._cap is None else self._cap.state(self.model, data),
         ]
         state = np.concatenate(parts)
@@ -180,14 +184,13 @@ class World:
             raise Failed(f"a value is not finite at {data.time:.3f} s")
         return state
 
-    def _objects(self, contacts: Contacts) -> NDArray[np.float64]:
+    def _objects(self, contacts: Contacts) -> Iterator[NDArray[np.float64]]:
         """Pose, velocity and support force of each object."""
         now, data = self._now, self.data
-        velocity = np.zeros((len(now.bodies), 6))
-        for row, body in zip(velocity, now.bodies, strict=True):
-            mujoco.mj_objectVelocity(self.model, data, mujoco.mjtObj.mjOBJ_XBODY, body, row, 0)
-        pose = [data.xpos[now.bodies], data.xquat[now.bodies]]
-        return np.hstack([*pose, velocity[:, 3:], velocity[:, :3], contacts.support_n[:, None]])
+        for index, body in enumerate(now.bodies):
+            velocity = np.zeros(6)
+            mujoco.mj_objectVelocity(self.model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
+            yield from (data.xpos[body], data.xquat[body], velocity[3:], velocity[:3], contacts.support_n[index : index + 1])
 
 
 def _distance_m(shape: dict[str, Any], point_m: NDArray[np.float64]) -> NDArray[np.float64]:
