@@ -86,15 +86,15 @@ impl Module for Slip {
         let load_n = is_suspended(context).then_some(down_n);
         let falls = self.drop_detector.update(load_n, brakes, percept.step_s);
         let mut cause = falls;
-        for (turning, finger) in self.turning.iter_mut().zip(&percept.fingertips) {
-            *turning = is_turning(finger, *turning, context);
+        for (turning, side) in self.turning.iter_mut().zip(&percept.sides) {
+            *turning = is_turning(side, *turning, context);
             cause |= *turning;
         }
         let in_vain = self.load_is_unresponsive(percept, down_n, context);
-        for (slipping, finger) in self.slipping.iter_mut().zip(&percept.fingertips) {
-            *slipping = exceeds_utilisation(finger, *slipping, context);
-            let nears = *slipping || (!brakes && is_loading(finger, context));
-            let slips = slips_grossly(finger, context) || (nears && !context.minimises_grip);
+        for (slipping, side) in self.slipping.iter_mut().zip(&percept.sides) {
+            *slipping = exceeds_utilisation(side, *slipping, context);
+            let nears = *slipping || (!brakes && is_loading(side, context));
+            let slips = slips_grossly(side, context) || (nears && !context.minimises_grip);
             cause |= slips && !context.verified && !in_vain;
         }
         self.latch_s = if cause {

@@ -88,6 +88,31 @@ fn module_2_closes_at_high_utilisation() {
     }
 }
 
+/// The third fingertip is the only one of its side.
+#[test]
+fn slip_is_detected_on_the_thumb() {
+    let finger = fingertip(1.0);
+    let thumb = |utilisation, torsion| ContactPercept {
+        utilisation,
+        torsion,
+        ..fingertip(2.0)
+    };
+    for (case, thumb, active) in [
+        ("holds", thumb(0.5, 0.0), false),
+        ("slips", thumb(0.95, 0.0), true),
+        ("turns", thumb(0.5, 0.6), true),
+    ] {
+        let mut bench = Bench::new(ModuleId::SLIP);
+        bench.carried_m = 0.01;
+        let measured = Percept {
+            fingertips: [finger, finger, thumb, ContactPercept::default()],
+            side_of_fingertip: [0, 0, 1, 0],
+            ..percept([fingertip(2.0), thumb])
+        };
+        assert_eq!(bench.evaluate(&measured).active, active, "the thumb {case}");
+    }
+}
+
 #[test]
 fn module_2_has_hysteresis_and_latch() {
     let mut bench = Bench::new(ModuleId::SLIP);
