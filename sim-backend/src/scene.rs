@@ -145,7 +145,7 @@ pub enum SceneError {
     )]
     NoThread(String),
     /// Failure of an external engine.
-    #[error("scene rejected: {0}")]
+    #[error(transparent)]
     Engine(#[from] crate::engine::EngineError),
     /// Home posture out of reach.
     #[error("cannot move the {side:?} hand to its home posture: {source}")]

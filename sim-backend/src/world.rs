@@ -42,7 +42,7 @@ pub enum WorldFault {
     #[error("simulation stopped: object {0} is not finite; check that its mass suits its size")]
     Object(usize),
     /// Failure of an external engine.
-    #[error("simulation stopped: {0}")]
+    #[error(transparent)]
     Engine(#[from] EngineError),
 }
 

@@ -6,13 +6,14 @@ use robot_model::RobotModel;
 use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
 use shm_schemas::GoalRequest;
-use sim_backend::engine::{EngineError, EnginePool};
+use sim_backend::engine::EnginePool;
 use sim_backend::random::{split_mix, trial_seed};
-use sim_backend::{Scene, World, WorldFault};
+use sim_backend::{Scene, World};
 
 use crate::Task;
 use crate::drawn::Drawn;
 use crate::finding::{Finding, evaluate};
+use crate::held::discarded;
 use crate::judge::Load;
 use crate::offline::OfflineRun;
 use crate::plan::{Job, Plan};
@@ -172,14 +173,10 @@ impl<'a> TrialSetup<'a> {
         let trial = run.run_filtered(&goal, limit_s, &mut corrupted.frame_filter, |outputs, _| {
             outputs.goal_update.iter().for_each(|u| progress.add(u));
         });
-        let discarded = match run.world().fault() {
-            None => None,
-            Some(WorldFault::Engine(EngineError::Tick(reason))) => Some(reason),
-            Some(fault) => {
-                let name = &plan.objects[job.object].name;
-                return Err(fault).with_context(|| format!("object {name:?}, seed {}", job.number));
-            }
-        };
+        let discarded = discarded(run.world()).with_context(|| {
+            let name = &plan.objects[job.object].name;
+            format!("object {name:?}, seed {}", job.number)
+        })?;
         let [x_m, y_m, _] = goal.to_m;
         let objects = trial.truth.objects.iter();
         Ok(Record {

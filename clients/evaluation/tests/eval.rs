@@ -42,6 +42,28 @@ fn timeless(report: Report) -> Report {
     }
 }
 
+/// An engine that ends in its first tick costs a trial, not the evaluation.
+#[test]
+fn ended_engine_discards_its_trial() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let path = folder.path().join("engine.sh");
+    // Reads the scene, reports that it is ready, and ends.
+    let ready = "exec 3<&0; cat <&3 >/dev/null & printf '\\003\\000\\000\\000\\000\\000\\000\\000'; sleep 0.5";
+    std::fs::write(&path, ready).expect("writable folder");
+    let command = format!("sh {}", path.display());
+    let report = run(&Plan {
+        engine: Some(command.parse().expect("valid command")),
+        ..plan(Task::Grasp, &["wood"], 1)
+    });
+    assert_eq!(report.tally.success, 0.0);
+    let (reason, count) = report.tally.failures.iter().next().expect("a failure");
+    assert!(
+        reason.starts_with("discarded: could not exchange data"),
+        "{reason}"
+    );
+    assert_eq!((*count, report.tally.failures.len()), (2, 1));
+}
+
 #[test]
 fn results_do_not_depend_on_thread_count() {
     let with = |threads| Plan {

@@ -219,7 +219,8 @@ pub fn discards_text(discards: &Discards) -> String {
     discards.iter().map(line).collect()
 }
 
-/// Returns the reason if the engine discarded a tick; `None` without a fault.
+/// Returns the reason if the engine did not simulate a tick; `None` without a fault. Also an engine that
+/// ended or hung costs one trial only: the next one gets another process.
 ///
 /// # Errors
 /// Any other fault.
@@ -227,6 +228,7 @@ pub(crate) fn discarded(world: &World) -> anyhow::Result<Option<String>> {
     match world.fault() {
         None => Ok(None),
         Some(WorldFault::Engine(EngineError::Tick(reason))) => Ok(Some(reason)),
+        Some(WorldFault::Engine(error)) => Ok(Some(error.to_string())),
         Some(fault) => Err(fault.into()),
     }
 }

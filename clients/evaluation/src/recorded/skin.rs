@@ -85,8 +85,7 @@ impl Skin {
             .intake
             .validate(&self.frame, tick, &self.settings.intake)
         {
-            self.perception
-                .update(&checked, false, &self.settings.perception);
+            self.perception.update(&checked, false, &self.settings);
         }
         self.perception.percept()
     }
