@@ -101,8 +101,7 @@ impl PolicyHand {
         self.perception.begin();
         if let Some(checked) = frame.and_then(|it| self.intake.validate(it, tick, &settings.intake))
         {
-            self.perception
-                .update(&checked, false, &settings.perception);
+            self.perception.update(&checked, false, settings);
         }
     }
 

@@ -106,8 +106,7 @@ impl HandControl {
         for frame in frames {
             if let Some(checked) = self.intake.validate(frame, tick, &settings.intake) {
                 let slides = core::mem::take(&mut self.slips);
-                self.perception
-                    .update(&checked, slides, &settings.perception);
+                self.perception.update(&checked, slides, settings);
             }
         }
         self.update_force_limit();

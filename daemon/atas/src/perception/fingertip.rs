@@ -130,8 +130,9 @@ impl FingertipPerception {
         finger: usize,
         frame: &ValidatedFrame<'_>,
         slips: bool,
-        settings: &Settings,
+        all: &crate::settings::Settings,
     ) -> ContactPercept {
+        let settings = &all.perception;
         let share = self.filter(finger, frame, settings);
         let patch = Patch::new(
             &self.axes,
@@ -155,7 +156,7 @@ impl FingertipPerception {
             steady,
             slips,
             frame.step_s(),
-            settings,
+            all,
         );
         self.percept = ContactPercept {
             force_tip_n: patch.force_n,

@@ -18,12 +18,10 @@ use crate::filter::low_pass;
 use crate::limits::{
     FRICTION_CLIP, FRICTION_FLOOR, FRICTION_RELAX_S, NORMAL_MIN_N, TANGENTIAL_FLOOR_N,
 };
-use crate::settings::Perception as Settings;
+use crate::settings::Settings;
 use shm_schemas::capacity::ELEMENTS;
 
-/// Momentary utilisation above which the remembered friction relaxes (prototype: 0.955).
-const GROSS_UTILISATION: f64 = 0.955;
-/// Time that it must last, s (prototype: 10 ms).
+/// Duration of gross slip after which the remembered friction relaxes, s (prototype: 10 ms).
 const GROSS_AFTER_S: f64 = 0.01;
 /// Upper limit of the utilisation.
 const UTILISATION_CLIP: f64 = 1.2;
@@ -99,7 +97,7 @@ impl Friction {
                 ..FrictionEstimate::default()
             };
         };
-        let share = step_s / (settings.friction_filter_s + step_s);
+        let share = step_s / (settings.perception.friction_filter_s + step_s);
         // m_raw: ratio of the most loaded elements; low-passed, because their forces are.
         let reading = loaded.ratio.min(FRICTION_CLIP);
         self.remembered = if reading > self.remembered {
@@ -108,7 +106,7 @@ impl Friction {
             self.remembered
         };
         self.utilisation_now += (ratio / reading.max(READING_FLOOR) - self.utilisation_now) * share;
-        self.update_gross_slip(ratio, step_s);
+        self.update_gross_slip(ratio, step_s, settings);
         self.record_slip(ratio, slips, step_s, settings);
         FrictionEstimate {
             utilisation: (ratio / self.remembered.max(FRICTION_FLOOR)).min(UTILISATION_CLIP),
@@ -136,7 +134,7 @@ impl Friction {
     /// Lowers the remembered friction to the ratio at an observed slip.
     fn record_slip(&mut self, ratio: f64, slips: bool, step_s: f64, settings: &Settings) {
         let filter_s = if ratio > self.recent_ratio {
-            settings.friction_filter_s
+            settings.perception.friction_filter_s
         } else {
             RECENT_S
         };
@@ -156,9 +154,9 @@ impl Friction {
     /// Relaxes the remembered friction to F_t/F_n during gross slip. A patch stays uniformly
     /// sheared after it sticks again, until it is reloaded. Therefore only a ratio near the maximum
     /// of the episode counts as sliding.
-    fn update_gross_slip(&mut self, ratio: f64, step_s: f64) {
+    fn update_gross_slip(&mut self, ratio: f64, step_s: f64, settings: &Settings) {
         self.filtered_ratio = low_pass(self.filtered_ratio, ratio, step_s, RATIO_FILTER_S);
-        let alike = self.utilisation_now > GROSS_UTILISATION;
+        let alike = self.utilisation_now > settings.grasp.slip_gross;
         if self.utilisation_now < GROSS_END_UTILISATION {
             self.episode_max_ratio = 0.0;
         } else if alike && self.filtered_ratio > self.episode_max_ratio {

@@ -26,7 +26,7 @@ pub use yield_detection::{PressMaxima, YieldDetector, YieldRule};
 
 use crate::intake::ValidatedFrame;
 use crate::sensor_setup::HandSensorSetup;
-use crate::settings::Perception as Settings;
+use crate::settings::Settings;
 use robot_model::{GRASP_SIDES, HandModel};
 use shm_schemas::capacity::FINGERS;
 

@@ -51,7 +51,7 @@ fn percepts(
         let checked = intake
             .validate(&frame, tick, &settings.intake)
             .expect("a valid frame");
-        perception.update(&checked, false, &settings.perception);
+        perception.update(&checked, false, &settings);
         let motion = perception.percept().fingertips[0].motion;
         if motion.comparisons as usize > found.len() {
             found.push(motion);

@@ -98,7 +98,7 @@ impl Skin {
             .validate(frame, tick, &self.settings.intake)
             .unwrap();
         self.perception
-            .update(&checked, self.slides, &self.settings.perception);
+            .update(&checked, self.slides, &self.settings);
     }
 
     /// Constant total force on a round contact at the pole, for frames of 1 ms.
@@ -355,6 +355,24 @@ fn utilisation_rises_to_one_in_gross_slip() {
 
 /// After a slip that sticks again at less shear, the patch stays uniformly sheared; only the force
 /// ratio shows the stick.
+#[test]
+fn gross_slip_begins_at_its_parameter() {
+    for (slip_gross, slips) in [(0.955, true), (1.2, false)] {
+        let mut skin = Skin::unfiltered();
+        skin.settings.grasp.slip_gross = slip_gross;
+        let mut measured = ContactPercept::default();
+        for _ in 0..200 {
+            measured = skin.feel(MS_NS, sheared(4.0));
+        }
+        assert!(measured.utilisation_now > 0.955, "{measured:?}");
+        assert_eq!(
+            measured.gross_slip_s > 0.1,
+            slips,
+            "{slip_gross}: {measured:?}"
+        );
+    }
+}
+
 #[test]
 fn gross_slip_ends_when_friction_ratio_falls() {
     let slide = |skin: &mut Skin, friction: f64| {
