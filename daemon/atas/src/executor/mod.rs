@@ -267,6 +267,14 @@ impl TaskExecutor {
         self.stiffness
     }
 
+    /// Stiffness that the previous step has measured.
+    #[must_use]
+    pub fn stiffness_before(&self) -> Option<StiffnessFit> {
+        let previous = self.steps().get(self.index.checked_sub(1)?)?;
+        self.stiffness
+            .filter(|_| previous.transition == Transition::StiffnessKnown)
+    }
+
     /// Carried distance, m.
     #[must_use]
     pub fn carried_m(&self) -> f64 {

@@ -183,7 +183,7 @@ impl HandControl {
             return;
         };
         events.push(self.step_event(runner.step()));
-        if let (Some(fit), "grip") = (runner.stiffness(), runner.step().name.as_str()) {
+        if let Some(fit) = runner.stiffness_before() {
             let mut event = self.event(EventKind::STIFFNESS);
             event.value = fit.object_n_m;
             event.threshold = runner.thresholds().f2_n;

@@ -1,13 +1,14 @@
 //! Tasks as data, and thresholds of the grasp force.
 
-use atas_core::Settings;
+use crate::world::{World, grasp};
 use atas_core::modules::IDS;
 use atas_core::tasks::{
     ASSEMBLE, GRASP, HOLD_AFTER_GOAL, HOLD_AFTER_TELEOP, Motion, Name, PICK_PLACE, PUT_BACK, RAISE,
-    REGRASP, RELEASE, SCREW, Step, TELEOP, Transition, WITHDRAW, Waypoint,
+    REGRASP, RELEASE, SCREW, Step, TELEOP, Task, Transition, WITHDRAW, Waypoint,
 };
 use atas_core::thresholds::{ForceLimitSource, Thresholds};
-use shm_schemas::{Cause, ModuleId};
+use atas_core::{Goal, OperatorRequest, Settings};
+use shm_schemas::{Cause, EventKind, GoalKind, GoalRequest, ModuleId, Text};
 
 /// Modules that set the hand's pose.
 const MOVERS: [ModuleId; 4] = [
@@ -39,6 +40,43 @@ fn modules_of(step: &Step) -> Vec<ModuleId> {
     IDS.into_iter()
         .filter(|id| step.modules.contains(*id))
         .collect()
+}
+
+#[test]
+fn stiffness_is_reported_once_whatever_the_steps_are_called() {
+    for name in ["grip", "squeeze"] {
+        let renamed = |step: &Step| match step.name.as_str() {
+            "grip" => Step::new(
+                name,
+                step.motion,
+                step.modules,
+                step.transition,
+                step.timeout_s,
+            ),
+            _ => *step,
+        };
+        let steps: Vec<Step> = GRASP.acting.iter().map(renamed).collect();
+        let task = Task::validated("own", &steps, None).expect("a valid task");
+        let request = GoalRequest {
+            kind: GoalKind::CUSTOM,
+            task: Text::new("own"),
+            ..grasp()
+        };
+        let goal = Goal::resolve(&request, &[task]).expect("a known task");
+        let mut world = World::ready();
+        world.has_object = true;
+        world.request(OperatorRequest::Start(goal));
+        let mut reports = 0;
+        while !world.controller.goal().expect("a goal").state.is_final() {
+            let outputs = world.tick();
+            let events = outputs.events.as_slice().iter();
+            reports += events
+                .filter(|event| event.kind == EventKind::STIFFNESS)
+                .count();
+            assert!(world.ms < 100_000, "the goal has no end");
+        }
+        assert_eq!(reports, 1, "step {name:?}");
+    }
 }
 
 #[test]
