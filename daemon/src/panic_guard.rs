@@ -16,7 +16,7 @@ use shm_schemas::{
     Stamp, Status, Text, TickReport,
 };
 
-/// Validity of a command after a panic, ns. The controller's own value is not available then.
+/// Validity of a command after a panic in the first tick, ns; later ones have that of the last command.
 const VALID_NS: u64 = 5_000_000;
 
 /// Outputs of a tick.
@@ -52,6 +52,7 @@ struct LastOutputs {
 #[derive(Debug)]
 struct Failure {
     command: JointCommand,
+    valid_ns: u64,
     report: TickReport,
     goal_update: Option<GoalUpdate>,
     event: Option<ModuleEvent>,
@@ -159,6 +160,15 @@ impl PanicGuard {
 }
 
 impl LastOutputs {
+    /// Configured validity of a command, ns; `None` before the first command.
+    fn valid_ns(&self) -> Option<u64> {
+        let command = &self.command;
+        let valid_ns = command
+            .valid_until_ns
+            .checked_sub(command.stamp.captured_ns);
+        valid_ns.filter(|valid_ns| *valid_ns > 0)
+    }
+
     fn record<'a>(&mut self, outputs: &'a Outputs) -> Step<'a> {
         self.command = outputs.command;
         self.goal_id = outputs.report.goal_id;
@@ -202,6 +212,7 @@ impl Failure {
         };
         Self {
             command: last.command,
+            valid_ns: last.valid_ns().unwrap_or(VALID_NS),
             report: TickReport::default(),
             goal_update: (last.goal_id != 0).then_some(update),
             event: Some(event),
@@ -213,7 +224,7 @@ impl Failure {
         let command = &mut self.command;
         command.stamp.sequence += 1;
         command.stamp.captured_ns = inputs.tick.now_ns;
-        command.valid_until_ns = inputs.tick.now_ns.saturating_add(VALID_NS);
+        command.valid_until_ns = inputs.tick.now_ns.saturating_add(self.valid_ns);
         command.tick = inputs.tick.index;
         command.answers_sequence = inputs
             .joints
@@ -251,12 +262,16 @@ mod tests {
     use atas_core::{SensorSetup, Settings};
     use robot_model::RobotModel;
 
+    const VALID_S: f64 = 0.03;
+
     fn guard() -> PanicGuard {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
+        let mut settings = Settings::default();
+        settings.safety.valid_s = VALID_S;
         PanicGuard::new(Box::new(Controller::new(
             &robot,
             SensorSetup::default(),
-            Settings::default(),
+            settings,
         )))
     }
 
@@ -284,7 +299,8 @@ mod tests {
             assert_eq!(command.stamp.writer_epoch, before.stamp.writer_epoch);
             assert_eq!(command.position_rad, before.position_rad);
             assert_eq!(command.velocity_rad_s, [0.0; JOINTS]);
-            assert!(command.valid_until_ns > inputs(index).tick.now_ns);
+            let valid_ns = command.valid_until_ns - inputs(index).tick.now_ns;
+            assert_eq!(valid_ns, (VALID_S * 1e9) as u64);
             assert_eq!(step.report.command_crc32, command.crc32);
         };
         check(&panicked, 1);
