@@ -65,6 +65,24 @@ fn zero_drift_drops_no_object() {
     }
 }
 
+/// Regression: a zero that falls from the start hides the touch. The controller took the squeeze of the
+/// fingers for their free torque, and crushed soft objects without a warning.
+#[test]
+fn zero_drift_from_the_start_harms_no_object() {
+    for name in ["paper-box", "sponge", "wood"] {
+        for n_per_s in [-0.01, -0.003, 0.003, 0.01] {
+            let scene = Scene::grasp(object(name), HandSide::Right);
+            let mut rig = Rig::new(&scene);
+            rig.corrupt_skin(HandSide::Right, drifting(n_per_s, 0..2));
+            rig.begin(&goal(GoalKind::GRASP, &scene, HandSide::Right));
+            rig.ticks(2 * WATCHED);
+            let object = rig.object();
+            let case = format!("{name}, {n_per_s} N/s: {:?}, {object:?}", rig.reason());
+            assert_eq!((object.dropped, object.crushed), (0, 0), "{case}");
+        }
+    }
+}
+
 /// Freezes the most loaded elements of the first fingertip.
 fn sticking(count: usize) -> impl Fn(f64, &mut HandFrame) {
     let kept = RefCell::new(Vec::new());

@@ -267,6 +267,15 @@ impl TaskExecutor {
         self.stiffness
     }
 
+    /// Time for which the fingers have been closing towards contact, s.
+    #[must_use]
+    pub fn closing_s(&self) -> f64 {
+        match self.step().transition {
+            Transition::AllTouched => self.step_s,
+            _ => 0.0,
+        }
+    }
+
     /// Stiffness that the previous step has measured.
     #[must_use]
     pub fn stiffness_before(&self) -> Option<StiffnessFit> {

@@ -176,13 +176,14 @@ impl HandControl {
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
             *of_tip = tip.rotation;
         }
-        let grips = self.grips();
+        let closing_s = self.executor.as_ref().map_or(0.0, TaskExecutor::closing_s);
+        let load = (self.grips(), closing_s);
         match effort_n_m {
             Some(effort_n_m) => self.torque_check.update(
                 &self.model,
                 (measured, effort_n_m),
                 self.perception.percept(),
-                grips,
+                load,
                 &settings.safety,
                 step_s,
             ),

@@ -16,6 +16,10 @@ use robot_model::{GRASP_SIDES, HandModel, HandPose, HandVector, Mover};
 const FILTER_S: f64 = 0.05;
 /// Filter time constant of the free-finger torques, s (design choice).
 const FREE_FILTER_S: f64 = 0.2;
+/// Time of closing towards contact after which torques are no longer learnt as free, s (design choice:
+/// joint friction has shown, and at the closing speed of 2 mm/s the fingers have moved by 0.6 mm). A
+/// skin that drifts may not feel the object that the fingers squeeze.
+const CLOSING_LEARN_S: f64 = 0.3;
 /// Normalised determinant below which only the mean of both sides is observable (design choice).
 const DEPENDENT_SHARE: f64 = 0.05;
 /// Duration of a disagreement before it is reported, s (design choice: longer than an impact).
@@ -94,19 +98,19 @@ impl TorqueForceCheck {
         };
     }
 
-    /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact
-    /// or grip are free.
+    /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact or
+    /// grip are free, unless they have been closing towards contact for `CLOSING_LEARN_S`.
     pub(super) fn update(
         &mut self,
         model: &HandModel,
         (pose, effort_n_m): (&HandPose, &HandVector),
         percept: &Percept,
-        grips: bool,
+        (grips, closing_s): (bool, f64),
         settings: &Safety,
         step_s: f64,
     ) {
         let touches = percept.sides.iter().any(|side| side.in_contact);
-        if !touches && !grips {
+        if !touches && !grips && closing_s < CLOSING_LEARN_S {
             let share = step_s / (FREE_FILTER_S + step_s);
             let learnt = |free, now| free + (now - free) * share;
             self.free_n_m = self.free_n_m.zip_map(effort_n_m, learnt);
