@@ -108,16 +108,6 @@ pub const GATES: &[Gate] = &[
         },
         1.0,
     ),
-    at_most(
-        "iceoryx2 / zenoh",
-        |f| {
-            ratio(
-                &f["transports_us"]["iceoryx2"],
-                &f["transports_us"]["zenoh"],
-            )
-        },
-        0.5,
-    ),
     // 0.01 and 0.05 on a quiet machine. A shorter spin before the wake-up gives about 1.
     realtime(at_most(
         "wake p50 / cyclictest",
