@@ -129,7 +129,7 @@ impl TickLoop {
         let step = panic_guard.step(&inputs, |stage| stopwatch.lap(stage as usize));
         stopwatch.lap(REPORT);
         let sent = commands.send(step.command);
-        link.confirm_stop();
+        link.confirm_stop(sent.is_ok());
         stopwatch.lap(PUBLISH);
         counts.count(&start, sent.is_ok());
         let body_ns = stopwatch.total_ns();

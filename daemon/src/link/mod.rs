@@ -189,8 +189,14 @@ mod tests {
             taken.request,
             OperatorRequest::Stop(Reason::new(Cause::ESTOP))
         );
+        // Without a published command it stays pending, before all other requests.
+        tick.confirm_stop(false);
         assert!(!signal.is_taken(number));
-        tick.confirm_stop();
+        assert_eq!(
+            tick.take_request(true).map(|t| t.request),
+            Some(taken.request)
+        );
+        tick.confirm_stop(true);
         assert!(signal.is_taken(number));
         assert_eq!(
             tick.take_request(false).map(|t| t.request),
