@@ -323,8 +323,9 @@ impl Reason {
             ),
             Cause::ELEMENT_STUCK => write!(
                 f,
-                "element {value} of finger {limit} of the {} hand is stuck: its reading is \
-                 constant; it is masked until the reading changes",
+                "element {value} of finger {} of the {} hand is stuck: its reading is constant; it \
+                 is masked until the reading changes",
+                limit + 1.0,
                 Hand(index)
             ),
             Cause::SENSOR_RESTARTED => {
@@ -378,7 +379,8 @@ impl Reason {
             Cause::GRIP_CEILING => {
                 write!(
                     f,
-                    "grip force {value:.2} N of finger {index} exceeds its limit {limit:.2} N"
+                    "grip force {value:.2} N of grasp side {} exceeds its limit {limit:.2} N",
+                    index.saturating_add(1)
                 )
             }
             Cause::ROBOT_RESTARTED => f.write_str(

@@ -172,21 +172,21 @@ impl Gate {
             let ceiling_n = grip.f2_n.map_or(settings.grip_ceiling_n, |f2_n| {
                 settings.grip_ceiling_n.min(f2_n * settings.grip_ceiling_f2)
             });
-            for finger in 0..GRASP_SIDES {
-                let normal_n = grip.normal_n[finger];
+            for side in 0..GRASP_SIDES {
+                let normal_n = grip.normal_n[side];
                 // NaN counts as above the ceiling.
                 let below = normal_n <= ceiling_n;
                 if below {
                     continue;
                 }
-                let opens = raw[hand].closing_m_s[finger] < 0.0;
+                let opens = raw[hand].closing_m_s[side] < 0.0;
                 let joints = wanted_rad.iter_mut().zip(self.position_rad.iter());
                 for ((wanted_rad, held_rad), limb) in joints.zip(&self.roles) {
-                    let held = limb.arm || (limb.drives[finger] && !opens);
+                    let held = limb.arm || (limb.drives[side] && !opens);
                     if limb.hand == hand && held && wanted_rad != held_rad {
                         *wanted_rad = *held_rad;
                         self.refusal = Reason::with_limit(Cause::GRIP_CEILING, normal_n, ceiling_n)
-                            .with_index(finger);
+                            .with_index(side);
                     }
                 }
             }

@@ -177,7 +177,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::ELEMENT_STUCK, 12.0, 1.0, 0),
-            "element 12 of finger 1 of the left hand is stuck: its reading is constant; it is \
+            "element 12 of finger 2 of the left hand is stuck: its reading is constant; it is \
              masked until the reading changes",
         ),
         (
@@ -308,7 +308,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::GRIP_CEILING, 15.5, 15.0, 1),
-            "grip force 15.50 N of finger 1 exceeds its limit 15.00 N",
+            "grip force 15.50 N of grasp side 2 exceeds its limit 15.00 N",
         ),
         (
             limit(Cause::MODULE_PANICKED, 0.0, 0.0, 0),
