@@ -155,6 +155,7 @@ PARAMETERS: tuple[Parameter, ...] = (
     _error("expected-width", "object", "± mm", 16.0, "four times the default error"),
     _error("height", "object", "mm at most", 200.0, "the default error"),
     _error("servo", "robot", "± %", 50.0, "the simulator's limit; five times the default error"),
+    _error("servo-lag", "robot", "ms", 80.0, "four times the default error"),
     _error("links", "robot", "± mm", 10.0, "the simulator's limit; ten times the default error"),
 )  # fmt: skip
 """All parameters, by group."""
