@@ -16,7 +16,8 @@ use shm_schemas::{
     Stamp, Status, Text, TickReport,
 };
 
-/// Validity of a command after a panic in the first tick, ns; later ones have that of the last command.
+/// Validity of a command after a panic in the first tick, ns. After a later one it is that of the
+/// last command.
 const VALID_NS: u64 = 5_000_000;
 
 /// Outputs of a tick.

@@ -54,8 +54,8 @@ impl RealtimeSide {
         })
     }
 
-    /// Confirms a stop from the signal if the tick's command was published. Otherwise the next tick takes
-    /// it again, and the sender waits.
+    /// Confirms a stop from the signal if the tick's command was published. Otherwise the next tick
+    /// takes it again, and the sender waits.
     pub fn confirm_stop(&mut self, published: bool) {
         if let Some(number) = self.signalled_stop.take().filter(|_| published) {
             self.signal.take(number);

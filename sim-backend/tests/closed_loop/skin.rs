@@ -65,8 +65,8 @@ fn zero_drift_drops_no_object() {
     }
 }
 
-/// Regression: a zero that falls from the start hides the touch. The controller took the squeeze of the
-/// fingers for their free torque, and crushed soft objects without a warning.
+/// Regression: a zero that falls from the start hides the touch. The controller took the squeeze of
+/// the fingers for their free torque, and crushed soft objects without a warning.
 #[test]
 fn zero_drift_from_the_start_harms_no_object() {
     for name in ["paper-box", "sponge", "wood"] {

@@ -219,8 +219,8 @@ pub fn discards_text(discards: &Discards) -> String {
     discards.iter().map(line).collect()
 }
 
-/// Returns the reason if the engine did not simulate a tick; `None` without a fault. Also an engine that
-/// ended or hung costs one trial only: the next one gets another process.
+/// Returns the reason if the engine did not simulate a tick; `None` without a fault. Also an engine
+/// that ended or hung costs one trial only: the next one gets another process.
 ///
 /// # Errors
 /// Any other fault.

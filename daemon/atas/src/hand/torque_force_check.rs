@@ -16,9 +16,9 @@ use robot_model::{GRASP_SIDES, HandModel, HandPose, HandVector, Mover};
 const FILTER_S: f64 = 0.05;
 /// Filter time constant of the free-finger torques, s (design choice).
 const FREE_FILTER_S: f64 = 0.2;
-/// Time of closing towards contact after which torques are no longer learnt as free, s (design choice:
-/// joint friction has shown, and at the closing speed of 2 mm/s the fingers have moved by 0.6 mm). A
-/// skin that drifts may not feel the object that the fingers squeeze.
+/// Time of closing towards contact after which torques are no longer learnt as free, s. A skin that
+/// drifts may not feel the object that the fingers squeeze. Design choice: joint friction has shown,
+/// and the fingers have moved by 0.6 mm.
 const CLOSING_LEARN_S: f64 = 0.3;
 /// Normalised determinant below which only the mean of both sides is observable (design choice).
 const DEPENDENT_SHARE: f64 = 0.05;
@@ -98,8 +98,8 @@ impl TorqueForceCheck {
         };
     }
 
-    /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact or
-    /// grip are free, unless they have been closing towards contact for `CLOSING_LEARN_S`.
+    /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact
+    /// or grip are free, unless they have been closing towards contact for `CLOSING_LEARN_S`.
     pub(super) fn update(
         &mut self,
         model: &HandModel,
