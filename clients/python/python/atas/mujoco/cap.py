@@ -62,7 +62,7 @@ def add_joints(spec: Any, carrier: Any, bottle_name: str, thread: dict[str, Any]
     body = carrier.add_body(name=f"{carrier.name}-cap")
     body.add_joint(name="cap-travel", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1], armature=0.01)
     turn = body.add_joint(name="cap-turn", type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1])
-    turn.armature, turn.frictionloss = thread["inertia_kg_m2"], thread["friction_n_m"]
+    turn.armature, turn.frictionloss, turn.damping[0] = thread["inertia_kg_m2"], thread["friction_n_m"], 0.004
     # Sticks: with the default, a thread creeps below its friction.
     turn.solref_friction, turn.solimp_friction = STIFF, [0.999, 0.9999, 0.001, 0.5, 2.0]
     for name, first, second in (("cap-lock", "cap-turn", None), ("cap-thread", "cap-travel", "cap-turn")):
