@@ -7,7 +7,7 @@ use super::noise::Noise;
 use super::patch::{ElementAxes, Patch};
 use crate::intake::ValidatedFrame;
 use crate::limits::{FRICTION_FLOOR, MASKED_DECAY_S};
-use crate::settings::Perception as Settings;
+use crate::settings::{Perception, Settings};
 use nalgebra::Vector3;
 use shm_schemas::Layout;
 use shm_schemas::capacity::ELEMENTS;
@@ -130,7 +130,7 @@ impl FingertipPerception {
         finger: usize,
         frame: &ValidatedFrame<'_>,
         slips: bool,
-        all: &crate::settings::Settings,
+        all: &Settings,
     ) -> ContactPercept {
         let settings = &all.perception;
         let share = self.filter(finger, frame, settings);
@@ -201,7 +201,7 @@ impl FingertipPerception {
     }
 
     /// Low-passes every element; a masked element decays. Returns the filter gain.
-    fn filter(&mut self, finger: usize, frame: &ValidatedFrame<'_>, settings: &Settings) -> f64 {
+    fn filter(&mut self, finger: usize, frame: &ValidatedFrame<'_>, settings: &Perception) -> f64 {
         let step_s = frame.step_s();
         let share = if settings.filter_s > 0.0 {
             step_s / (settings.filter_s + step_s)
@@ -226,7 +226,7 @@ impl FingertipPerception {
 
     /// Applies the friction filter. Returns the variance of the remaining noise, N². `share` is the
     /// gain of the first filter.
-    fn filter_slow(&mut self, share: f64, step_s: f64, settings: &Settings) -> f64 {
+    fn filter_slow(&mut self, share: f64, step_s: f64, settings: &Perception) -> f64 {
         let slow = step_s / (settings.friction_filter_s + step_s);
         for (steady, filtered) in self.slow_n.iter_mut().zip(&self.filtered_n) {
             for (steady, filtered) in steady.iter_mut().zip(filtered) {
@@ -241,7 +241,7 @@ impl FingertipPerception {
 
     /// Updates the contact with hysteresis; a single threshold flickers on real data. Sensor noise
     /// raises the thresholds.
-    fn update_contact(&mut self, patch: &Patch, settings: &Settings) {
+    fn update_contact(&mut self, patch: &Patch, settings: &Perception) {
         let noise_n = NOISE_MARGIN * patch.noise_n * libm::sqrt(self.axes.count as f64);
         let raise = (noise_n / settings.touch_on_n).max(1.0);
         let percept = &mut self.percept;

@@ -21,8 +21,6 @@ use crate::limits::{
 use crate::settings::Settings;
 use shm_schemas::capacity::ELEMENTS;
 
-/// Duration of gross slip after which the remembered friction relaxes, s (prototype: 10 ms).
-const GROSS_AFTER_S: f64 = 0.01;
 /// Upper limit of the utilisation.
 const UTILISATION_CLIP: f64 = 1.2;
 /// Smallest friction reading used as a divisor (prototype: 0.03).
@@ -167,7 +165,7 @@ impl Friction {
         } else {
             0.0
         };
-        if self.gross_s > GROSS_AFTER_S {
+        if self.gross_s > settings.grasp.slip_gross_s {
             let share = step_s / (FRICTION_RELAX_S + step_s);
             self.remembered += (ratio - self.remembered) * share;
         }

@@ -353,8 +353,6 @@ fn utilisation_rises_to_one_in_gross_slip() {
     );
 }
 
-/// After a slip that sticks again at less shear, the patch stays uniformly sheared; only the force
-/// ratio shows the stick.
 #[test]
 fn gross_slip_begins_at_its_parameter() {
     for (slip_gross, slips) in [(0.955, true), (1.2, false)] {
@@ -373,6 +371,8 @@ fn gross_slip_begins_at_its_parameter() {
     }
 }
 
+/// After a slip that sticks again at less shear, the patch stays uniformly sheared; only the force
+/// ratio shows the stick.
 #[test]
 fn gross_slip_ends_when_friction_ratio_falls() {
     let slide = |skin: &mut Skin, friction: f64| {
