@@ -17,7 +17,7 @@ use shm_schemas::{
 };
 
 /// Validity of a command after a panic in the first tick, ns. After a later one it is that of the
-/// last command.
+/// command before.
 const VALID_NS: u64 = 5_000_000;
 
 /// Outputs of a tick.
@@ -53,7 +53,6 @@ struct LastOutputs {
 #[derive(Debug)]
 struct Failure {
     command: JointCommand,
-    valid_ns: u64,
     report: TickReport,
     goal_update: Option<GoalUpdate>,
     event: Option<ModuleEvent>,
@@ -161,15 +160,6 @@ impl PanicGuard {
 }
 
 impl LastOutputs {
-    /// Configured validity of a command, ns; `None` before the first command.
-    fn valid_ns(&self) -> Option<u64> {
-        let command = &self.command;
-        let valid_ns = command
-            .valid_until_ns
-            .checked_sub(command.stamp.captured_ns);
-        valid_ns.filter(|valid_ns| *valid_ns > 0)
-    }
-
     fn record<'a>(&mut self, outputs: &'a Outputs) -> Step<'a> {
         self.command = outputs.command;
         self.goal_id = outputs.report.goal_id;
@@ -213,19 +203,22 @@ impl Failure {
         };
         Self {
             command: last.command,
-            valid_ns: last.valid_ns().unwrap_or(VALID_NS),
             report: TickReport::default(),
             goal_update: (last.goal_id != 0).then_some(update),
             event: Some(event),
         }
     }
 
-    /// Repeats the last command with zero velocity and this tick's stamp.
+    /// Repeats the last command with zero velocity, this tick's stamp and the same validity.
     fn hold(&mut self, inputs: &Inputs<'_>) {
         let command = &mut self.command;
+        let valid_ns = command
+            .valid_until_ns
+            .saturating_sub(command.stamp.captured_ns);
+        let valid_ns = if valid_ns > 0 { valid_ns } else { VALID_NS };
         command.stamp.sequence += 1;
         command.stamp.captured_ns = inputs.tick.now_ns;
-        command.valid_until_ns = inputs.tick.now_ns.saturating_add(self.valid_ns);
+        command.valid_until_ns = inputs.tick.now_ns.saturating_add(valid_ns);
         command.tick = inputs.tick.index;
         command.answers_sequence = inputs
             .joints
