@@ -223,7 +223,7 @@ impl Object {
     /// # Errors
     /// If the file is unreadable or malformed, or a value is out of range.
     pub fn from_file(path: &Path) -> Result<Self, ObjectError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ObjectError::Unreadable {
+        let text = atas_text_file::read(path).map_err(|source| ObjectError::Unreadable {
             path: path.to_owned(),
             source,
         })?;

@@ -1,6 +1,5 @@
 //! Permissions of group members by the configuration.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use atas_console::arguments::Right;
@@ -51,7 +50,7 @@ pub(crate) fn check(needed: Right, granted: &Result<GroupRight, String>) -> Resu
 
 /// Returns the permission of one file, if it has one.
 fn read(file: &Path) -> Result<Option<GroupRight>, String> {
-    let text = fs::read_to_string(file)
+    let text = atas_text_file::read(file)
         .map_err(|error| format!("could not read it because of: {error}"))?;
     let table: Table = text.parse().map_err(|error: toml::de::Error| {
         format!("is not TOML: {}", error.message().replace('\n', ", "))
@@ -70,6 +69,8 @@ fn read(file: &Path) -> Result<Option<GroupRight>, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -98,7 +98,7 @@ impl Plan {
     pub fn from_file(path: &Path) -> Result<Self, Failure> {
         let refuse =
             |reason: String| Failure::Usage(format!("could not read {}: {reason}", path.display()));
-        let text = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
+        let text = atas_text_file::read(path).map_err(|error| refuse(error.to_string()))?;
         Self::from_toml(&text).map_err(|reason| refuse(reason.to_string()))
     }
 

@@ -74,7 +74,7 @@ fn sync_folder(path: &Path) -> std::io::Result<()> {
 
 /// Reads a text file.
 pub fn read_text(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path).map_err(|error| {
+    atas_text_file::read(path).map_err(|error| {
         Error::refused(
             format_args!("read {}", path.display()),
             format_args!("{error}"),

@@ -113,7 +113,7 @@ pub fn shipped_names() -> impl Iterator<Item = String> {
 }
 
 fn text(path: PathBuf) -> Result<String, ModelError> {
-    std::fs::read_to_string(&path).map_err(|source| ModelError::Read { path, source })
+    atas_text_file::read(&path).map_err(|source| ModelError::Read { path, source })
 }
 
 impl RobotModel {

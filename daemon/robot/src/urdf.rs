@@ -14,6 +14,7 @@ mod error;
 mod framed;
 mod hand;
 mod joint;
+mod location;
 mod tip;
 mod tree;
 
@@ -26,6 +27,7 @@ pub(crate) use error::problem;
 pub use error::{ModelError, ModelFile, ModelProblem};
 use hand::load_hand;
 use joint::{joint_axis, load_joint};
+use location::bad_number;
 use tree::Tree;
 
 use crate::model::HandModel;
@@ -40,9 +42,9 @@ impl RobotModel {
     /// [`ModelError`] if a text is invalid, or with all problems found.
     pub fn load(urdf_text: &str, robot_file: &str) -> Result<RobotModel, ModelError> {
         let file = RobotFile::parse(robot_file)?;
-        let robot = urdf_rs::read_from_string(urdf_text)?;
+        let robot = read(urdf_text)?;
         let mut findings = Findings::new(urdf_text, robot_file);
-        let tree = Tree::new(&robot, &mut findings);
+        let tree = Tree::new(&robot, &mut findings)?;
         check_entries(&tree, &file, &mut findings);
         let entries = [&file.hands.left, &file.hands.right];
         if entries.iter().all(|entry| entry.is_none()) {
@@ -70,14 +72,31 @@ impl RobotModel {
     }
 }
 
+/// Parses a URDF. A number that cannot be read is named with its line.
+fn read(urdf_text: &str) -> Result<urdf_rs::Robot, ModelError> {
+    urdf_rs::read_from_string(urdf_text).map_err(|error| match bad_number(urdf_text) {
+        Some(bad) => {
+            let needs = match &*bad.value {
+                value if value.contains('$') => "numbers; expand the file with `xacro` first",
+                value if value.contains(',') => "numbers with a decimal point, separated by spaces",
+                _ => "numbers",
+            };
+            let item = format!("attribute {}", bad.attribute);
+            let was = format!("{:?}", bad.value);
+            ModelError::from(problem(item, was, needs).at_line(bad.line))
+        }
+        None => error.into(),
+    })
+}
+
 /// Returns one sentence for each collision shape that was ignored or approximated.
 ///
 /// # Errors
 /// [`ModelError`] if a text is invalid.
 pub(crate) fn remarks(urdf_text: &str, robot_file: &str) -> Result<Vec<String>, ModelError> {
     let file = RobotFile::parse(robot_file)?;
-    let robot = urdf_rs::read_from_string(urdf_text)?;
-    let tree = Tree::new(&robot, &mut Findings::new(urdf_text, robot_file));
+    let robot = read(urdf_text)?;
+    let tree = Tree::new(&robot, &mut Findings::new(urdf_text, robot_file))?;
     Ok(collision::remarks(&tree, &file))
 }
 

@@ -1,5 +1,6 @@
 //! A TOML text as a flat list of keys with locations.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -27,10 +28,14 @@ pub(super) fn read_text(path: &Path, text: &str) -> Result<Vec<Entry>, Problem> 
     };
     let table: Table = toml::from_str(text).map_err(syntax)?;
     let spans = DeTable::parse(text).map_err(syntax)?;
+    let mut offsets = HashMap::new();
+    collect_offsets("", spans.get_ref(), &mut offsets);
+    let newlines: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
     let mut leaves = Vec::new();
     flatten("", &table, &mut |key, value| {
-        let offset = offset_of(spans.get_ref(), key).unwrap_or(0);
-        let place = Location::File(path.to_owned(), line_of(text, offset));
+        let offset = offsets.get(key).copied().unwrap_or(0);
+        let line = newlines.partition_point(|newline| *newline < offset) + 1;
+        let place = Location::File(path.to_owned(), line);
         leaves.push(Entry {
             key: key.to_owned(),
             value: value.clone(),
@@ -97,11 +102,7 @@ fn insert(table: &mut Table, key: &str, value: Value) -> Option<()> {
 /// key, so that a misspelt empty section is found.
 fn flatten(prefix: &str, table: &Table, each: &mut impl FnMut(&str, &Value)) {
     for (name, value) in table {
-        let key = if prefix.is_empty() {
-            name.clone()
-        } else {
-            format!("{prefix}.{name}")
-        };
+        let key = joined(prefix, name);
         match value {
             Value::Table(inner) if inner.is_empty() && keys::is_section(&key) => {}
             Value::Table(inner) if !inner.is_empty() && !is_value(&key) => {
@@ -112,24 +113,28 @@ fn flatten(prefix: &str, table: &Table, each: &mut impl FnMut(&str, &Value)) {
     }
 }
 
+fn joined(prefix: &str, name: &str) -> String {
+    if prefix.is_empty() {
+        name.to_owned()
+    } else {
+        format!("{prefix}.{name}")
+    }
+}
+
 /// Returns true if a table under this key is a single value.
 fn is_value(key: &str) -> bool {
     keys::permitted_values(key).is_some() || keys::task_name(key).is_some()
 }
 
-fn offset_of(table: &DeTable<'_>, key: &str) -> Option<usize> {
-    let find = |name: &str| table.iter().find(|(k, _)| k.get_ref() == name);
-    if let Some((found, _)) = find(key) {
-        return Some(found.span().start);
-    }
-    // A quoted name may contain dots, so every split is tried.
-    key.match_indices('.').find_map(|(at, _)| {
-        let (_, value) = find(&key[..at])?;
-        match value.get_ref() {
-            DeValue::Table(inner) => offset_of(inner, &key[at + 1..]),
-            _ => None,
+/// Collects the byte offset of each key, under the names that [`flatten`] gives.
+fn collect_offsets(prefix: &str, table: &DeTable<'_>, offsets: &mut HashMap<String, usize>) {
+    for (name, value) in table {
+        let key = joined(prefix, name.get_ref());
+        if let DeValue::Table(inner) = value.get_ref() {
+            collect_offsets(&key, inner, offsets);
         }
-    })
+        offsets.entry(key).or_insert(name.span().start);
+    }
 }
 
 fn line_of(text: &str, offset: usize) -> usize {

@@ -1,11 +1,11 @@
 //! Sources of a configuration and their merging.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use atas_process::configuration::{SYSTEM_FILE, SYSTEM_FOLDER, system_files};
+use atas_text_file::PROBLEMS_MAX;
 
 use super::document::{self, Entry};
 use super::{Config, ConfigError, Location, Problem, keys, tasks};
@@ -49,6 +49,9 @@ impl Source {
         let mut problems = Vec::new();
         let mut merged = BTreeMap::new();
         for leaf in self.entries(&mut problems) {
+            if problems.len() >= PROBLEMS_MAX {
+                break;
+            }
             check_entry(&leaf, &mut problems);
             merged.insert(leaf.key.clone(), leaf);
         }
@@ -113,7 +116,7 @@ impl Config {
 }
 
 fn read_file(path: &Path) -> Result<Vec<Entry>, Problem> {
-    let text = fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
+    let text = atas_text_file::read(path).map_err(|error| unreadable(path, &error))?;
     document::read_text(path, &text)
 }
 

@@ -96,11 +96,10 @@ impl SensorModel {
     /// # Errors
     /// If the file is unreadable or malformed, or a value is out of range.
     pub fn from_file(path: &Path) -> Result<Self, SensorModelError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| SensorModelError::Unreadable {
-                path: path.to_owned(),
-                source,
-            })?;
+        let text = atas_text_file::read(path).map_err(|source| SensorModelError::Unreadable {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::parse(&text, &path.display().to_string())
     }
 

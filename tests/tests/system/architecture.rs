@@ -8,13 +8,15 @@ use robot_model::RobotModel;
 /// Permitted dependencies of each package of the workspace. Dev-dependencies are not restricted.
 const DEPENDENCIES: &[(&str, &[&str])] = &[
     ("shm-schemas", &[]),
+    ("atas-text-file", &[]),
     ("shm-bus", &["shm-schemas"]),
-    ("robot-model", &["shm-schemas"]),
+    ("robot-model", &["atas-text-file", "shm-schemas"]),
     ("atas-core", &["shm-schemas", "robot-model"]),
     ("atas-process", &[]),
     (
         "atasd",
         &[
+            "atas-text-file",
             "atas-process",
             "atas-core",
             "shm-bus",
@@ -27,6 +29,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     (
         "sim-backend",
         &[
+            "atas-text-file",
             "atas-process",
             "shm-bus",
             "shm-schemas",
@@ -75,6 +78,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     (
         "atas-evaluation",
         &[
+            "atas-text-file",
             "atas-client",
             "atas-controller-state",
             "atas-core",
@@ -103,7 +107,10 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "sim-backend",
         ],
     ),
-    ("atas-gate", &["atas-process", "atas-console", "shm-bus"]),
+    (
+        "atas-gate",
+        &["atas-text-file", "atas-process", "atas-console", "shm-bus"],
+    ),
     (
         "atas-cli",
         &[
@@ -137,6 +144,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     (
         "atas-live",
         &[
+            "atas-text-file",
             "atas-client",
             "atas-console",
             "atas-recording",
@@ -149,6 +157,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     (
         "ebts",
         &[
+            "atas-text-file",
             "atas-process",
             "atas-core",
             "atas-evaluation",
@@ -162,11 +171,23 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     ),
     (
         "atas-robots",
-        &["atas-process", "robot-model", "shm-bus", "shm-schemas"],
+        &[
+            "atas-text-file",
+            "atas-process",
+            "robot-model",
+            "shm-bus",
+            "shm-schemas",
+        ],
     ),
     (
         "atas-sensors",
-        &["atas-process", "atas-recording", "shm-bus", "shm-schemas"],
+        &[
+            "atas-text-file",
+            "atas-process",
+            "atas-recording",
+            "shm-bus",
+            "shm-schemas",
+        ],
     ),
     (
         "system-tests",

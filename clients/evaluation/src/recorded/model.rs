@@ -147,8 +147,7 @@ impl Model {
     /// The file cannot be read, or a value is out of range.
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let name = path.display();
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("could not read {name}"))?;
+        let text = atas_text_file::read(path).with_context(|| format!("could not read {name}"))?;
         Self::parse(&text).with_context(|| format!("could not use the model {name}"))
     }
 

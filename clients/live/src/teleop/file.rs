@@ -29,8 +29,11 @@ pub(super) struct TimedTarget {
     pub(super) wanted: TeleopTarget,
 }
 
+/// Largest target file, bytes. Design choice: an hour at 200 Hz.
+const BYTES_MAX: u64 = 256 << 20;
+
 pub(super) fn read(path: &Path) -> anyhow::Result<Vec<TimedTarget>> {
-    let text = std::fs::read_to_string(path)
+    let text = atas_text_file::read_at_most(path, BYTES_MAX)
         .with_context(|| format!("could not read {}", path.display()))?;
     parse(&text).map_err(|findings| {
         let mut sentence = format!("invalid target file {}:", path.display());

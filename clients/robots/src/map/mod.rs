@@ -127,7 +127,7 @@ pub fn read(path: &Path) -> Result<MapFile, Failure> {
         file: path.display().to_string(),
         findings: vec![why],
     };
-    let text = std::fs::read_to_string(path)
+    let text = atas_text_file::read(path)
         .map_err(|error| refused(format!("could not read it: {error}")))?;
     toml::from_str(&text).map_err(|error| refused(error.to_string()))
 }

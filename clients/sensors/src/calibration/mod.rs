@@ -136,7 +136,7 @@ impl Calibration {
     /// [`CalibrationError`] with the file and the cause.
     pub fn open(path: &Path) -> Result<Self, CalibrationError> {
         let name = || path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|error| CalibrationError::File {
+        let text = atas_text_file::read(path).map_err(|error| CalibrationError::File {
             verb: "read",
             path: name(),
             error,

@@ -1,12 +1,14 @@
 //! Errors of loading a robot.
 
 use std::fmt;
-use std::format;
 use std::path::PathBuf;
 use std::string::{String, ToString};
 use std::vec;
 use std::vec::Vec;
 
+use atas_text_file::PROBLEMS_MAX;
+
+use super::location::{element_line, word_line};
 use crate::robot_file_parser::RobotFileErrors;
 
 /// Error of loading a robot.
@@ -94,6 +96,12 @@ impl fmt::Display for ModelProblem {
 }
 
 impl ModelProblem {
+    /// Gives the line, from 1.
+    pub(super) fn at_line(mut self, line: usize) -> Self {
+        self.line = Some(line);
+        self
+    }
+
     /// Moves the problem to the robot file.
     pub(super) fn in_robot_file(mut self) -> Self {
         self.file = ModelFile::RobotFile;
@@ -143,34 +151,40 @@ impl<'a> Findings<'a> {
         }
     }
 
-    /// Adds a problem once, with its line.
+    /// Adds a problem once, with its line; ignores further ones beyond the limit.
     pub(super) fn add(&mut self, mut issue: ModelProblem) {
+        if self.problems.len() >= PROBLEMS_MAX {
+            return;
+        }
         self.find(&mut issue);
         if !self.problems.contains(&issue) {
             self.problems.push(issue);
         }
     }
 
-    /// Finds the line of the first part that a problem names. Parts that the URDF lacks are
-    /// searched in the robot file.
+    /// Finds the line of the first part that a problem names: a link or joint of the URDF, else a
+    /// word of the robot file.
     fn find(&self, issue: &mut ModelProblem) {
-        let names: Vec<&str> = issue.item.split('`').skip(1).step_by(2).collect();
-        let line_of = |text: &str, form: &dyn Fn(&str) -> String| {
-            let forms: Vec<String> = names.iter().map(|name| form(name)).collect();
-            let lines = text.lines().enumerate();
-            let holds = |line: &str| forms.iter().any(|form| line.contains(form));
-            let mut found = lines.filter(|(_, line)| holds(line));
-            found.next().map(|(index, _)| index + 1)
+        let parts: Vec<&str> = issue.item.split('`').collect();
+        let named = parts.chunks_exact(2).map(|pair| (pair[0], pair[1]));
+        let in_urdf = |(before, name): (&str, &str)| {
+            let kind = before.split_whitespace().next_back()?;
+            let kind = if kind == "fingertip" { "link" } else { kind };
+            element_line(self.urdf, kind, name)
         };
-        let in_urdf = || line_of(self.urdf, &|name| format!("name=\"{name}\""));
-        let in_robot_file = || line_of(self.robot_file, &|name| name.to_string());
         if issue.file == ModelFile::Urdf {
-            issue.line = in_urdf();
+            issue.line = named.clone().find_map(in_urdf);
             if issue.line.is_some() {
                 return;
             }
         }
-        issue.line = in_robot_file();
+        issue.line = named
+            .clone()
+            .find_map(|(_, name)| word_line(self.robot_file, name))
+            .or_else(|| {
+                let is_missing = issue.item.ends_with(" in [joints]");
+                is_missing.then(|| word_line(self.robot_file, "[joints]"))?
+            });
         if issue.line.is_some() {
             issue.file = ModelFile::RobotFile;
         }

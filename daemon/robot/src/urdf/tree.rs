@@ -1,5 +1,6 @@
 //! Tree of a URDF: the carrying joint of each link, and rigid transforms along fixed joints.
 
+use std::collections::BTreeMap;
 use std::format;
 use std::string::String;
 use std::vec::Vec;
@@ -10,9 +11,16 @@ use urdf_rs::{Joint, JointType, Link, Pose, Robot};
 use super::error::{Findings, ModelProblem, problem};
 use crate::transform::Transform;
 
+/// Most links and joints. Design choice: ten times the largest public URDF.
+const PARTS_MAX: usize = 2000;
+
 /// URDF in which at most one joint carries each link.
 pub(super) struct Tree<'a> {
     robot: &'a Robot,
+    links: BTreeMap<&'a str, &'a Link>,
+    joints: BTreeMap<&'a str, &'a Joint>,
+    /// Joint that carries each link.
+    carriers: BTreeMap<&'a str, &'a Joint>,
 }
 
 /// One moving joint on the path from the root to a link.
@@ -32,19 +40,34 @@ pub(super) struct Chain<'a> {
 }
 
 impl<'a> Tree<'a> {
-    pub(super) fn new(robot: &'a Robot, findings: &mut Findings) -> Tree<'a> {
-        for (index, joint) in robot.joints.iter().enumerate() {
-            let child = &joint.child.link;
-            if let Some(other) = robot.joints[..index]
-                .iter()
-                .find(|other| other.child.link == *child)
-            {
-                let was = format!("the child of joints `{}` and `{}`", other.name, joint.name);
+    pub(super) fn new(robot: &'a Robot, findings: &mut Findings) -> Result<Tree<'a>, ModelProblem> {
+        for (what, count) in [("links", robot.links.len()), ("joints", robot.joints.len())] {
+            if count > PARTS_MAX {
+                let needs = format!("at most {PARTS_MAX}");
+                return Err(problem(format!("the number of {what}"), count, needs));
+            }
+        }
+        let mut tree = Tree {
+            robot,
+            links: BTreeMap::new(),
+            joints: BTreeMap::new(),
+            carriers: BTreeMap::new(),
+        };
+        // The first of equal names counts.
+        for link in &robot.links {
+            tree.links.entry(&link.name).or_insert(link);
+        }
+        for joint in &robot.joints {
+            tree.joints.entry(&joint.name).or_insert(joint);
+            let child = &*joint.child.link;
+            let first = *tree.carriers.entry(child).or_insert(joint);
+            if !core::ptr::eq(first, joint) {
+                let was = format!("the child of joints `{}` and `{}`", first.name, joint.name);
                 let needs = "one joint that carries it";
                 findings.add(problem(format!("link `{child}`"), was, needs));
             }
         }
-        Tree { robot }
+        Ok(tree)
     }
 
     pub(super) fn robot(&self) -> &'a Robot {
@@ -52,12 +75,12 @@ impl<'a> Tree<'a> {
     }
 
     pub(super) fn joint(&self, name: &str) -> Result<&'a Joint, ModelProblem> {
-        let found = self.robot.joints.iter().find(|joint| joint.name == name);
+        let found = self.joints.get(name).copied();
         found.ok_or_else(|| problem(format!("joint `{name}`"), "missing", "a joint of this name"))
     }
 
     pub(super) fn link(&self, name: &str) -> Result<&'a Link, ModelProblem> {
-        let found = self.robot.links.iter().find(|link| link.name == name);
+        let found = self.links.get(name).copied();
         found.ok_or_else(|| problem(format!("link `{name}`"), "missing", "a link of this name"))
     }
 
@@ -94,12 +117,7 @@ impl<'a> Tree<'a> {
         let mut top = &*self.link(link)?.name;
         let mut path = Transform::IDENTITY;
         for _ in 0..=self.robot.joints.len() {
-            match self
-                .robot
-                .joints
-                .iter()
-                .find(|joint| joint.child.link == top)
-            {
+            match self.carriers.get(top).copied() {
                 Some(joint) if joint.joint_type == JointType::Fixed => {
                     let origin = transform(&joint.origin, || {
                         format!("the origin of joint `{}`", joint.name)

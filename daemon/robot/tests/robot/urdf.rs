@@ -348,3 +348,65 @@ fn meshes_are_rejected_or_reported_as_ignored() {
         "{remarks:?}"
     );
 }
+
+#[test]
+fn error_names_the_line_of_its_joint_in_either_quotes() {
+    let urdf = TWO_HAND_ARM
+        .urdf
+        .replacen(ELBOW, &ELBOW.replace("0 1 0", "0 2 0"), 1);
+    let joint = "<joint name=\"left_elbow_pitch\"";
+    // A link of the same name before it is not the joint.
+    let urdf = urdf.replacen("<link ", "<link name=\"left_elbow_pitch\"/>\n<link ", 1);
+    let line = urdf[..urdf.find(joint).expect("the joint")]
+        .matches('\n')
+        .count()
+        + 1;
+    let wanted = format!("length 2, needs a unit vector; change line {line} of the URDF");
+    for urdf in [urdf.replace('"', "'"), urdf] {
+        let error = with_urdf(&urdf).expect_err("refused").to_string();
+        assert!(error.contains(&wanted), "said: {error}\nlacks: {wanted}");
+    }
+}
+
+#[test]
+fn text_in_place_of_a_number_is_named_with_its_cure() {
+    for (value, cure) in [
+        ("${pi/2}", "expand the file with `xacro` first"),
+        ("2,618", "numbers with a decimal point, separated by spaces"),
+        ("wide", "needs numbers"),
+    ] {
+        let bad = ELBOW.replace("2.618", value);
+        check(
+            ELBOW,
+            &bad,
+            &format!("attribute upper was {value:?}, needs numbers"),
+        );
+        check(ELBOW, &bad, cure);
+        check(ELBOW, &bad, "change line ");
+    }
+}
+
+#[test]
+fn long_chain_of_fixed_links_is_loaded_or_refused_by_its_number() {
+    let chain = |count: usize| {
+        let link = |n: usize| format!("<link name=\"tail{n}\"/>\n");
+        let joint = |n: usize| {
+            let parent = if n == 0 {
+                "base".to_owned()
+            } else {
+                format!("tail{}", n - 1)
+            };
+            format!(
+                "<joint name=\"tail{n}\" type=\"fixed\"><parent link=\"{parent}\"/><child link=\"tail{n}\"/></joint>\n"
+            )
+        };
+        let parts: String = (0..count).map(|n| link(n) + &joint(n)).collect();
+        TWO_HAND_ARM
+            .urdf
+            .replacen("</robot>", &(parts + "</robot>"), 1)
+    };
+    with_urdf(&chain(1900)).expect("loaded");
+    let error = with_urdf(&chain(10_000)).expect_err("refused").to_string();
+    assert!(error.contains("the number of links was 100"), "{error}");
+    assert!(error.contains("needs at most 2000"), "{error}");
+}

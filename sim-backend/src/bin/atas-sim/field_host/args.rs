@@ -92,7 +92,6 @@ fn preset(text: &str) -> Result<Preset, Failure> {
     if !Path::new(text).exists() {
         return Err(refuse(format!("{text:?} is neither a preset nor a file")));
     }
-    let content =
-        std::fs::read_to_string(text).map_err(|error| refuse(format!("{text}: {error}")))?;
+    let content = atas_text_file::read(text).map_err(|error| refuse(format!("{text}: {error}")))?;
     toml::from_str(&content).map_err(|error| refuse(format!("{text}: {}", error.message())))
 }
