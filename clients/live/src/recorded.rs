@@ -64,7 +64,9 @@ impl LoadedRecording {
             if let Some(report) = row.report.as_deref()
                 && row.captured_ns >= next_ns
             {
-                next_ns = row.captured_ns + (shelf.period_s * 1e9) as u64;
+                next_ns = row
+                    .captured_ns
+                    .saturating_add((shelf.period_s * 1e9) as u64);
                 shelf.add_picture(report, &now, counts)?;
             }
         }

@@ -59,7 +59,8 @@ impl Contents {
         self.parts += 1;
         let sequence = part.stamp.sequence;
         self.first.get_or_insert(sequence);
-        self.lost += self.next.map_or(0, |next| sequence.saturating_sub(next));
+        let gap = self.next.map_or(0, |next| sequence.saturating_sub(next));
+        self.lost = self.lost.saturating_add(gap);
         self.next = Some(sequence.saturating_add(1));
         Ok(())
     }

@@ -125,9 +125,12 @@ impl Recording {
         let sequence = part.stamp.sequence;
         match self.next_sequence {
             None => self.tally.has_beginning &= sequence == 0,
-            Some(expected) => self.tally.lost += sequence.saturating_sub(expected),
+            Some(expected) => {
+                let gap = sequence.saturating_sub(expected);
+                self.tally.lost = self.tally.lost.saturating_add(gap);
+            }
         }
-        self.next_sequence = Some(sequence + 1);
+        self.next_sequence = Some(sequence.saturating_add(1));
         self.tally.parts += 1;
         self.last = part.stamp;
         if self.is_followed {

@@ -93,3 +93,25 @@ fn flipped_bit_is_reported_without_panic() {
         prop_assert_eq!(contents(&out).damage, None);
     });
 }
+
+#[test]
+fn sequences_at_the_ends_of_their_range_are_counted_without_overflow() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("crafted.mcap");
+    let mut writer = Writer::create(&path).expect("created");
+    for sequence in [0, u64::MAX, 1, u64::MAX - 1, 2, u64::MAX] {
+        let part = TickInputs {
+            stamp: Stamp {
+                sequence,
+                captured_ns: u64::MAX - sequence,
+                ..Stamp::default()
+            },
+            ..TickInputs::default()
+        };
+        writer.write(&part).expect("written");
+    }
+    writer.finish().expect("finished");
+    let found = contents(&path);
+    assert_eq!((found.parts, found.lost), (6, u64::MAX));
+    repair_into(&path, &folder.path().join("repaired.mcap"));
+}

@@ -99,7 +99,8 @@ impl Second {
         {
             self.period
                 .take(stamp.captured_ns.saturating_sub(captured_ns));
-            self.lost += stamp.sequence.saturating_sub(sequence).saturating_sub(1);
+            let gap = stamp.sequence.saturating_sub(sequence).saturating_sub(1);
+            self.lost = self.lost.saturating_add(gap);
         }
         self.newest = Some((stamp.writer_epoch, stamp.sequence, stamp.captured_ns));
     }

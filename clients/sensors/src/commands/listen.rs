@@ -62,7 +62,8 @@ impl RateWindow {
             && epoch == stamp.writer_epoch
         {
             let period_ns = stamp.captured_ns.saturating_sub(captured_ns);
-            self.lost += stamp.sequence.saturating_sub(sequence).saturating_sub(1);
+            let gap = stamp.sequence.saturating_sub(sequence).saturating_sub(1);
+            self.lost = self.lost.saturating_add(gap);
             self.min_ns = Some(self.min_ns.map_or(period_ns, |min| min.min(period_ns)));
             self.max_ns = self.max_ns.max(period_ns);
             self.sum_ns = self.sum_ns.saturating_add(period_ns);

@@ -162,11 +162,11 @@ impl Player<'_> {
             self.played.skipped += 1;
             return Ok(());
         };
-        self.due_ns += step.after_ns;
+        self.due_ns = self.due_ns.saturating_add(step.after_ns);
         if !self.wait()? {
             return Ok(());
         }
-        self.next_sequence += step.advance;
+        self.next_sequence = self.next_sequence.saturating_add(step.advance);
         frame.hand = self.source.hand;
         frame.stamp = Stamp {
             writer_epoch: self.writer.epoch(),
@@ -176,7 +176,7 @@ impl Player<'_> {
         frame.seal();
         self.writer.frame(&frame)?;
         self.played.frames += 1;
-        self.played.lost += step.advance - 1;
+        self.played.lost = self.played.lost.saturating_add(step.advance - 1);
         Ok(())
     }
 
