@@ -129,7 +129,6 @@ impl TickLoop {
         let step = panic_guard.step(&inputs, |stage| stopwatch.lap(stage as usize));
         stopwatch.lap(REPORT);
         let sent = commands.send(step.command);
-        link.confirm_stop(sent.is_ok());
         stopwatch.lap(PUBLISH);
         counts.count(&start, sent.is_ok());
         let body_ns = stopwatch.total_ns();
@@ -144,11 +143,16 @@ impl TickLoop {
         let ticket = order.map_or(0, |order| order.ticket);
         let goal_update = step.goal_update.copied();
         link.push_record(&record, step.events);
-        if is_news || ticket != 0 || counts.ticks.is_multiple_of(counts.status_every) {
+        if is_news
+            || ticket != 0
+            || link.takes_stop()
+            || counts.ticks.is_multiple_of(counts.status_every)
+        {
             link.push_snapshot(&counts.complete(panic_guard.status(start.tick.now_ns), &start));
         }
-        // After the snapshot: a client that reacts to the notification must not read an older
-        // status.
+        // After the snapshot: a client that reacts to the stop or notification must not read an
+        // older status.
+        link.confirm_stop(sent.is_ok());
         link.push_notifications(ticket, goal_update.as_ref());
         if counts.ticks.is_multiple_of(counts.view_every) {
             link.push_view(|view| ports.write_view(start.tick, view));

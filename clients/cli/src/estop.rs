@@ -1,14 +1,15 @@
 //! `atas estop`: stops the robot over a separate channel that other clients cannot block.
 //!
-//! It joins no bus, takes no lock and cleans up nothing first ([`shm_bus::stop`]).
+//! It joins no bus, takes no lock and cleans up nothing first ([`shm_bus::stop`]). Without an
+//! answer it also sends a control request.
 
 use std::time::{Duration, Instant};
 
-use atas_client::Stopped;
+use atas_client::{StopChannel, StopReply, Stopped, request_stop};
 use atas_console::{Exit, ExitError, Output};
 use serde_json::json;
-use shm_bus::{BusError, BusName, Owner, stop};
-use shm_schemas::{ControlOp, StopAnswer, StopOutcome};
+use shm_bus::{BusError, BusName, Owner};
+use shm_schemas::{ControlOp, StopOutcome};
 
 /// Longest wait for the daemon's answer. Design choice: an answer takes one tick, or 20 ms without
 /// ticks.
@@ -24,20 +25,20 @@ pub(crate) fn estop(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
     loop {
         let answer = send_stop(bus)?;
         if answer.outcome == StopOutcome::STOPPED {
-            return print_done(output);
+            return print_done(output, answer.channel);
         }
         if begin.elapsed() >= EXECUTION_TIMEOUT {
             return Err(ExitError::with_code(
                 Exit::Failed,
-                not_executed_text(answer.pid),
+                not_executed_text(answer.pid.unwrap_or_default()),
             ));
         }
         std::thread::sleep(RETRY_PAUSE);
     }
 }
 
-fn send_stop(bus: &BusName) -> anyhow::Result<StopAnswer> {
-    stop::request(bus, "atas estop", ANSWER_TIMEOUT).map_err(|error| match error {
+fn send_stop(bus: &BusName) -> anyhow::Result<StopReply> {
+    request_stop(bus, "atas estop", ANSWER_TIMEOUT).map_err(|error| match error {
         BusError::NoAnswer { .. } => {
             ExitError::with_code(Exit::NoDaemon, no_answer_text(bus, &error))
         }
@@ -45,15 +46,21 @@ fn send_stop(bus: &BusName) -> anyhow::Result<StopAnswer> {
     })
 }
 
-fn print_done(output: &mut Output) -> anyhow::Result<()> {
+fn print_done(output: &mut Output, channel: StopChannel) -> anyhow::Result<()> {
     if output.is_json() {
         return output.json(&json!({
             "op": ControlOp::ESTOP.name(),
             "outcome": "done",
             "stop": StopOutcome::STOPPED.name(),
+            "channel": channel.name(),
         }));
     }
-    output.line("stopped; `atas recover` re-arms")
+    output.line(match channel {
+        StopChannel::Socket => "stopped; `atas recover` re-arms",
+        StopChannel::Control => {
+            "stopped by a control request, because the stop socket did not answer; `atas recover` re-arms"
+        }
+    })
 }
 
 /// Error text if the daemon received the stop but does not tick.

@@ -8,6 +8,7 @@
 //!           ├─ Observer: observation
 //!           └─ Run: robot and sensors
 //!  goal, scenes: goal requests, and default positions and sizes
+//!  stop: over the stop socket, else over the control service
 //!  standstill: detection of stopped ticks and of a suspended daemon
 //!  json, text, percentiles: bus data for programs and for people
 //! ```
@@ -44,6 +45,7 @@ mod run;
 pub mod scenes;
 mod session;
 mod standstill;
+mod stop;
 mod teleop;
 pub mod text;
 
@@ -54,6 +56,7 @@ pub use progress::GoalProgress;
 pub use run::Run;
 pub use session::{POLL, Session};
 pub use standstill::{Stopped, standstill};
+pub use stop::{StopChannel, StopReply, request_stop};
 pub use teleop::{TeleopHands, TeleopSender, TeleopTarget};
 
 /// Tests of the programs in the README.

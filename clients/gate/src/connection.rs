@@ -11,11 +11,11 @@ use anyhow::{Context, anyhow};
 use atas_console::arguments::{Access, Arguments, Right, command};
 use atas_gate::message::{self, Reply, Request, SIGNALS, STREAMS};
 use clap::FromArgMatches;
+use nix::sys::socket::{UnixCredentials, getsockopt, sockopt::PeerCredentials};
 use nix::unistd::{Uid, User};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{FileType, fstat};
-use rustix::net::sockopt::socket_peercred;
-use rustix::net::{RecvFlags, UCred, recv};
+use rustix::net::{RecvFlags, recv};
 use rustix::process::{
     Pid, PidfdFlags, Signal, geteuid, getppid, kill_process_group, pidfd_open,
     set_parent_process_death_signal, setsid,
@@ -38,7 +38,7 @@ pub(crate) fn serve(config: &[PathBuf], full: bool) -> anyhow::Result<()> {
         .as_fd()
         .try_clone_to_owned()
         .context("could not use standard input")?;
-    let from = socket_peercred(&visitor).context("could not identify the client")?;
+    let from = getsockopt(&visitor, PeerCredentials).context("could not identify the client")?;
     let mut asked = [PollFd::new(&visitor, PollFlags::IN)];
     if poll(&mut asked, Some(&REQUEST)).context("could not wait for the request")? == 0 {
         tracing::warn!("{} sent no request and was disconnected", Identity(&from));
@@ -64,7 +64,7 @@ pub(crate) fn serve(config: &[PathBuf], full: bool) -> anyhow::Result<()> {
 /// Returns the command to run, or the reply to a rejected client.
 fn prepare(
     visitor: &OwnedFd,
-    from: &UCred,
+    from: &UnixCredentials,
     config: &[PathBuf],
     full: bool,
 ) -> Result<Command, Reply> {
@@ -121,8 +121,8 @@ fn right(request: &Request) -> Result<Right, String> {
 }
 
 /// Returns true if the client needs no gate: the bus's user, and root.
-fn needs_no_gate(from: &UCred) -> bool {
-    from.uid == geteuid() || from.uid.is_root()
+fn needs_no_gate(from: &UnixCredentials) -> bool {
+    [geteuid().as_raw(), 0].contains(&from.uid())
 }
 
 /// Returns the kind of a stream that is no valid standard stream: a folder, a disk, or no file at
@@ -230,11 +230,11 @@ fn signal(visitor: &OwnedFd) -> Option<Signal> {
 }
 
 /// Identity of the client, for the log.
-struct Identity<'a>(&'a UCred);
+struct Identity<'a>(&'a UnixCredentials);
 
 impl std::fmt::Display for Identity<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let uid = self.0.uid.as_raw();
+        let uid = self.0.uid();
         match User::from_uid(Uid::from_raw(uid)) {
             Ok(Some(user)) => write!(f, "{} (uid {uid})", user.name),
             _ => write!(f, "uid {uid}"),

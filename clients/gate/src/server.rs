@@ -12,8 +12,9 @@ use std::time::Duration;
 
 use anyhow::{Context, ensure};
 use atas_gate::message::{self, Reply};
+use nix::sys::socket::{getsockopt, sockopt::PeerCredentials};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::net::sockopt::{socket_acceptconn, socket_peercred, socket_type};
+use rustix::net::sockopt::{socket_acceptconn, socket_type};
 use rustix::net::{SocketFlags, SocketType, accept_with};
 
 /// Connections per user. A bus has 8 reader slots for events and 16 for the status; one user must
@@ -97,10 +98,9 @@ fn accept(
     visits: &mut Vec<Visit>,
 ) -> anyhow::Result<()> {
     let visitor = accept_with(door, SocketFlags::CLOEXEC).context("accepting")?;
-    let uid = socket_peercred(&visitor)
+    let uid = getsockopt(&visitor, PeerCredentials)
         .context("reading its user")?
-        .uid
-        .as_raw();
+        .uid();
     let own = visits.iter().filter(|visit| visit.uid == uid).count();
     let room = Admission::of(own, visits.len());
     if room == Admission::None {

@@ -124,7 +124,7 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (RealtimeSide, Supervis
     let tick = RealtimeSide {
         requests: orders,
         stops,
-        signal,
+        signal: Arc::clone(&signal),
         signalled_stop: None,
         records: records_in,
         notifications: news_in,
@@ -144,6 +144,7 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (RealtimeSide, Supervis
         snapshot,
         view,
         input_log: log,
+        signal,
         shared,
     };
     (tick, supervisor)

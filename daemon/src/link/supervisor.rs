@@ -5,6 +5,7 @@ use std::sync::atomic::Ordering;
 
 use atas_core::OperatorRequest;
 use rtrb::{Consumer, Producer};
+use shm_bus::stop;
 use shm_schemas::{ModuleEvent, Status, View};
 
 use super::{Notification, Quit, Shared, TickRecord, Ticketed};
@@ -22,6 +23,7 @@ pub struct SupervisorSide {
     pub(super) snapshot: triple_buffer::Output<Status>,
     pub(super) view: triple_buffer::Output<View>,
     pub(super) input_log: Option<LogReader>,
+    pub(super) signal: Arc<stop::Signal>,
     pub(super) shared: Arc<Shared>,
 }
 
@@ -57,6 +59,12 @@ impl SupervisorSide {
     /// work.
     pub fn advance_to(&self, ticks: u64) {
         self.shared.advanced_to.store(ticks, Ordering::Relaxed);
+    }
+
+    /// Signal of the stop socket.
+    #[must_use]
+    pub fn stop_signal(&self) -> &stop::Signal {
+        &self.signal
     }
 
     /// The next record.

@@ -54,6 +54,12 @@ impl RealtimeSide {
         })
     }
 
+    /// Returns true if this tick takes a stop from the signal.
+    #[must_use]
+    pub fn takes_stop(&self) -> bool {
+        self.signalled_stop.is_some()
+    }
+
     /// Confirms a stop from the signal if the tick's command was published. Otherwise the next tick
     /// takes it again, and the sender waits.
     pub fn confirm_stop(&mut self, published: bool) {

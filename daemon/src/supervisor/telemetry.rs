@@ -77,15 +77,20 @@ impl Telemetry {
     }
 
     pub(super) fn publish_status(&mut self, state: &SupervisorState, link: &mut SupervisorSide) {
+        // Before the snapshot, which then includes this stop.
+        let stop = link.stop_signal().unshown();
         if let Some(snapshot) = link.newest_snapshot() {
             self.snapshot = snapshot;
         }
-        if Instant::now() < self.due {
+        if stop.is_none() && Instant::now() < self.due {
             // New readers get the last status within a round instead of a period.
             log_failure(self.status.connect_readers());
             return;
         }
         self.send_status(state, link);
+        if let Some(number) = stop {
+            link.stop_signal().show(number);
+        }
         // New readers get the past events even if no event follows.
         log_failure(self.events.connect_readers());
     }

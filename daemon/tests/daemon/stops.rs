@@ -21,6 +21,8 @@ fn stop_is_in_effect_when_answered() {
             (answer.outcome, answer.pid),
             (StopOutcome::STOPPED, daemon.pid())
         );
+        world.receive();
+        assert_eq!(world.newest.mode, Mode::SAFE_STOP, "readers see the stop");
         assert_eq!(world.until_mode(Mode::SAFE_STOP).reason.cause, Cause::ESTOP);
         let recovered = world.control(ControlOp::RECOVER, "", 0.0);
         assert_eq!(recovered.outcome, ControlOutcome::DONE);

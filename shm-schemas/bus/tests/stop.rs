@@ -25,8 +25,9 @@ fn folder(name: &BusName) -> PathBuf {
     bus.folder().to_owned()
 }
 
-/// A daemon with a bus, its servers, a listener, and a tick that polls every millisecond.
-fn daemon(name: &BusName, ticks: bool) {
+/// A daemon with a bus, its servers, a listener, and a tick that polls every millisecond. `shows`:
+/// the status shows the stops.
+fn daemon(name: &BusName, ticks: bool, shows: bool) {
     let owner = OwnerLock::take(name, "atasd").expect("sole owner");
     let listener = Arc::new(Listener::open(&owner).expect("a listener"));
     let bus = Bus::open(name, "atasd", Realtime::No).expect("the bus opens");
@@ -41,6 +42,9 @@ fn daemon(name: &BusName, ticks: bool) {
     loop {
         if let Some(number) = signal.pending().filter(|_| ticks) {
             signal.take(number);
+            if shows {
+                signal.show(number);
+            }
         }
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -52,8 +56,9 @@ fn peer() {
         return;
     };
     match role.as_str() {
-        "daemon" => daemon(&name, true),
-        "frozen" => daemon(&name, false),
+        "daemon" => daemon(&name, true, true),
+        "frozen" => daemon(&name, false, true),
+        "with a hung supervisor" => daemon(&name, true, false),
         "on small disks" => {
             let _daemon = Peer::start(&name, "daemon");
             let folder = folder(&name);
@@ -109,6 +114,7 @@ fn peer() {
             sleep_until_killed();
         }
         "starting" => hold_startup_lock(&name),
+        "in a container" => check_answered(&name),
         "flooder" => {
             let socket = UnixDatagram::unbound().expect("a socket");
             socket
@@ -139,6 +145,30 @@ fn check_stopped(name: &BusName, times: usize) {
         let answer = stop::request(name, "a test", WITHIN).expect("answered");
         assert_eq!(answer.outcome, StopOutcome::STOPPED);
     }
+}
+
+/// 1000 stops, whether or not a tick of a loaded machine takes them in time.
+fn check_answered(name: &BusName) {
+    for number in 1..=1000 {
+        let answer = stop::request(name, "a test", WITHIN).expect("answered");
+        assert_eq!(answer.stamp.sequence, number);
+    }
+}
+
+/// The kernel reports a sender outside the daemon's PID namespace as process 0.
+#[test]
+fn stop_into_and_out_of_a_container_is_answered() {
+    let (inside, outside) = (FreshBus::new("stopin"), FreshBus::new("stopout"));
+    let Some(daemon) = Peer::spawn_in_namespaces(&inside, "daemon") else {
+        return;
+    };
+    let daemon = daemon.until_ready();
+    check_answered(&inside);
+    daemon.kill();
+    let daemon = Peer::start(&outside, "daemon");
+    let client = Peer::spawn_in_namespaces(&outside, "in a container").expect("as before");
+    client.succeed();
+    daemon.kill();
 }
 
 #[test]
@@ -178,6 +208,20 @@ fn junk_flood_does_not_block_stops() {
     let _daemon = Peer::start(&name, "daemon");
     let _flood = [0; 3].map(|_| Peer::start(&name, "flooder"));
     check_stopped(&name, 20);
+}
+
+/// The answers to the flood wait for the status, and no answer waits for another.
+#[test]
+fn flood_with_a_hung_supervisor_does_not_delay_answers() {
+    let name = FreshBus::new("hung");
+    let _daemon = Peer::start(&name, "with a hung supervisor");
+    let _flood = Peer::start(&name, "flooder");
+    let request = || stop::request(&name, "a test", WITHIN).expect("answered");
+    let stops = std::thread::scope(|threads| {
+        let senders = [0; 20].map(|_| threads.spawn(request));
+        senders.map(|sender| sender.join().expect("no panic"))
+    });
+    assert!(stops.iter().all(|s| s.outcome == StopOutcome::STOPPED));
 }
 
 #[test]

@@ -183,7 +183,9 @@ impl PayloadCount {
         if let Some((epoch, next)) = self.next
             && epoch == stamp.writer_epoch
         {
-            self.lost += stamp.sequence.saturating_sub(next);
+            self.lost = self
+                .lost
+                .saturating_add(stamp.sequence.saturating_sub(next));
         }
         self.next = Some((stamp.writer_epoch, stamp.sequence.saturating_add(1)));
         self.newest_ns = Some(stamp.captured_ns);

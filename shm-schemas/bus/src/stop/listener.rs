@@ -2,8 +2,8 @@
 
 use std::fs::{self, Permissions};
 use std::io::{self, IoSliceMut};
-use std::mem::MaybeUninit;
 use std::net::Shutdown;
+use std::os::fd::AsRawFd;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;
@@ -11,9 +11,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use rustix::net::{
-    RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendFlags, SocketAddrAny, recvmsg,
-    sendto, sockopt::set_socket_passcred,
+use nix::cmsg_space;
+use nix::sys::socket::{
+    ControlMessageOwned, MsgFlags, UnixAddr, UnixCredentials, recvmsg, sendto, setsockopt,
+    sockopt::PassCred,
 };
 use shm_schemas::{Stamp, StopAnswer, StopOutcome, StopRequest, Text};
 use zerocopy::{FromZeros, IntoBytes};
@@ -28,15 +29,21 @@ use crate::user::uid;
 /// Time limit for a tick to take a stop; afterwards the answer is `WAITING`. Design choice: twenty
 /// ticks at 1 kHz.
 const TAKEN_TIMEOUT: Duration = Duration::from_millis(20);
-/// Poll interval while waiting for the tick.
+/// Time limit for a status that shows a taken stop; afterwards the answer is the same. Design
+/// choice: fifty rounds of the supervisor, on which a stop must not depend.
+const SHOWN_TIMEOUT: Duration = Duration::from_millis(200);
+/// Poll interval while stops wait for their answer.
 const POLL: Duration = Duration::from_micros(200);
+/// Most stops that wait for their answer; further ones stay in the socket. Design choice: more than
+/// the senders of a robot; their memory is locked.
+const UNANSWERED_MAX: usize = 128;
 
 /// Receives stops in a dedicated thread.
 ///
 /// ```no_run
 /// # fn f(owner: &shm_bus::OwnerLock) -> Result<(), shm_bus::BusError> {
 /// let listener = std::sync::Arc::new(shm_bus::stop::Listener::open(owner)?);
-/// let signal = listener.signal(); // for the tick: pending(), stop, take()
+/// let signal = listener.signal(); // the tick: pending(), take(); the status: unshown(), show()
 /// let server = std::sync::Arc::clone(&listener);
 /// let thread = std::thread::spawn(move || server.serve(|stop| { /* log it without blocking */ }));
 /// listener.close();
@@ -56,7 +63,7 @@ pub struct Listener {
 pub struct ReceivedStop {
     /// Number, from 1.
     pub number: u64,
-    /// Process id of the sender; 0 if the kernel did not report it.
+    /// Process id of the sender; 0 in a PID namespace that this process does not see (a container).
     pub pid: u32,
     /// Reason given by the sender; empty if none.
     pub reason: Text<96>,
@@ -64,10 +71,14 @@ pub struct ReceivedStop {
     pub outcome: StopOutcome,
 }
 
-struct Datagram {
+/// Received stop whose sender waits for the answer.
+struct Unanswered {
     request: Option<StopRequest>,
     pid: u32,
-    sender: Option<SocketAddrAny>,
+    sender: Option<UnixAddr>,
+    number: u64,
+    received_ns: u64,
+    since: Instant,
 }
 
 impl Listener {
@@ -85,7 +96,7 @@ impl Listener {
             }
             let socket = UnixDatagram::bind(&path)?;
             fs::set_permissions(&path, Permissions::from_mode(0o600))?;
-            set_socket_passcred(&socket, true)?;
+            setsockopt(&socket, PassCred, &true)?;
             Ok(socket)
         };
         Ok(Self {
@@ -107,21 +118,28 @@ impl Listener {
     /// [`Listener::close`].
     ///
     /// `on_stop` must not block: it delays the next stop.
-    pub fn serve(&self, mut incoming: impl FnMut(ReceivedStop)) {
+    pub fn serve(&self, mut on_stop: impl FnMut(ReceivedStop)) {
+        let mut unanswered = Vec::with_capacity(UNANSWERED_MAX);
         while !self.closed.load(Ordering::Acquire) {
-            // A receive error leaves nothing to hand over.
-            let Ok(Some(datagram)) = self.receive() else {
-                continue;
-            };
-            let (received_ns, number) = (now_ns(), self.signal.raise());
-            let outcome = self.wait_until_taken(number);
-            self.answer(&datagram, number, received_ns, outcome);
-            incoming(ReceivedStop {
-                number,
-                pid: datagram.pid,
-                reason: datagram.request.map_or(Text::default(), |r| r.reason),
-                outcome,
+            while unanswered.len() < UNANSWERED_MAX {
+                // Nothing to do but wait if no stop has come, if another user sent it, or after an
+                // error.
+                let Ok(Some(stop)) = self.receive(unanswered.is_empty()) else {
+                    break;
+                };
+                unanswered.push(stop);
+            }
+            unanswered.retain(|stop| {
+                let outcome = self.outcome(stop);
+                if let Some(outcome) = outcome {
+                    self.answer(stop, outcome);
+                    on_stop(stop.with(outcome));
+                }
+                outcome.is_none()
             });
+            if !unanswered.is_empty() {
+                std::thread::sleep(POLL);
+            }
         }
     }
 
@@ -132,57 +150,72 @@ impl Listener {
         let _ = self.socket.shutdown(Shutdown::Both);
     }
 
-    /// The next datagram; `None` if it comes from another user.
-    fn receive(&self) -> io::Result<Option<Datagram>> {
+    /// Receives the next datagram and signals it to the tick; `None` if it comes from another user.
+    fn receive(&self, waits: bool) -> io::Result<Option<Unanswered>> {
         let mut request = StopRequest::new_zeroed();
-        let mut space = [MaybeUninit::uninit(); rustix::cmsg_space!(ScmCredentials(1))];
-        let mut control = RecvAncillaryBuffer::new(&mut space);
-        let (received, whole) = {
+        let mut space = cmsg_space!(UnixCredentials);
+        let (bytes, sender, credentials) = {
             let buffer = &mut [IoSliceMut::new(request.as_mut_bytes())];
-            let received = recvmsg(&self.socket, buffer, &mut control, RecvFlags::empty())?;
-            let whole = received.bytes == size_of::<StopRequest>();
-            (received, whole)
+            let flags = if waits {
+                MsgFlags::empty()
+            } else {
+                MsgFlags::MSG_DONTWAIT
+            };
+            let fd = self.socket.as_raw_fd();
+            let received = recvmsg::<UnixAddr>(fd, buffer, Some(&mut space), flags)?;
+            let credentials = received.cmsgs()?.find_map(|message| match message {
+                ControlMessageOwned::ScmCredentials(credentials) => Some(credentials),
+                _ => None,
+            });
+            (received.bytes, received.address, credentials)
         };
-        let credentials = control.drain().find_map(|message| match message {
-            RecvAncillaryMessage::ScmCredentials(credentials) => Some(credentials),
-            _ => None,
-        });
-        let Some(credentials) = credentials else {
-            return Ok(None);
-        };
-        let user = credentials.uid.as_raw();
-        Ok((user == uid() || user == 0).then(|| Datagram {
-            request: whole.then_some(request),
-            pid: credentials.pid.as_raw_nonzero().get().unsigned_abs(),
-            sender: received.address,
+        let permitted = credentials.filter(|of| of.uid() == uid() || of.uid() == 0);
+        Ok(permitted.map(|credentials| Unanswered {
+            request: (bytes == size_of::<StopRequest>()).then_some(request),
+            pid: credentials.pid().unsigned_abs(),
+            sender,
+            number: self.signal.raise(),
+            received_ns: now_ns(),
+            since: Instant::now(),
         }))
     }
 
-    fn wait_until_taken(&self, number: u64) -> StopOutcome {
-        let begin = Instant::now();
-        while !self.signal.is_taken(number) {
-            if begin.elapsed() >= TAKEN_TIMEOUT {
-                return StopOutcome::WAITING;
-            }
-            std::thread::sleep(POLL);
+    /// Returns the outcome once the tick has taken the stop and the status shows it, so that a
+    /// client that reads it after the answer sees the stop; or once a time limit has passed.
+    fn outcome(&self, stop: &Unanswered) -> Option<StopOutcome> {
+        let waited = stop.since.elapsed();
+        if !self.signal.is_taken(stop.number) {
+            return (waited >= TAKEN_TIMEOUT).then_some(StopOutcome::WAITING);
         }
-        StopOutcome::STOPPED
+        let answers = self.signal.is_shown(stop.number) || waited >= SHOWN_TIMEOUT;
+        answers.then_some(StopOutcome::STOPPED)
     }
 
     /// Sends the answer without waiting; it is lost if the client does not read it.
-    fn answer(&self, to: &Datagram, number: u64, received_ns: u64, outcome: StopOutcome) {
-        let Some(sender) = &to.sender else { return };
+    fn answer(&self, stop: &Unanswered, outcome: StopOutcome) {
+        let Some(sender) = &stop.sender else { return };
         let answer = StopAnswer {
             stamp: Stamp {
-                sequence: number,
-                captured_ns: received_ns,
+                sequence: stop.number,
+                captured_ns: stop.received_ns,
                 writer_epoch: self.writer_epoch,
             },
             outcome,
             pid: std::process::id(),
         };
-        let flags = SendFlags::DONTWAIT | SendFlags::NOSIGNAL;
-        let _ = sendto(&self.socket, answer.as_bytes(), flags, sender);
+        let flags = MsgFlags::MSG_DONTWAIT | MsgFlags::MSG_NOSIGNAL;
+        let _ = sendto(self.socket.as_raw_fd(), answer.as_bytes(), sender, flags);
+    }
+}
+
+impl Unanswered {
+    fn with(&self, outcome: StopOutcome) -> ReceivedStop {
+        ReceivedStop {
+            number: self.number,
+            pid: self.pid,
+            reason: self.request.map_or(Text::default(), |r| r.reason),
+            outcome,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  request ── datagram ─▶ <bus folder>/stop ─▶ Listener (dedicated thread) ─▶ Signal ─▶ tick
-//!     ◀────────────────────── answer ─────────────┘                 ◀── taken ────────────┘
+//!     ◀────────────────────── answer ─────────────┘          ◀── taken, shown ─────────────┘
 //! ```
 //!
 //! **In:** one datagram from a process of the bus's user or of root. **Out:** a [`Signal`] that the

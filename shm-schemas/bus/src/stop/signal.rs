@@ -2,13 +2,15 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Number of received stops and number of the last one that a tick took.
+/// Number of received stops, and numbers of the last one that a tick took and that the published
+/// status shows.
 ///
-/// Both sides are wait-free: one load or one store each.
+/// All sides are wait-free: one load or one store each.
 #[derive(Debug, Default)]
 pub struct Signal {
     received: AtomicU64,
     taken: AtomicU64,
+    shown: AtomicU64,
 }
 
 impl Signal {
@@ -24,6 +26,25 @@ impl Signal {
     /// earlier ones.
     pub fn take(&self, number: u64) {
         self.taken.store(number, Ordering::Release);
+    }
+
+    /// For the publisher of the status: the number of a taken stop that no status shows yet. Read
+    /// it before the state; publish; then call [`Signal::show`].
+    #[must_use]
+    pub fn unshown(&self) -> Option<u64> {
+        let taken = self.taken.load(Ordering::Acquire);
+        (taken != self.shown.load(Ordering::Relaxed)).then_some(taken)
+    }
+
+    /// For the publisher of the status: confirms that readers see the stop with this number.
+    pub fn show(&self, number: u64) {
+        self.shown.store(number, Ordering::Release);
+    }
+
+    /// Returns true once a published status shows the stop with this number.
+    #[must_use]
+    pub fn is_shown(&self, number: u64) -> bool {
+        self.shown.load(Ordering::Acquire) >= number
     }
 
     /// For the listener: records a received stop. Returns its number, from 1.
@@ -65,5 +86,11 @@ mod tests {
         );
         signal.take(second);
         assert_eq!((signal.pending(), signal.is_taken(first)), (None, true));
+        assert_eq!(
+            (signal.unshown(), signal.is_shown(first)),
+            (Some(second), false)
+        );
+        signal.show(second);
+        assert_eq!((signal.unshown(), signal.is_shown(first)), (None, true));
     }
 }

@@ -28,8 +28,12 @@ pub(crate) struct Peer {
 impl Peer {
     /// Starts a peer and waits until it is ready.
     pub(crate) fn start(bus: &BusName, role: &str) -> Self {
-        let mut peer = Self::spawn(bus, role);
-        let stderr = peer.child.stderr.take().expect("piped");
+        Self::spawn(bus, role).until_ready()
+    }
+
+    /// Waits until the peer is ready.
+    pub(crate) fn until_ready(mut self) -> Self {
+        let stderr = self.child.stderr.take().expect("piped");
         let mut message = Vec::new();
         let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
         let ready = lines.any(|line| {
@@ -38,10 +42,10 @@ impl Peer {
         });
         assert!(
             ready,
-            "peer {role} ended before it was ready:\n{}",
+            "the peer ended before it was ready:\n{}",
             message.join("\n")
         );
-        peer
+        self
     }
 
     pub(crate) fn spawn(bus: &BusName, role: &str) -> Self {
@@ -85,6 +89,25 @@ impl Peer {
             .arg(std::env::current_exe().expect("own path"))
             .env("XDG_RUNTIME_DIR", PRIVATE_RUNTIME_DIR);
         Some(Self::run(command, bus, role))
+    }
+
+    /// Starts a peer in its own PID, network and IPC namespaces, as in a container that shares the
+    /// bus. Returns `None` with a message if this user may not make namespaces.
+    #[allow(clippy::print_stderr, reason = "reports that the test did not run")]
+    pub(crate) fn spawn_in_namespaces(bus: &BusName, role: &str) -> Option<Self> {
+        let apart = |program: &std::ffi::OsStr| {
+            let mut command = Command::new("unshare");
+            command.args(["--pid", "--kill-child", "--net", "--ipc", "--map-root-user"]);
+            command.arg(program);
+            command
+        };
+        let tried = apart("true".as_ref()).output();
+        if !tried.as_ref().is_ok_and(|output| output.status.success()) {
+            eprintln!("NOT RUN: could not make namespaces: {tried:?}");
+            return None;
+        }
+        let test = std::env::current_exe().expect("own path");
+        Some(Self::run(apart(test.as_os_str()), bus, role))
     }
 
     fn run(mut command: Command, bus: &BusName, role: &str) -> Self {
