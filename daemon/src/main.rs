@@ -14,7 +14,7 @@ fn main() -> ExitCode {
         Ok(args) => args,
         Err(error) => return command_line::exit_without_work("atasd", &error),
     };
-    let log = match log::start(args.log_format.into()) {
+    let log = match log::start(args.log_format.into(), log::LevelFilter::INFO) {
         Ok(log) => log,
         // Without the log thread no message can be written.
         Err(_) => return ExitCode::FAILURE,

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use atas_process::command_line;
+use atas_process::log::{self, LevelFilter, LogFormat};
 use clap::FromArgMatches;
 
 use crate::arguments::{Arguments, Command, command};
@@ -17,7 +18,14 @@ const PROGRAM: &str = "atas";
 pub fn run(
     execute: impl FnOnce(&Command, &Interrupt, &mut Output) -> anyhow::Result<()>,
 ) -> ExitCode {
-    log_to_stderr();
+    let log = match log::start(LogFormat::Human, LevelFilter::WARN) {
+        Ok(log) => log,
+        Err(error) => {
+            let sentence = format!("could not start the log: {error}; end other processes");
+            command_line::print_error(PROGRAM, &sentence, Exit::Failed, false);
+            return Exit::Failed.into();
+        }
+    };
     let parsed = command()
         .try_get_matches()
         .and_then(|matches| Arguments::from_arg_matches(&matches));
@@ -36,6 +44,8 @@ pub fn run(
     }
     let exit = exit_of(&error);
     let sentence = format!("{error:#}");
+    // The lines of the log come first.
+    drop(log);
     command_line::print_error(PROGRAM, &sentence, exit, output.is_json());
     exit.into()
 }
@@ -45,15 +55,4 @@ pub fn run(
 fn is_broken_pipe(error: &anyhow::Error) -> bool {
     let io = error.downcast_ref::<std::io::Error>();
     io.is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
-}
-
-/// Logs to standard error: warnings, or the levels of `RUST_LOG`.
-fn log_to_stderr() {
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_target(false)
-        .init();
 }

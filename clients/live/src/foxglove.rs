@@ -4,6 +4,7 @@
 //! layouts fit both. The server is read-only and reachable from this machine only.
 
 use std::array;
+use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -18,8 +19,12 @@ use serde_json::json;
 use shm_bus::BusError;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{JointCommand, ModuleEvent, Status, TickReport, View};
+use tokio::sync::oneshot;
 
+use crate::connections::BoundedListener;
 use crate::displayed::RobotDisplay;
+use crate::entrance;
+use crate::guard::Guard;
 use crate::polling::poll_bus;
 
 /// Interval of robot descriptions, for clients that connect later.
@@ -40,19 +45,36 @@ pub(crate) fn foxglove(
     let reported = arguments.robot.as_deref().map(RobotFiles::find);
     let reported = reported.transpose()?;
     let context = Context::new();
+    let runtime = crate::server::runtime()?;
+    let listener = runtime.block_on(crate::server::listen(arguments.port))?;
+    let port = listener.local_addr()?.port();
+    let guard = Guard::new(port).context("could not draw a token")?;
+    let inner = entrance::inner_address().context("could not draw an address")?;
     let server = context.websocket_server().name("atas");
-    let server = server.bind("127.0.0.1", arguments.port).start_blocking();
-    let server = server.with_context(|| crate::server::port_taken(arguments.port))?;
-    announce(server.port(), output)?;
+    let server = server.bind(inner.to_string(), 0).start_blocking();
+    let server = server.context("could not start the server")?;
+    let inner = SocketAddr::from((inner, server.port()));
+    announce(port, output)?;
     let begin = |watch, _: &Session| Ok((watch, Converter::new(reported.as_ref(), &context)));
-    poll_bus(
-        &arguments.bus.bus,
-        interrupt.flag(),
-        begin,
-        |(watch, teller), session| poll(watch, teller, session),
-        |error| tracing::debug!("{error:#}"),
-    );
-    server.stop().wait_blocking();
+    std::thread::scope(|threads| {
+        let (end, ended) = oneshot::channel::<()>();
+        threads.spawn(move || {
+            let listener = BoundedListener::new(listener);
+            runtime.spawn(entrance::serve(listener, guard, inner));
+            // The end of the sender is the signal. Connections end with the runtime.
+            let _ = runtime.block_on(ended);
+        });
+        poll_bus(
+            &arguments.bus.bus,
+            interrupt.flag(),
+            begin,
+            |(watch, teller), session| poll(watch, teller, session),
+            |error| tracing::debug!("{error:#}"),
+        );
+        drop(end);
+    });
+    // Waiting for the library's tasks would wait for their viewers.
+    drop(server.stop());
     Ok(())
 }
 

@@ -5,8 +5,11 @@
 //! `Host` or `Origin`. Checking `Host` stops names rebound to 127.0.0.1; checking `Origin` stops
 //! scripts of other sites.
 
-use axum::http::HeaderMap;
 use axum::http::header::{AUTHORIZATION, HOST, ORIGIN};
+use axum::http::{HeaderMap, HeaderName};
+
+/// Host of Foxglove's web application.
+const FOXGLOVE_HOST: &str = "app.foxglove.dev";
 
 #[derive(Clone, Debug)]
 pub(crate) struct Guard {
@@ -17,13 +20,7 @@ pub(crate) struct Guard {
 impl Guard {
     /// Makes the access control of a server on this port, with a random token.
     pub(crate) fn new(port: u16) -> std::io::Result<Self> {
-        let mut bytes = [0; 16];
-        let filled = rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty())?;
-        if filled < bytes.len() {
-            return Err(std::io::Error::other(
-                "could not draw a token: too few random bytes",
-            ));
-        }
+        let bytes: [u8; 16] = random_bytes()?;
         Ok(Self {
             hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")],
             token: bytes.iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -37,10 +34,33 @@ impl Guard {
     /// Returns true if the request names this server as host and does not come from another site's
     /// page.
     pub(crate) fn admits(&self, headers: &HeaderMap) -> bool {
-        let text = |name| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
-        let is_ours = |host: &str| self.hosts.iter().any(|ours| ours == host);
-        let from = text(ORIGIN).map(|origin| origin.strip_prefix("http://").unwrap_or("?"));
-        text(HOST).is_some_and(is_ours) && from.is_none_or(is_ours)
+        let from = text(headers, &ORIGIN);
+        let from = from.map(|origin| origin.strip_prefix("http://").unwrap_or("?"));
+        self.is_named(headers) && from.is_none_or(|host| self.is_ours(host))
+    }
+
+    /// Returns true if the request comes from a Foxglove viewer: a program, Foxglove's site, or a
+    /// page of this machine. It must name this server as host.
+    pub(crate) fn admits_viewer(&self, headers: &HeaderMap) -> bool {
+        let is_viewer = |origin: &str| match origin.split_once("://") {
+            Some(("http" | "https", host)) => {
+                let name = host.rsplit_once(':').map_or(host, |(name, _)| name);
+                ["localhost", "127.0.0.1", FOXGLOVE_HOST].contains(&name)
+            }
+            // A desktop program. A page without a site sends `null`.
+            Some(_) => true,
+            None => false,
+        };
+        self.is_named(headers) && text(headers, &ORIGIN).is_none_or(is_viewer)
+    }
+
+    /// Returns true if the request names this server as host.
+    fn is_named(&self, headers: &HeaderMap) -> bool {
+        text(headers, &HOST).is_some_and(|host| self.is_ours(host))
+    }
+
+    fn is_ours(&self, host: &str) -> bool {
+        self.hosts.iter().any(|ours| ours == host)
     }
 
     /// Returns true if the request may change something: it needs an accepted `Origin` and the
@@ -54,6 +74,22 @@ impl Guard {
             .unwrap_or("");
         self.admits(headers) && headers.contains_key(ORIGIN) && constant_time_eq(given, &self.token)
     }
+}
+
+/// Draws random bytes.
+pub(crate) fn random_bytes<const N: usize>() -> std::io::Result<[u8; N]> {
+    let mut bytes = [0; N];
+    let filled = rustix::rand::getrandom(&mut bytes, rustix::rand::GetRandomFlags::empty())?;
+    if filled < N {
+        return Err(std::io::Error::other("too few random bytes"));
+    }
+    Ok(bytes)
+}
+
+/// Returns a header, or "?" if it is not text.
+fn text<'a>(headers: &'a HeaderMap, name: &HeaderName) -> Option<&'a str> {
+    let value = headers.get(name);
+    value.map(|value| value.to_str().unwrap_or("?"))
 }
 
 /// Compares in constant time for texts of equal length.
@@ -96,5 +132,30 @@ mod tests {
         check(&[ours, ("authorization", &bearer)], true, false);
         check(&[ours, here, ("authorization", "Bearer ")], true, false);
         check(&[ours, here, ("authorization", &bearer[..20])], true, false);
+    }
+
+    #[test]
+    fn viewers_are_programs_foxglove_and_local_pages() {
+        let guard = Guard::new(8765).expect("random bytes");
+        let check = |host: &str, origin: Option<&str>, admitted| {
+            let mut headers = HeaderMap::new();
+            headers.insert(HOST, host.parse().expect("a value"));
+            if let Some(origin) = origin {
+                headers.insert(ORIGIN, origin.parse().expect("a value"));
+            }
+            assert_eq!(guard.admits_viewer(&headers), admitted, "{host} {origin:?}");
+        };
+        check("127.0.0.1:8765", None, true);
+        check("localhost:8765", Some("file://"), true);
+        check("localhost:8765", Some("https://app.foxglove.dev"), true);
+        check("localhost:8765", Some("http://localhost:8080"), true);
+        check("rebound.example:8765", None, false);
+        check("localhost:8765", Some("null"), false);
+        check("localhost:8765", Some("https://other.example"), false);
+        check(
+            "localhost:8765",
+            Some("https://app.foxglove.dev.other.example"),
+            false,
+        );
     }
 }

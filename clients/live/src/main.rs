@@ -3,22 +3,24 @@
 //! ```text
 //!  bus ─▶ observe (a thread) ─▶ Feed ─▶ server ─▶ page    live: pictures, events, faults
 //!  recording ─▶ shelf ────────────────▶ server ─▶ page    recorded: the same pictures, by number
-//!  bus ─▶ foxglove ─▶ ROS 2 messages over a WebSocket     live, for custom layouts
+//!  bus ─▶ foxglove ─▶ entrance ─▶ ROS 2 messages over a WebSocket   live, for custom layouts
 //!  page ─▶ server ─ guard ─▶ control ─▶ bus               stop and recovery, with a token
 //!  bus ─▶ top ─▶ terminal                                 live: forces, modules, timing
 //!  keyboard or file ─▶ teleop ─▶ bus                      stream of targets
 //! ```
 //!
 //! * **In:** non-real-time streams of the daemon, or a recording; files of the robot. **Out:** a
-//!   page, or messages, on 127.0.0.1.
+//!   page, or messages, on 127.0.0.1, over a bounded number of connections.
 //! * **Invariants:** the process does not take part in the 1 kHz loop. The server answers only its
 //!   own pages on this machine and loads nothing from elsewhere. Changes need the token. A page
 //!   that does not read costs a bounded amount of memory.
 //! * **Not included:** goals other than teleoperation, and parameters; they are in `atas`.
 
 mod arena;
+mod connections;
 mod control;
 mod displayed;
+mod entrance;
 mod faults;
 mod feed;
 mod foxglove;

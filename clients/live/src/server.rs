@@ -1,7 +1,9 @@
 //! HTTP server of the page, its data, and the requests stop and recover.
 
-use std::future::IntoFuture;
+use std::future::{Future, IntoFuture, poll_fn};
+use std::pin::pin;
 use std::sync::Arc;
+use std::task::Poll;
 use std::time::Duration;
 
 use anyhow::Context;
@@ -9,7 +11,8 @@ use atas_client::Run;
 use atas_console::arguments::Dashboard;
 use atas_console::{Interrupt, Output};
 use axum::Router;
-use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
+use axum::body::Bytes;
+use axum::extract::ws::{Message, Utf8Bytes, WebSocket, WebSocketUpgrade};
 use axum::extract::{Path, Request, State};
 use axum::http::header::{self, HeaderValue};
 use axum::http::{HeaderMap, StatusCode};
@@ -21,8 +24,13 @@ use serde_json::json;
 use shm_bus::BusName;
 use shm_schemas::Status;
 use tokio::net::TcpListener;
+use tokio::runtime::Runtime;
+use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::RecvError;
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::time::timeout;
 
+use crate::connections::BoundedListener;
 use crate::control;
 use crate::displayed::DisplayedRobot;
 use crate::feed::Feed;
@@ -35,6 +43,11 @@ use crate::scene;
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Most open pages; each costs CPU time.
 const PAGES_MAX: usize = 16;
+/// Longest time for a page to take a message. Design choice: a page in the background reads within
+/// a second.
+const SEND_TIMEOUT: Duration = Duration::from_secs(5);
+/// Interval of pings without messages; shorter than the idle time of a connection.
+const PING_INTERVAL: Duration = Duration::from_secs(10);
 /// Most pictures of a recording per request.
 const PICTURES_MAX: usize = 240;
 /// Content security policy: the page may load from and connect to this server only.
@@ -42,6 +55,8 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
                       base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 struct Server {
+    /// One permit per open page.
+    places: Arc<Semaphore>,
     guard: Guard,
     bus: BusName,
     feed: Arc<Feed>,
@@ -62,14 +77,11 @@ pub(crate) fn dashboard(
     let feed = Arc::<Feed>::default();
     let unheard = DisplayedRobot::from_run(reported.as_ref(), &Run::default(), &Status::default());
     feed.history().scene = scene::scene(&unheard)?;
-    let runtime = tokio::runtime::Builder::new_current_thread()
-        .enable_io()
-        .enable_time()
-        .build()
-        .context("could not start the server")?;
+    let runtime = runtime()?;
     let listener = runtime.block_on(listen(arguments.port))?;
     let address = listener.local_addr()?;
     let server = Arc::new(Server {
+        places: Arc::new(Semaphore::new(PAGES_MAX)),
         guard: Guard::new(address.port()).context("could not draw a token")?,
         bus: arguments.bus.bus.clone(),
         feed,
@@ -91,12 +103,18 @@ pub(crate) fn dashboard(
     })
 }
 
-async fn listen(port: u16) -> anyhow::Result<TcpListener> {
+pub(crate) fn runtime() -> anyhow::Result<Runtime> {
+    let mut builder = tokio::runtime::Builder::new_current_thread();
+    let runtime = builder.enable_io().enable_time().build();
+    runtime.context("could not start the server")
+}
+
+pub(crate) async fn listen(port: u16) -> anyhow::Result<TcpListener> {
     let bound = TcpListener::bind(("127.0.0.1", port)).await;
     bound.with_context(|| port_taken(port))
 }
 
-pub(crate) fn port_taken(port: u16) -> String {
+fn port_taken(port: u16) -> String {
     format!(
         "could not listen on port {port} of this machine; select another one with --port, or 0 for \
          any"
@@ -121,6 +139,7 @@ async fn serve(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
+    let listener = BoundedListener::new(listener);
     let serving = tokio::spawn(axum::serve(listener, router(Arc::clone(&server))).into_future());
     let mut pages = 0;
     while !interrupt.is_set() {
@@ -199,35 +218,52 @@ async fn scene_json(State(server): State<Arc<Server>>) -> Response {
 }
 
 async fn feed(State(server): State<Arc<Server>>, upgrade: WebSocketUpgrade) -> Response {
-    if server.feed.pages() >= PAGES_MAX {
-        return (
+    // The place is taken here, so that pages that open at once are counted.
+    match Arc::clone(&server.places).try_acquire_owned() {
+        Ok(place) => upgrade.on_upgrade(move |socket| send_messages(socket, server, place)),
+        Err(_) => (
             StatusCode::SERVICE_UNAVAILABLE,
             "too many open pages: the limit is 16; close one",
         )
-            .into_response();
+            .into_response(),
     }
-    upgrade.on_upgrade(move |socket| send_messages(socket, server))
 }
 
-/// Sends all messages to one page until it closes. A page that lags too far starts over.
-async fn send_messages(mut socket: WebSocket, server: Arc<Server>) {
+/// Sends all messages to one page until it closes or takes nothing. A page that lags too far starts
+/// over. Pings find a page that has gone while there are no messages.
+async fn send_messages(mut socket: WebSocket, server: Arc<Server>, _place: OwnedSemaphorePermit) {
     loop {
         let (past, mut messages) = server.feed.subscribe();
-        if socket.send(Message::Text(past)).await.is_err() {
-            return;
-        }
+        let mut next = Message::Text(past);
         loop {
-            match messages.recv().await {
-                Ok(message) => {
-                    if socket.send(Message::Text(message)).await.is_err() {
-                        return;
-                    }
-                }
-                Err(RecvError::Lagged(_)) => break,
-                Err(RecvError::Closed) => return,
+            let sent = timeout(SEND_TIMEOUT, socket.send(next)).await;
+            if !matches!(sent, Ok(Ok(()))) {
+                return;
             }
+            next = match timeout(PING_INTERVAL, message_or_end(&mut messages, &mut socket)).await {
+                Ok(Ok(message)) => Message::Text(message),
+                Ok(Err(RecvError::Lagged(_))) => break,
+                Ok(Err(RecvError::Closed)) => return,
+                Err(_) => Message::Ping(Bytes::new()),
+            };
         }
     }
+}
+
+/// Returns the next message, or `Closed` when the page has closed. Ignores what the page sends.
+async fn message_or_end(
+    messages: &mut Receiver<Utf8Bytes>,
+    socket: &mut WebSocket,
+) -> Result<Utf8Bytes, RecvError> {
+    let mut message = pin!(messages.recv());
+    let mut closed = pin!(async { while let Some(Ok(_)) = socket.recv().await {} });
+    poll_fn(|context| {
+        if closed.as_mut().poll(context).is_ready() {
+            return Poll::Ready(Err(RecvError::Closed));
+        }
+        message.as_mut().poll(context)
+    })
+    .await
 }
 
 async fn recording(State(server): State<Arc<Server>>) -> Response {

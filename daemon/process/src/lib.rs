@@ -35,7 +35,7 @@ pub fn run<E: Display>(
     exit_code: impl FnOnce(&E) -> Exit,
 ) -> ExitCode {
     // Every ATAS process needs threads, so this failure ends it.
-    let log = match log::start(log::LogFormat::Human) {
+    let log = match log::start(log::LogFormat::Human, log::LevelFilter::INFO) {
         Ok(log) => log,
         Err(error) => {
             let _ = writeln!(io::stderr(), "{program}: could not start a thread: {error}");

@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use tracing_subscriber::EnvFilter;
-use tracing_subscriber::filter::LevelFilter;
+pub use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::fmt::MakeWriter;
 
 /// Format of the log lines.
@@ -48,11 +48,11 @@ pub struct Log {
     writer: JoinHandle<()>,
 }
 
-/// Starts the log. Call once per process.
+/// Starts the log at this level, or at the levels of `RUST_LOG`. Call once per process.
 ///
 /// # Errors
 /// [`io::Error`] if the writer thread cannot start.
-pub fn start(format: LogFormat) -> io::Result<Log> {
+pub fn start(format: LogFormat, level: LevelFilter) -> io::Result<Log> {
     let (send, receive) = bounded(QUEUE_LINES);
     let lost = Arc::<AtomicU64>::default();
     let counted = Arc::clone(&lost);
@@ -65,7 +65,7 @@ pub fn start(format: LogFormat) -> io::Result<Log> {
         lost,
     };
     let filter = EnvFilter::builder()
-        .with_default_directive(LevelFilter::INFO.into())
+        .with_default_directive(level.into())
         .from_env_lossy();
     let log = tracing_subscriber::fmt()
         .with_env_filter(filter)

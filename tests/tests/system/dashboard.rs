@@ -5,6 +5,7 @@
 //! goal the values are constant and can be compared.
 
 use std::collections::BTreeMap;
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -377,6 +378,35 @@ fn recording_is_scrubbed_by_keyboard() {
     assert_eq!(hidden, Value::Bool(true), "a recording cannot be stopped");
     assert_accessible(&mut browser, &axe, "a recording");
     assert_eq!(browser.page_errors(), &[] as &[String]);
+}
+
+#[test]
+fn sixteen_pages_are_admitted_and_closed_ones_free_their_places() {
+    let bus = FreshBus::new("places");
+    let server = serve(&["--bus", bus.as_str(), "--robot", "two-hand-arm"]);
+    let (_, port, _) = address(&server);
+    let open = || {
+        let stream = TcpStream::connect(("127.0.0.1", port)).expect("connects");
+        let page = tungstenite::client(format!("ws://127.0.0.1:{port}/feed"), stream);
+        page.ok().map(|(socket, _)| socket)
+    };
+    for round in 0..2 {
+        let pages: Vec<_> = std::thread::scope(|threads| {
+            let all: Vec<_> = (0..40).map(|_| threads.spawn(open)).collect();
+            let opened = all.into_iter().map(|page| page.join().expect("no panic"));
+            opened.flatten().collect()
+        });
+        assert!(
+            pages.len() == 16 || round > 0 && pages.len() < 16,
+            "{}",
+            pages.len()
+        );
+        drop(pages);
+        wait_for("all places", || {
+            let pages: Vec<_> = (0..16).map_while(|_| open()).collect();
+            (pages.len() == 16).then_some(())
+        });
+    }
 }
 
 #[test]

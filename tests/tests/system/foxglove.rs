@@ -14,7 +14,7 @@ use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{Hand, TickReport, service};
 use system_tests::{Process, lock_exclusive, wait_for};
 use tungstenite::client::IntoClientRequest as _;
-use tungstenite::{Message, WebSocket};
+use tungstenite::{HandshakeError, Message, WebSocket};
 
 /// Compared topics: a scalar of the tick and the joint states.
 const NORMAL: &str = "/right/finger1/normal";
@@ -140,19 +140,68 @@ fn daemon(bus: &FreshBus) -> Process {
     Process::start("atasd", &["--config", "/dev/null", "--bus", bus.as_str()])
 }
 
-#[test]
-fn viewer_receives_bus_values_after_restart() {
-    let _alone = lock_exclusive();
-    let bus = FreshBus::new("foxglove");
-    let name = bus.as_str();
-    let _robot = Process::start("atas-sim", &["run", "--object", "wood", "--bus", name]);
-    let server = ["foxglove", "--port", "0", "--format", "json", "--bus", name];
+/// Starts the server; returns its port.
+fn serve(bus: &str) -> (Process, u64) {
+    let server = ["foxglove", "--port", "0", "--format", "json", "--bus", bus];
     let server = Process::start("atas-live", &server);
     let port = wait_for("the server to report its address", || {
         let log = server.log();
         let message: Value = serde_json::from_str(log.lines().find(|l| l.contains("url"))?).ok()?;
         message["port"].as_u64()
     });
+    (server, port)
+}
+
+#[test]
+fn foreign_pages_are_rejected() {
+    let bus = FreshBus::new("foxorigin");
+    let (_server, port) = serve(bus.as_str());
+    let answer = |name: &'static str, value: &str| {
+        let stream = TcpStream::connect(("127.0.0.1", port as u16)).expect("connects");
+        let url = format!("ws://127.0.0.1:{port}");
+        let mut request = url.into_client_request().expect("a request");
+        let headers = request.headers_mut();
+        let protocol = "foxglove.sdk.v1".parse().expect("a header");
+        headers.insert("Sec-WebSocket-Protocol", protocol);
+        headers.insert(name, value.parse().expect("a header"));
+        match tungstenite::client(request, stream) {
+            Ok((_, response)) => response.status().as_u16(),
+            Err(HandshakeError::Failure(tungstenite::Error::Http(response))) => {
+                response.status().as_u16()
+            }
+            Err(error) => panic!("{error}"),
+        }
+    };
+    for (name, value, expected) in [
+        ("Origin", "https://app.foxglove.dev", 101),
+        ("Origin", "file://", 101),
+        ("Origin", "https://other.example", 403),
+        ("Origin", "null", 403),
+        ("Host", "rebound.example", 403),
+    ] {
+        assert_eq!(answer(name, value), expected, "{name}: {value}");
+    }
+}
+
+#[test]
+fn server_ends_while_viewers_are_connected() {
+    for signal in [Signal::TERM, Signal::INT] {
+        let bus = FreshBus::new("foxend");
+        let (mut server, port) = serve(bus.as_str());
+        let _viewer = Viewer::connect(port);
+        let _silent = TcpStream::connect(("127.0.0.1", port as u16)).expect("connects");
+        server.signal(signal);
+        assert_eq!(server.wait().code(), Some(0), "{}", server.log());
+    }
+}
+
+#[test]
+fn viewer_receives_bus_values_after_restart() {
+    let _alone = lock_exclusive();
+    let bus = FreshBus::new("foxglove");
+    let name = bus.as_str();
+    let _robot = Process::start("atas-sim", &["run", "--object", "wood", "--bus", name]);
+    let (_server, port) = serve(name);
     // The server runs without a daemon, and connections survive the daemon's restart.
     let mut viewer = Viewer::connect(port);
     let mut first = daemon(&bus);
