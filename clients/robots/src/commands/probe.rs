@@ -21,6 +21,8 @@ struct Finding {
     baud: u32,
     /// Ids and model numbers.
     servos: Vec<(u8, u16)>,
+    /// The adapter echoes requests.
+    echoes: bool,
 }
 
 /// Probes a port and prints the servos.
@@ -47,6 +49,7 @@ pub(super) fn run(device: &str, baud: Option<u32>, format: Format) -> Result<(),
                 "driver": finding.driver.name(),
                 "baud": finding.baud,
                 "servos": servos.collect::<Vec<_>>(),
+                "echoes": finding.echoes,
             })
         });
         let found: Vec<_> = found.collect();
@@ -64,6 +67,9 @@ pub(super) fn run(device: &str, baud: Option<u32>, format: Format) -> Result<(),
             let model = model(finding.driver, number);
             let model = model.map_or(format!("model {number}, unknown"), str::to_owned);
             print(&format!("  id {id:<3}  {model}"))?;
+        }
+        if finding.echoes {
+            print("  the adapter echoes requests; the echo is ignored")?;
         }
     }
     Ok(())
@@ -92,5 +98,6 @@ fn probe_family(
         driver,
         baud,
         servos,
+        echoes: wire.echoes(),
     }))
 }

@@ -1,6 +1,7 @@
 //! Interface of a servo family.
 
-use super::wire::{Protocol, Wire, WireError};
+use super::protocol::Protocol;
+use super::wire::{Wire, WireError};
 
 /// Quantity that limits the force of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,7 +7,8 @@
 use core::f64::consts::TAU;
 
 use super::driver::{Driver, Health, LimitKind, Model, Reading, Servo, State};
-use super::wire::{Protocol, Wire, WireError};
+use super::protocol::Protocol;
+use super::wire::{Wire, WireError};
 
 /// Dynamixel X.
 #[derive(Clone, Copy, Debug)]
@@ -137,13 +138,13 @@ impl Driver for Dynamixel {
     /// Fast sync read returns one packet for all servos. Older firmware (XL330 before 46) does not
     /// support it.
     fn choose_reading(&self, wire: &mut Wire, servos: &[Servo]) -> Result<(), WireError> {
-        let mut readings = Vec::new();
+        let read = |wire: &mut Wire| self.read(wire, servos, &mut Vec::new());
         wire.set_fast(true);
-        if self.read(wire, servos, &mut readings).is_ok() {
+        if wire.repeat(read).is_ok() {
             return Ok(());
         }
         wire.set_fast(false);
-        self.read(wire, servos, &mut readings)
+        wire.repeat(read)
     }
 
     fn state(&self, wire: &mut Wire, servo: &Servo) -> Result<State, WireError> {

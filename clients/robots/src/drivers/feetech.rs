@@ -6,7 +6,8 @@
 use core::f64::consts::TAU;
 
 use super::driver::{Driver, Health, LimitKind, Model, Reading, Servo, State};
-use super::wire::{Protocol, Wire, WireError};
+use super::protocol::Protocol;
+use super::wire::{Wire, WireError};
 
 /// Feetech STS.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +102,7 @@ impl Driver for Feetech {
 
     /// Only one read method exists.
     fn choose_reading(&self, wire: &mut Wire, servos: &[Servo]) -> Result<(), WireError> {
-        self.read(wire, servos, &mut Vec::new())
+        wire.repeat(|wire| self.read(wire, servos, &mut Vec::new()))
     }
 
     fn state(&self, wire: &mut Wire, servo: &Servo) -> Result<State, WireError> {

@@ -7,6 +7,8 @@
 mod driver;
 pub mod dynamixel;
 pub mod feetech;
+mod packet_port;
+pub mod protocol;
 pub mod wire;
 
 pub use driver::{Driver, Health, LimitKind, Model, Reading, Servo, State};

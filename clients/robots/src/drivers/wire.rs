@@ -3,19 +3,14 @@
 
 use std::error::Error;
 use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use rustypot::{CommunicationErrorKind, DynamixelProtocolHandler, SyncReadError};
-use serialport::SerialPort;
 
-/// Protocol of a port.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Protocol {
-    /// Dynamixel protocol 1.0, Feetech variant: the status of a reply is a set of alarms.
-    One,
-    /// Dynamixel protocol 2.0: the status of a reply is an error number and an alert bit.
-    Two,
-}
+use super::packet_port::PacketPort;
+use super::protocol::Protocol;
 
 /// Failure of an exchange with a servo.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -55,11 +50,16 @@ pub enum WireError {
 /// Bits of the error number in a status of protocol 2.0; the remaining bit is the alert.
 const ERROR_BITS: u8 = 0x7F;
 
+/// Attempts of an exchange with one servo. Design choice: with 2 % of damaged replies, one exchange
+/// in 100,000 fails.
+const ATTEMPTS: u32 = 3;
+
 /// An open port.
 pub struct Wire {
-    port: Box<dyn SerialPort>,
+    port: PacketPort,
     handler: DynamixelProtocolHandler,
     protocol: Protocol,
+    echoes: Arc<AtomicBool>,
 }
 
 impl Wire {
@@ -81,11 +81,18 @@ impl Wire {
             Protocol::One => DynamixelProtocolHandler::v1(),
             Protocol::Two => DynamixelProtocolHandler::v2(),
         };
+        let echoes = Arc::default();
         Ok(Self {
-            port,
+            port: PacketPort::new(port, protocol, Arc::clone(&echoes)),
             handler,
             protocol,
+            echoes,
         })
+    }
+
+    /// Returns true if the adapter has echoed a request. Echoes are ignored.
+    pub fn echoes(&self) -> bool {
+        self.echoes.load(Ordering::Relaxed)
     }
 
     /// Selects whether sync reads return one packet for all servos or one per servo (protocol 2.0).
@@ -98,36 +105,56 @@ impl Wire {
     /// # Errors
     /// [`WireError::Port`].
     pub fn scan(&mut self) -> Result<Vec<u8>, WireError> {
-        let found = self.handler.broadcast_ping(self.port.as_mut());
+        let found = self.handler.broadcast_ping(&mut self.port);
         found.map_err(|error| wire_error(0, error))
     }
 
-    /// Reads registers of one servo.
+    /// Reads registers of one servo; repeats the request if the reply is missing or damaged.
     ///
     /// # Errors
     /// Every [`WireError`] except `WrongMode`.
     pub fn read(&mut self, id: u8, address: u8, length: u8) -> Result<Vec<u8>, WireError> {
-        let answer = self
-            .handler
-            .read(self.port.as_mut(), id, address, length)
-            .map_err(|error| wire_error(id, error))?;
-        check_length(id, answer, length)
+        self.repeat(|wire| {
+            let answer = wire.handler.read(&mut wire.port, id, address, length);
+            check_length(id, answer.map_err(|error| wire_error(id, error))?, length)
+        })
     }
 
-    /// Writes registers of one servo.
+    /// Writes registers of one servo; repeats the request if the reply is missing or damaged.
     ///
     /// # Errors
     /// Every [`WireError`] except `WrongMode`.
     pub fn write(&mut self, id: u8, address: u8, bytes: &[u8]) -> Result<(), WireError> {
-        let status = self
-            .handler
-            .write_with_error(self.port.as_mut(), id, address, bytes)
-            .map_err(|error| wire_error(id, error))?;
+        let status = self.repeat(|wire| {
+            let status = wire
+                .handler
+                .write_with_error(&mut wire.port, id, address, bytes);
+            status.map_err(|error| wire_error(id, error))
+        })?;
         let code = status.byte() & ERROR_BITS;
         if self.protocol == Protocol::Two && code != 0 {
             return Err(WireError::Rejected { id, code });
         }
         Ok(())
+    }
+
+    /// Repeats an exchange whose reply is missing or damaged. Reads and writes of registers can be
+    /// repeated.
+    ///
+    /// # Errors
+    /// The error of the last attempt.
+    pub fn repeat<T>(
+        &mut self,
+        exchange: impl Fn(&mut Self) -> Result<T, WireError>,
+    ) -> Result<T, WireError> {
+        let mut result = exchange(self);
+        for _ in 1..ATTEMPTS {
+            if !matches!(result, Err(WireError::NoReply(_) | WireError::Damaged(_))) {
+                break;
+            }
+            result = exchange(self);
+        }
+        result
     }
 
     /// Reads the same registers of several servos; returns bytes and status of each.
@@ -143,7 +170,7 @@ impl Wire {
         let first = ids.first().copied().unwrap_or_default();
         let answers = self
             .handler
-            .sync_read_with_error(self.port.as_mut(), ids, address, length)
+            .sync_read_with_error(&mut self.port, ids, address, length)
             .map_err(|error| wire_error(first, error))?;
         let checked = ids.iter().zip(answers).map(|(&id, (bytes, status))| {
             check_length(id, bytes, length).map(|bytes| (bytes, status.byte()))
@@ -163,7 +190,7 @@ impl Wire {
     ) -> Result<(), WireError> {
         let first = ids.first().copied().unwrap_or_default();
         self.handler
-            .sync_write(self.port.as_mut(), ids, address, bytes)
+            .sync_write(&mut self.port, ids, address, bytes)
             .map_err(|error| wire_error(first, error))
     }
 }
@@ -185,6 +212,7 @@ fn wire_error(id: u8, error: Box<dyn Error>) -> WireError {
     if let Some(error) = error.downcast_ref::<io::Error>() {
         return match error.kind() {
             io::ErrorKind::TimedOut => WireError::NoReply(id),
+            io::ErrorKind::InvalidData => WireError::Damaged(id),
             _ => WireError::Port(error.to_string()),
         };
     }

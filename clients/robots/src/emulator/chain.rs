@@ -46,6 +46,10 @@ struct ChainState {
     byte_s: f64,
     /// Mean number of bytes per damaged byte; 0 for no damage.
     noise_every: u32,
+    /// Bytes before each reply: glitches of the line.
+    glitch: Vec<u8>,
+    /// Sends requests back, as some adapters do.
+    echoes: bool,
     random: u32,
     advanced: Instant,
 }
@@ -82,6 +86,8 @@ impl Chain {
             servos: made.collect::<io::Result<_>>()?,
             byte_s: baud.map_or(0.0, |baud| BITS_PER_BYTE / f64::from(baud)),
             noise_every: 0,
+            glitch: Vec::new(),
+            echoes: false,
             random: 1,
             advanced: Instant::now(),
         };
@@ -115,6 +121,16 @@ impl Chain {
         act(servo.unwrap_or_else(|| panic!("the emulator has no servo {id}")))
     }
 
+    /// Sends these bytes before each reply.
+    pub fn set_glitch(&self, bytes: &[u8]) {
+        lock(&self.shared).glitch = bytes.to_vec();
+    }
+
+    /// Sends requests back, as some adapters do.
+    pub fn set_echo(&self, echoes: bool) {
+        lock(&self.shared).echoes = echoes;
+    }
+
     /// Damages one in `every` reply bytes at random; 0 for none.
     pub fn set_noise(&self, every: u32) {
         lock(&self.shared).noise_every = every;
@@ -146,11 +162,19 @@ fn run_emulation(terminal: &Terminal, shared: &Mutex<ChainState>, stop: &AtomicB
         loop {
             let (answer, is_permitted) = {
                 let mut inside = lock(shared);
-                let before = bytes.len();
+                let before = bytes.clone();
                 let Some(request) = inside.family.take_request(&mut bytes) else {
                     break;
                 };
-                inside.answer_to(&request, before - bytes.len())
+                let request_bytes = before.len() - bytes.len();
+                let (answer, delay) = inside.answer_to(&request, request_bytes);
+                let echo = &before[..if inside.echoes { request_bytes } else { 0 }];
+                let glitch: &[u8] = if answer.is_empty() {
+                    &[]
+                } else {
+                    &inside.glitch
+                };
+                ([echo, glitch, &answer].concat(), delay)
             };
             std::thread::sleep(is_permitted.saturating_sub(began.elapsed()));
             if terminal.send(&answer).is_err() {

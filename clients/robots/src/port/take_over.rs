@@ -5,6 +5,8 @@
 //! survives a restart. A servo without torque gets its settings, its current position as goal, and
 //! then torque.
 
+use core::f64::consts::TAU;
+
 use super::PortMap;
 use crate::drivers::State;
 use crate::drivers::wire::{Wire, WireError};
@@ -12,6 +14,9 @@ use crate::map::MappedServo;
 
 /// Tolerance of the joint limits, rad, as in the daemon.
 const MARGIN_RAD: f64 = 0.05;
+/// Largest difference of a position and the goal that holds it, rad: more than half an encoder
+/// step.
+const GOAL_ERROR_MAX_RAD: f64 = 0.001;
 /// Required distance below the temperature limit, K. Design choice.
 const COOLDOWN_K: f64 = 5.0;
 
@@ -36,6 +41,12 @@ pub(super) fn take_over(map: &PortMap) -> Result<Taken, String> {
     map.driver
         .choose_reading(&mut wire, &servos)
         .map_err(|error| error_text(map, &error))?;
+    if wire.echoes() {
+        tracing::warn!(
+            device = map.device,
+            "the adapter echoes requests; the echo is ignored"
+        );
+    }
     Ok((wire, held))
 }
 
@@ -88,16 +99,36 @@ fn check_servo(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<S
         ));
     }
     let state = driver.state(wire, servo).map_err(known)?;
-    check_position(map, wire, mapped)?;
+    check_position(map, wire, mapped, state)?;
     Ok(state)
 }
 
 /// Rejects a joint outside its limits: its zero or direction is wrong, or it was moved by hand.
-fn check_position(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(), String> {
+/// Also rejects a shaft below the zero of its encoder, which no goal can hold.
+fn check_position(
+    map: &PortMap,
+    wire: &mut Wire,
+    mapped: &MappedServo,
+    state: State,
+) -> Result<(), String> {
     let shaft_rad = position_rad(map, wire, mapped).map_err(|error| error_text(map, &error))?;
     let joint_rad = mapped.joint_rad(shaft_rad);
     let (lower_rad, upper_rad) = mapped.limits_rad;
-    if joint_rad >= lower_rad - MARGIN_RAD && joint_rad <= upper_rad + MARGIN_RAD {
+    let within =
+        |joint_rad: f64| joint_rad >= lower_rad - MARGIN_RAD && joint_rad <= upper_rad + MARGIN_RAD;
+    let goal_error_rad = (map.driver.rounded(shaft_rad) - shaft_rad).abs();
+    let no_goal = state == State::TorqueOff && goal_error_rad > GOAL_ERROR_MAX_RAD;
+    // An absolute encoder reads almost a whole turn just below its zero.
+    let is_wrapped = !within(joint_rad) && within(mapped.joint_rad(shaft_rad - TAU));
+    if is_wrapped || within(joint_rad) && no_goal {
+        return Err(format!(
+            "{} is below the zero of its encoder, where it cannot hold (it reads {shaft_rad:.3} \
+             rad); turn the joint by hand, or mount the servo so that its whole travel is above \
+             zero",
+            mapped.label()
+        ));
+    }
+    if within(joint_rad) {
         return Ok(());
     }
     Err(format!(

@@ -38,6 +38,7 @@ fn list_shows_models_and_limits() {
 #[test]
 fn probe_finds_connected_servos() {
     let chains = start_chains(&mut two_hands(), &middle_rad());
+    chains[1].set_echo(true);
     for (chain, driver, model) in [
         (&chains[0], "dynamixel", "xm430-w350"),
         (&chains[1], "feetech", "sts3215"),
@@ -53,6 +54,7 @@ fn probe_finds_connected_servos() {
         let servos = found[0]["servos"].as_array().unwrap();
         assert_eq!(servos.len(), HAND);
         assert!(servos.iter().all(|servo| servo["model"] == model));
+        assert_eq!(found[0]["echoes"], chain.path() == chains[1].path());
     }
 }
 

@@ -197,10 +197,16 @@ pub(crate) struct Rig {
 impl Rig {
     /// Starts everything, with the servos in the middle of their travel.
     pub(crate) fn start() -> Self {
+        Self::start_with(|_| ())
+    }
+
+    /// Starts everything, after a change of the chains.
+    pub(crate) fn start_with(prepare: impl Fn(&Chain)) -> Self {
         let (bus, folder) = (FreshBus::new("robot"), TempDir::new().unwrap());
         let node = Bus::open(&bus, "test", Realtime::No).unwrap();
         let mut map = two_hands();
         let chains = start_chains(&mut map, &middle_rad());
+        chains.iter().for_each(prepare);
         let path = folder.path().join("robot.toml");
         std::fs::write(&path, toml::to_string(&map).unwrap()).unwrap();
         let mut rig = Self {
