@@ -8,6 +8,11 @@ use crate::hand::ACTIONS;
 use crate::observation;
 use crate::reward::End;
 
+/// Most environments of a batch. Design choice: about 2 GB.
+const COUNT_MAX: usize = 10_000;
+/// Most threads of a batch. Design choice: more than any machine has cores.
+const THREADS_MAX: usize = 1000;
+
 /// Environments stepped together; results do not depend on each other.
 pub struct Batch {
     environments: Vec<Environment>,
@@ -23,13 +28,20 @@ impl Batch {
     /// mode); otherwise it waits for reset.
     ///
     /// # Errors
-    /// The threads cannot be started.
+    /// More than 10,000 environments or 1,000 threads, or threads that cannot be started.
     pub fn new(
         prototype: &Environment,
         count: usize,
         threads: usize,
         autoreset: bool,
-    ) -> Result<Self, rayon::ThreadPoolBuildError> {
+    ) -> Result<Self, LearningError> {
+        let numbers = [
+            ("count", count, COUNT_MAX),
+            ("threads", threads, THREADS_MAX),
+        ];
+        if let Some((what, value, limit)) = numbers.into_iter().find(|(_, n, most)| n > most) {
+            return Err(LearningError::TooMany { what, value, limit });
+        }
         Ok(Self {
             environments: (0..count).map(|_| prototype.fork()).collect(),
             ended: vec![None; count],

@@ -141,8 +141,8 @@ impl Episode {
         let tick = self.now();
         let frame = self.sensed.frames[SIDE.index()].as_ref();
         self.hand.process_frame(frame, tick, &self.settings);
-        let orientations = self.hand.orientations(&self.measured_rad());
-        self.hand.evaluate_modules(&self.settings, &orientations);
+        let measured_rad = self.measured_rad();
+        self.hand.evaluate_modules(&self.settings, &measured_rad);
         self.index += 1;
     }
 

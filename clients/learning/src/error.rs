@@ -32,6 +32,19 @@ pub enum LearningError {
         /// Rejected value.
         value: f32,
     },
+    /// Number of environments or threads out of range.
+    #[error("could not make a batch: {what} is {value}, at most {limit}")]
+    TooMany {
+        /// What is too large.
+        what: &'static str,
+        /// Its value.
+        value: usize,
+        /// The largest permitted value.
+        limit: usize,
+    },
+    /// Threads that cannot be started.
+    #[error("could not start the threads of a batch: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// No running episode.
     #[error("could not step: no episode is running; call reset first")]
     NotBegun,

@@ -9,7 +9,7 @@ use atas_core::perception::{self, Percept, Perception};
 use atas_core::safety::Grip;
 use atas_core::thresholds::Thresholds;
 use atas_core::{HandSensorSetup, Settings, Tick};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use robot_model::{GRASP_SIDES, GraspPose, HandModel, HandVector};
 use shm_schemas::{Hand, HandFrame};
 
@@ -158,7 +158,8 @@ impl PolicyHand {
     }
 
     /// Evaluates the modules for an unknown object; their proposals are observed, not executed.
-    pub(crate) fn evaluate_modules(&mut self, settings: &Settings, base_from_tip: &[Matrix3<f64>]) {
+    pub(crate) fn evaluate_modules(&mut self, settings: &Settings, measured_rad: &HandVector) {
+        let measured = self.model.forward(measured_rad);
         let percept = self.perception.percept();
         let frame = *self.servo.pose();
         let thresholds = Thresholds::for_unknown_object(&settings.grasp);
@@ -180,7 +181,8 @@ impl PolicyHand {
             turns_by_wrist: self.model.turns_by_wrist(),
             turning: 1.0,
             lowering_m: None,
-            base_from_tip,
+            base_from_tip: measured.base_from_tip(),
+            side_m: core::array::from_fn(|side| measured.side_m(side)),
             tactile_over_torque: 1.0,
             torque_over_tactile: 1.0,
             // No lift verification here.
@@ -199,13 +201,5 @@ impl PolicyHand {
                 .position(|known| *known == id)
         };
         self.active = MODULES.map(|id| states(id).is_some_and(|place| proposals[place].active));
-    }
-
-    pub(crate) fn orientations(&self, q_rad: &HandVector) -> Vec<Matrix3<f64>> {
-        let pose = self.model.forward(q_rad);
-        pose.base_from_tip()
-            .iter()
-            .map(|tip| tip.rotation)
-            .collect()
     }
 }

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use atas_client::Session;
 use atas_client::goal::{self, HOLD_S, LIFT_M, Target};
+use atas_client::{Session, request_stop};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shm_bus::{Bus as Node, Realtime};
@@ -16,6 +16,7 @@ use shm_schemas::{
 use crate::errors::{AtasError, bus_error};
 use crate::goal::Goal;
 use crate::names::{bus_name, parse_hand};
+use crate::process::OwnProcess;
 use crate::reader::Reader;
 use crate::robot::Robot;
 use crate::sensor::Sensor;
@@ -32,7 +33,7 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(1);
 /// thread opens its own bus.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Bus {
-    session: Session,
+    session: OwnProcess<Session>,
 }
 
 #[pymethods]
@@ -44,31 +45,31 @@ impl Bus {
         let join = if create { Node::open } else { Node::join };
         let node = join(&name, role, Realtime::No).map_err(bus_error)?;
         Ok(Self {
-            session: Session::from_bus(node),
+            session: OwnProcess::new(Session::from_bus(node)),
         })
     }
 
     /// Name of the bus.
     #[getter]
-    fn name(&self) -> &str {
-        self.node().name().as_str()
+    fn name(&self) -> PyResult<&str> {
+        Ok(self.node()?.name().as_str())
     }
 
     /// Folder of the bus: iceoryx2's `global.root-path`, for peers in other languages.
     #[getter]
-    fn folder(&self) -> String {
-        self.node().folder().display().to_string()
+    fn folder(&self) -> PyResult<String> {
+        Ok(self.node()?.folder().display().to_string())
     }
 
     /// Prefix of the bus's names in /dev/shm: iceoryx2's `global.prefix`.
     #[getter]
-    fn prefix(&self) -> &str {
-        self.node().prefix()
+    fn prefix(&self) -> PyResult<&str> {
+        Ok(self.node()?.prefix())
     }
 
     /// Returns all processes on the bus: role, process id, whether it is alive.
     fn peers(&self) -> PyResult<Vec<(String, u32, bool)>> {
-        let peers = self.node().peers().map_err(bus_error)?;
+        let peers = self.node()?.peers().map_err(bus_error)?;
         Ok(peers
             .into_iter()
             .map(|peer| (peer.role, peer.pid, peer.alive))
@@ -78,72 +79,72 @@ impl Bus {
     /// Returns a reader of one hand's frames, "left" or "right" (`HandFrame`).
     fn frames(&self, hand: &str) -> PyResult<Reader> {
         let service = service::HAND_FRAME[usize::from(parse_hand(hand)? != Hand::LEFT)];
-        Reader::new::<HandFrame>(self.node(), service)
+        Reader::new::<HandFrame>(self.node()?, service)
     }
 
     /// Returns a reader of the robot's joint states (`JointState`).
     fn joint_states(&self) -> PyResult<Reader> {
-        Reader::new::<JointState>(self.node(), service::JOINT_STATE)
+        Reader::new::<JointState>(self.node()?, service::JOINT_STATE)
     }
 
     /// Returns a reader of the daemon's commands (`JointCommand`). The robot needs one of the four
     /// reader slots; observers can use `reports`.
     fn commands(&self) -> PyResult<Reader> {
-        Reader::new::<JointCommand>(self.node(), service::JOINT_COMMAND)
+        Reader::new::<JointCommand>(self.node()?, service::JOINT_COMMAND)
     }
 
     /// Returns a reader of the tick reports (`TickReport`), one per tick.
     fn reports(&self) -> PyResult<Reader> {
-        Reader::new::<TickReport>(self.node(), service::TICK_REPORT)
+        Reader::new::<TickReport>(self.node()?, service::TICK_REPORT)
     }
 
     /// Returns a reader of the daemon's status (`Status`), 50 Hz.
     fn statuses(&self) -> PyResult<Reader> {
-        Reader::new::<Status>(self.node(), service::STATUS)
+        Reader::new::<Status>(self.node()?, service::STATUS)
     }
 
     /// Returns a reader of events (`ModuleEvent`): modules, touches, steps, modes, including the
     /// last thousand.
     fn events(&self) -> PyResult<Reader> {
-        Reader::new::<ModuleEvent>(self.node(), service::MODULE_EVENT)
+        Reader::new::<ModuleEvent>(self.node()?, service::MODULE_EVENT)
     }
 
     /// Returns a reader of sensor health (`SensorStatus`), about 10 Hz per sensor.
     fn sensor_statuses(&self) -> PyResult<Reader> {
-        Reader::new::<SensorStatus>(self.node(), service::SENSOR_STATUS)
+        Reader::new::<SensorStatus>(self.node()?, service::SENSOR_STATUS)
     }
 
     /// Returns a reader of the simulator's ground truth (`WorldTruth`).
     fn truths(&self) -> PyResult<Reader> {
-        Reader::new::<WorldTruth>(self.node(), service::WORLD_TRUTH)
+        Reader::new::<WorldTruth>(self.node()?, service::WORLD_TRUTH)
     }
 
     /// Returns a reader of the swarm fields' ground truth (`ArenaTruth`), frame by frame.
     fn arenas(&self) -> PyResult<Reader> {
-        Reader::new::<ArenaTruth>(self.node(), service::ARENA_TRUTH)
+        Reader::new::<ArenaTruth>(self.node()?, service::ARENA_TRUTH)
     }
 
     /// Returns a reader of the inputs of every tick (`TickInputs`). The daemon sends them with
     /// `--record-stream`, to one reader.
     fn tick_inputs(&self) -> PyResult<Reader> {
-        Reader::new::<TickInputs>(self.node(), service::TICK_INPUTS)
+        Reader::new::<TickInputs>(self.node()?, service::TICK_INPUTS)
     }
 
     /// Returns a reader of the headers of recorded runs (`RunHeader`).
     fn run_headers(&self) -> PyResult<Reader> {
-        Reader::new::<RunHeader>(self.node(), service::RUN_HEADER)
+        Reader::new::<RunHeader>(self.node()?, service::RUN_HEADER)
     }
 
     /// Returns a sensor for one hand. `layout` is "dome-41", "dome-1", "pad-N", "flat-RxC-P" or
     /// "cylinder-RxC-P-Q", as configured in the daemon (`[hands.left] layout`).
     #[pyo3(signature = (hand, *, layout = "dome-41", fingers = 2, device = ""))]
     fn sensor(&self, hand: &str, layout: &str, fingers: usize, device: &str) -> PyResult<Sensor> {
-        Sensor::new(self.node(), parse_hand(hand)?, layout, fingers, device)
+        Sensor::new(self.node()?, parse_hand(hand)?, layout, fingers, device)
     }
 
     /// Returns the robot: publishes joint states and executes commands.
     fn robot(&self) -> PyResult<Robot> {
-        Robot::new(self.node())
+        Robot::new(self.node()?)
     }
 
     /// Grasps, lifts and holds the object at `at` (m, robot base frame: x forward, y left, z up).
@@ -242,7 +243,7 @@ impl Bus {
     /// `Teleop.end`. Only one client at a time may teleoperate.
     #[pyo3(signature = (hand = "right"))]
     fn teleop(&self, py: Python<'_>, hand: &str) -> PyResult<Teleop> {
-        Teleop::open(py, &self.session, hand)
+        Teleop::open(py, self.session.get()?, hand)
     }
 
     /// Opens a hand at its current position and moves it home.
@@ -256,14 +257,15 @@ impl Bus {
         self.send(goal, attached)
     }
 
-    /// Stops the robot until `recover`. Uses a separate channel that other requests cannot block.
+    /// Stops the robot until `recover`. Uses a separate channel that other requests cannot block,
+    /// and a control request if that channel does not answer.
     ///
     /// Returns True when a tick has executed the stop, False while it is pending.
     #[pyo3(signature = (reason = "requested from Python"))]
     fn estop(&self, py: Python<'_>, reason: &str) -> PyResult<bool> {
-        let name = self.node().name().clone();
+        let name = self.node()?.name().clone();
         let answer = py
-            .detach(|| shm_bus::stop::request(&name, reason, STOP_TIMEOUT))
+            .detach(|| request_stop(&name, reason, STOP_TIMEOUT))
             .map_err(bus_error)?;
         Ok(answer.outcome == StopOutcome::STOPPED)
     }
@@ -314,8 +316,8 @@ impl Bus {
 }
 
 impl Bus {
-    fn node(&self) -> &Node {
-        self.session.bus()
+    fn node(&self) -> PyResult<&Node> {
+        Ok(self.session.get()?.bus())
     }
 
     fn send(&self, goal: GoalRequest, attached: bool) -> PyResult<Goal> {
@@ -324,15 +326,19 @@ impl Bus {
         } else {
             GoalPolicy::DETACHED
         };
-        Goal::send(&self.session, &GoalRequest { policy, ..goal })
+        Goal::send(self.session.get()?, &GoalRequest { policy, ..goal })
     }
 
     fn ask(&self, op: ControlOp, value: f64, name: &str) -> PyResult<ControlReply> {
-        self.session.request(op, value, name).map_err(bus_error)
+        self.session
+            .get()?
+            .request(op, value, name)
+            .map_err(bus_error)
     }
 
     fn demand(&self, op: ControlOp, value: f64, name: &str) -> PyResult<ControlReply> {
         self.session
+            .get()?
             .request_success(op, value, name)
             .map_err(|why| AtasError::new_err(why.to_string()))
     }

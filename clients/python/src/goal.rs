@@ -11,6 +11,7 @@ use shm_schemas::{GoalRequest, GoalUpdate};
 
 use crate::errors::bus_error;
 use crate::pause;
+use crate::process::OwnProcess;
 use crate::reader::seconds;
 use crate::rows::{self, Row};
 
@@ -19,12 +20,12 @@ use crate::rows::{self, Row};
 /// Dropping it does not end the goal, unless it was sent `attached`: then the robot holds.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Goal {
-    pending: PendingGoal,
+    pending: OwnProcess<PendingGoal>,
     progress: GoalProgress,
     /// Id of the goal, for `Bus.cancel`.
     #[pyo3(get)]
     goal_id: u64,
-    _client: GoalClient,
+    _client: OwnProcess<GoalClient>,
 }
 
 impl Goal {
@@ -36,21 +37,21 @@ impl Goal {
         };
         let client = session.bus().goal_client().map_err(bus_error)?;
         Ok(Self {
-            pending: client.send(&request).map_err(bus_error)?,
+            pending: OwnProcess::new(client.send(&request).map_err(bus_error)?),
             progress: GoalProgress::default(),
             goal_id: request.goal_id,
-            _client: client,
+            _client: OwnProcess::new(client),
         })
     }
 
     /// Processes pending updates; returns whether the goal has ended.
     pub(crate) fn has_ended(&mut self) -> PyResult<bool> {
         while self.take()?.is_some() {}
-        Ok(self.pending.has_ended())
+        Ok(self.pending.get()?.has_ended())
     }
 
     fn take(&mut self) -> PyResult<Option<GoalUpdate>> {
-        let update = self.pending.next().map_err(bus_error)?;
+        let update = self.pending.get_mut()?.next().map_err(bus_error)?;
         if let Some(update) = &update {
             self.progress.add(update);
         }
@@ -76,7 +77,7 @@ impl Goal {
         let (begin, limit) = (Instant::now(), timeout.map(seconds).transpose()?);
         loop {
             while self.take()?.is_some() {}
-            if self.pending.has_ended() {
+            if self.pending.get()?.has_ended() {
                 return self.result(py);
             }
             if limit.is_some_and(|limit: Duration| begin.elapsed() > limit) {
@@ -90,14 +91,15 @@ impl Goal {
     }
 
     /// Requests cancellation; updates continue until the final one.
-    fn cancel(&self) {
-        self.pending.cancel();
+    fn cancel(&self) -> PyResult<()> {
+        self.pending.get()?.cancel();
+        Ok(())
     }
 
     /// True if a received update has ended the goal.
     #[getter]
-    fn ended(&self) -> bool {
-        self.pending.has_ended()
+    fn ended(&self) -> PyResult<bool> {
+        Ok(self.pending.get()?.has_ended())
     }
 
     /// State of the goal: `state` (`GoalState`), `step`, `reason` (text), `took_s`, and the
@@ -116,7 +118,7 @@ impl Goal {
             if let Some(update) = self.take()? {
                 return Ok(Some(rows::row(py, &update)?));
             }
-            if self.pending.has_ended() {
+            if self.pending.get()?.has_ended() {
                 return Ok(None);
             }
             pause(py, POLL)?;

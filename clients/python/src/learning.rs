@@ -6,6 +6,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::compute;
 use crate::errors::AtasError;
 use crate::rows::{numbers, shape_of};
 
@@ -107,9 +108,7 @@ impl Environment {
         seed: Option<u64>,
     ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyDict>)> {
         let environment = &mut self.environment;
-        let outcome = py
-            .detach(|| environment.reset(seed))
-            .map_err(learning_error)?;
+        let outcome = compute(py, || environment.reset(seed))?.map_err(learning_error)?;
         Ok((self.row(py), self.info(py, &outcome)?))
     }
 
@@ -126,9 +125,7 @@ impl Environment {
             ))
         })?;
         let environment = &mut self.environment;
-        let outcome = py
-            .detach(|| environment.step(&action))
-            .map_err(learning_error)?;
+        let outcome = compute(py, || environment.step(&action))?.map_err(learning_error)?;
         let info = self.info(py, &outcome)?;
         Ok((
             self.row(py),
@@ -189,7 +186,7 @@ impl Batch {
         let like = new_environment(task, objects, noise)?;
         let batch = atas_learning::Batch::new(&like, count, threads, autoreset);
         Ok(Self {
-            batch: batch.map_err(|why| AtasError::new_err(why.to_string()))?,
+            batch: batch.map_err(learning_error)?,
         })
     }
 
@@ -208,9 +205,7 @@ impl Batch {
         }
         let mut rows = vec![0.0; count * observation::SIZE];
         let batch = &mut self.batch;
-        let outcomes = py
-            .detach(|| batch.reset(&seeds, &mut rows))
-            .map_err(learning_error)?;
+        let outcomes = compute(py, || batch.reset(&seeds, &mut rows))?.map_err(learning_error)?;
         Ok((table(py, rows, count)?, columns(py, &outcomes)?))
     }
 
@@ -235,9 +230,7 @@ impl Batch {
             .collect();
         let mut rows = vec![0.0; count * observation::SIZE];
         let batch = &mut self.batch;
-        let outcomes = py
-            .detach(|| batch.step(&actions, &mut rows))
-            .map_err(learning_error)?;
+        let outcomes = compute(py, || batch.step(&actions, &mut rows))?.map_err(learning_error)?;
         Ok((table(py, rows, count)?, columns(py, &outcomes)?))
     }
 }

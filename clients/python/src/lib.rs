@@ -6,6 +6,7 @@
 //!  simulation the simulator with the production controller, tick by tick
 //!  recording  recordings as arrays, replay with the production controller
 //!  learning   environments, one or many
+//!  contacts   contacts of the MuJoCo engine, read once per tick
 //! ```
 //!
 //! * **Invariants:** this crate enforces the rules of the bus (seals, sequences, epochs, lock-step,
@@ -15,10 +16,12 @@
 //!   (`python/atas`).
 
 mod bus;
+mod contacts;
 mod errors;
 mod goal;
 mod learning;
 mod names;
+mod process;
 mod reader;
 mod recording;
 mod robot;
@@ -27,13 +30,19 @@ mod sensor;
 mod simulation;
 mod teleop;
 
+use std::panic::AssertUnwindSafe;
+
 use pyo3::prelude::*;
+
+use crate::errors::AtasError;
 
 /// Rust part of the package `atas`; use it through `import atas`.
 #[pymodule]
 mod _native {
     #[pymodule_export]
     use super::bus::{Bus, wipe};
+    #[pymodule_export]
+    use super::contacts::Contacts;
     #[pymodule_export]
     use super::errors::{AtasError, BusError};
     #[pymodule_export]
@@ -73,6 +82,20 @@ mod _native {
     fn now_ns() -> u64 {
         shm_bus::now_ns()
     }
+}
+
+/// Computes with the Python lock released. A panic becomes an `AtasError`: pyo3's own exception
+/// would escape `except Exception`.
+fn compute<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let done = py.detach(|| std::panic::catch_unwind(AssertUnwindSafe(work)));
+    done.map_err(|panic| {
+        let text = panic.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        AtasError::new_err(format!(
+            "internal error: {}; please report it with the call that raised it",
+            text.unwrap_or("no message")
+        ))
+    })
 }
 
 /// Sleeps with the Python lock released, then handles Ctrl-C.

@@ -10,6 +10,7 @@ use zerocopy::FromBytes;
 
 use crate::errors::bus_error;
 use crate::pause;
+use crate::process::OwnProcess;
 use crate::rows::{self, Row};
 
 /// Poll interval of a waiting reader: half the period of the daemon.
@@ -90,7 +91,8 @@ impl Losses {
         let next = self
             .next
             .insert(stamp.writer_epoch, stamp.sequence.wrapping_add(1));
-        self.lost += next.map_or(0, |next| stamp.sequence.saturating_sub(next));
+        let gap = next.map_or(0, |next| stamp.sequence.saturating_sub(next));
+        self.lost = self.lost.saturating_add(gap);
     }
 }
 
@@ -101,7 +103,7 @@ impl Losses {
 /// `lost`. A reader belongs to the thread that created it.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Reader {
-    source: Box<dyn Source>,
+    source: OwnProcess<Box<dyn Source>>,
     losses: Losses,
     /// Name of the service on the bus.
     #[pyo3(get)]
@@ -117,7 +119,7 @@ impl Reader {
         let most = line.map_or(1, |line| line.buffer * line.publishers);
         let subscriber = bus.subscriber::<T>(service).map_err(bus_error)?;
         Ok(Self {
-            source: Box::new(Typed { subscriber, most }),
+            source: OwnProcess::new(Box::new(Typed { subscriber, most })),
             losses: Losses::default(),
             service: service.to_owned(),
         })
@@ -129,12 +131,12 @@ impl Reader {
     /// Returns all queued payloads, oldest first, as a structured array; may be empty. Does not
     /// wait.
     fn receive<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.source.receive(py, &mut self.losses)
+        self.source.get_mut()?.receive(py, &mut self.losses)
     }
 
     /// Returns the newest queued payload as a record, or None; drops older ones. Does not wait.
     fn newest<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.source.newest(py, &mut self.losses)
+        self.source.get_mut()?.newest(py, &mut self.losses)
     }
 
     /// Waits for payloads, at most `timeout` seconds, and returns them; an empty array on timeout.
@@ -142,7 +144,7 @@ impl Reader {
     fn wait<'py>(&mut self, py: Python<'py>, timeout: f64) -> PyResult<Bound<'py, PyAny>> {
         let limit = seconds(timeout)?;
         let begin = Instant::now();
-        while !self.source.has_payload() && begin.elapsed() < limit {
+        while !self.source.get()?.has_payload() && begin.elapsed() < limit {
             pause(py, POLL)?;
         }
         self.receive(py)

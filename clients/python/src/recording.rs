@@ -11,6 +11,7 @@ use shm_schemas::{
     TickReport,
 };
 
+use crate::compute;
 use crate::errors::atas_error;
 use crate::names::parse_hand;
 use crate::rows::{self, Row};
@@ -91,13 +92,13 @@ impl Recording {
     /// or None), and the new `reports` (`TickReport`) and `commands` (`JointCommand`).
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (mut reports, mut commands) = (Vec::new(), Vec::new());
-        let agreement = py.detach(|| {
+        let agreement = compute(py, || {
             replay(&self.files, |_, replayed| {
                 reports.push(Row(replayed.outputs.report));
                 commands.push(Row(replayed.outputs.command));
             })
         });
-        let agreement = agreement.map_err(atas_error)?;
+        let agreement = agreement?.map_err(atas_error)?;
         let fields = PyDict::new(py);
         fields.set_item("ticks", agreement.ticks)?;
         fields.set_item("different", agreement.different)?;
@@ -136,8 +137,7 @@ impl Recording {
 
     fn all<'py, T: Recorded + Send + Sync>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut rows = Vec::new();
-        py.detach(|| self.visit::<T>(|found| rows.push(Row(*found))))
-            .map_err(atas_error)?;
+        compute(py, || self.visit::<T>(|found| rows.push(Row(*found))))?.map_err(atas_error)?;
         Ok(rows::array(py, rows))
     }
 
@@ -148,8 +148,7 @@ impl Recording {
     ) -> PyResult<Bound<'py, PyAny>> {
         let mut rows = Vec::new();
         let each = |inputs: &TickInputs| rows.extend(part(inputs).map(|found| Row(*found)));
-        py.detach(|| self.visit::<TickInputs>(each))
-            .map_err(atas_error)?;
+        compute(py, || self.visit::<TickInputs>(each))?.map_err(atas_error)?;
         Ok(rows::array(py, rows))
     }
 }

@@ -17,6 +17,7 @@ use shm_schemas::{
 use crate::errors::{AtasError, bus_error};
 use crate::goal::Goal;
 use crate::pause;
+use crate::process::OwnProcess;
 use crate::reader::seconds;
 use crate::rows::{finite, numbers};
 
@@ -35,8 +36,8 @@ type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 /// set-points, so that the next daemon continues from them.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Robot {
-    states: Publisher<JointState>,
-    commands: Subscriber<JointCommand>,
+    states: OwnProcess<Publisher<JointState>>,
+    commands: OwnProcess<Subscriber<JointCommand>>,
     speeds_rad_s: RobotVector,
     stamp: Stamp,
     sent: Option<u64>,
@@ -59,8 +60,8 @@ impl Robot {
             .map(|joint| joint.velocity_max_rad_s)
             .collect();
         Ok(Self {
-            states: bus.publisher(JOINT_STATE).map_err(bus_error)?,
-            commands,
+            states: OwnProcess::new(bus.publisher(JOINT_STATE).map_err(bus_error)?),
+            commands: OwnProcess::new(commands),
             speeds_rad_s: RobotVector::from_slice(&speeds),
             stamp: Stamp {
                 writer_epoch: writer_epoch(),
@@ -110,7 +111,11 @@ impl Robot {
 
     fn newest(&mut self) -> PyResult<Option<JointCommand>> {
         let mut command = JointCommand::default();
-        let came = self.commands.newest(&mut command).map_err(bus_error)?;
+        let came = self
+            .commands
+            .get_mut()?
+            .newest(&mut command)
+            .map_err(bus_error)?;
         Ok(came.then_some(command))
     }
 
@@ -173,7 +178,7 @@ impl Robot {
         }
         let captured_ns = captured_ns.unwrap_or_else(now_ns);
         let state = self.state([&positions, &velocities, &efforts], captured_ns);
-        self.states.send(&state).map_err(bus_error)?;
+        self.states.get()?.send(&state).map_err(bus_error)?;
         self.sent = Some(state.stamp.sequence);
         self.stamp.sequence += 1;
         Ok(state.stamp.sequence)
@@ -240,7 +245,7 @@ impl Robot {
 
     /// Delivers the last joint state to a daemon that started late.
     fn connect_readers(&self) -> PyResult<()> {
-        self.states.connect_readers().map_err(bus_error)
+        self.states.get()?.connect_readers().map_err(bus_error)
     }
 
     /// Number of rejected commands.

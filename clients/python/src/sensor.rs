@@ -11,6 +11,7 @@ use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
 use shm_schemas::{Hand, HandFrame, Layout, SensorStatus, Stamp, Text};
 
 use crate::errors::bus_error;
+use crate::process::OwnProcess;
 use crate::rows::shape_of;
 
 /// Interval of health reports, ns.
@@ -22,8 +23,8 @@ const HEALTH_NS: u64 = 100_000_000;
 /// A bus has one sensor per hand; a second one is rejected, and the error names the first.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Sensor {
-    frames: Publisher<HandFrame>,
-    healths: Publisher<SensorStatus>,
+    frames: OwnProcess<Publisher<HandFrame>>,
+    healths: OwnProcess<Publisher<SensorStatus>>,
     frame: HandFrame,
     health: SensorStatus,
     taxels: usize,
@@ -51,8 +52,8 @@ impl Sensor {
         };
         let service = HAND_FRAME[usize::from(hand != Hand::LEFT)];
         Ok(Self {
-            frames: bus.publisher(service).map_err(bus_error)?,
-            healths: bus.publisher(SENSOR_STATUS).map_err(bus_error)?,
+            frames: OwnProcess::new(bus.publisher(service).map_err(bus_error)?),
+            healths: OwnProcess::new(bus.publisher(SENSOR_STATUS).map_err(bus_error)?),
             frame: HandFrame {
                 stamp,
                 layout_hash: known.hash(),
@@ -90,7 +91,7 @@ impl Sensor {
 
     fn send_health(&mut self, now_ns: u64) -> PyResult<()> {
         self.health.stamp.captured_ns = now_ns;
-        self.healths.send(&self.health).map_err(bus_error)?;
+        self.healths.get()?.send(&self.health).map_err(bus_error)?;
         self.health.stamp.sequence += 1;
         Ok(())
     }
@@ -166,7 +167,7 @@ impl Sensor {
         force_n: PyArrayLike3<'_, f32, AllowTypeChange>,
         valid: Option<PyArrayLike2<'_, bool>>,
         captured_ns: Option<u64>,
-        lost: u64,
+        lost: u32,
     ) -> PyResult<u64> {
         let captured_ns = captured_ns.unwrap_or_else(now_ns);
         let last_ns = self.frame.stamp.captured_ns;
@@ -178,21 +179,21 @@ impl Sensor {
         }
         let valid = self.mask(valid)?;
         self.fill(&force_n, &valid)?;
-        let sequence = self.next.saturating_add(lost);
+        let sequence = self.next + u64::from(lost);
         self.frame.stamp.sequence = sequence;
         self.frame.stamp.captured_ns = captured_ns;
         self.frame.seal();
-        self.frames.send(&self.frame).map_err(bus_error)?;
+        self.frames.get()?.send(&self.frame).map_err(bus_error)?;
         self.next = sequence + 1;
         self.health.frames += 1;
-        self.health.lost += lost;
+        self.health.lost += u64::from(lost);
         self.publish_health()?;
         Ok(sequence)
     }
 
     /// Delivers the last frame to late readers, while lock-step waits for its daemon.
     fn connect_readers(&self) -> PyResult<()> {
-        self.frames.connect_readers().map_err(bus_error)
+        self.frames.get()?.connect_readers().map_err(bus_error)
     }
 
     /// Reports the end of the sensor. Do not publish afterwards.

@@ -12,9 +12,11 @@ use robot_model::{HandSide, RobotModel};
 use shm_schemas::{GoalRequest, HandFrame, JointCommand, JointState, ModuleEvent, TickReport};
 use sim_backend::{Object, Scene};
 
+use crate::compute;
 use crate::errors::{AtasError, atas_error};
 use crate::goal::goal_dict;
 use crate::names::parse_hand;
+use crate::reader::seconds;
 use crate::rows::{self, Row};
 
 /// The simulator with the production controller in one process and in virtual time, without bus,
@@ -24,7 +26,7 @@ use crate::rows::{self, Row};
 /// `objects()`) or the path of a TOML file. With `vary`, the seed draws the object from its family.
 /// `noise` scales the sensor noise, `rate_hz` is the sensor rate. `settings` changes controller
 /// parameters, for example `{"grasp.f2_max_n": 6.0}`. Equal arguments give equal bits.
-#[pyclass(unsendable, module = "atas")]
+#[pyclass(module = "atas")]
 pub(crate) struct Simulation {
     run: OfflineRun,
     robot: RobotModel,
@@ -91,24 +93,20 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs ticks of 1 ms: sense, control, move. Returns the report of each tick (`TickReport`).
+    /// Runs ticks of 1 ms, at most 1,000,000: sense, control, move. Returns the report of each tick
+    /// (`TickReport`). Ctrl-C ends it between two ticks.
     #[pyo3(signature = (ticks = 1))]
-    fn step<'py>(&mut self, py: Python<'py>, ticks: usize) -> PyResult<Bound<'py, PyAny>> {
-        let mut reports: Vec<Row<TickReport>> = Vec::with_capacity(ticks);
-        self.last.events.clear();
-        let Self {
-            run,
-            request: order,
-            progress,
-            last: fields,
-            ..
-        } = self;
-        py.detach(|| {
-            for _ in 0..ticks {
-                reports.push(Row(fields.update(run.step(order.take().as_ref()), progress)));
-            }
-        });
-        self.check()?;
+    fn step<'py>(&mut self, py: Python<'py>, ticks: u64) -> PyResult<Bound<'py, PyAny>> {
+        if ticks > TICKS_MAX {
+            return Err(PyValueError::new_err(format!(
+                "could not step: {ticks} ticks, at most {TICKS_MAX}; call `step` several times, or `run`"
+            )));
+        }
+        let mut reports: Vec<Row<TickReport>> = Vec::new();
+        self.advance(py, ticks, |report, _| {
+            reports.push(Row(report));
+            true
+        })?;
         Ok(rows::array(py, reports))
     }
 
@@ -116,35 +114,12 @@ impl Simulation {
     /// Returns the `result`.
     #[pyo3(signature = (limit_s = 120.0))]
     fn run<'py>(&mut self, py: Python<'py>, limit_s: f64) -> PyResult<Bound<'py, PyDict>> {
+        let ticks = u64::try_from(seconds(limit_s)?.as_millis()).unwrap_or(u64::MAX);
         if self.request.is_none() && self.progress.last().goal_id == 0 {
             self.start()?;
         }
-        self.last.events.clear();
-        let ticks = (limit_s * 1e3) as u64;
-        let mut left = ticks;
-        while left > 0
-            && !(self.progress.last().goal_id != 0 && self.progress.last().state.is_final())
-        {
-            let Self {
-                run,
-                request: order,
-                progress,
-                last: fields,
-                ..
-            } = self;
-            // One second per call, so that Ctrl-C is handled.
-            let some = left.min(1000);
-            py.detach(|| {
-                for _ in 0..some {
-                    fields.update(run.step(order.take().as_ref()), progress);
-                    if progress.last().goal_id != 0 && progress.last().state.is_final() {
-                        break;
-                    }
-                }
-            });
-            left -= some;
-            py.check_signals()?;
-            self.check()?;
+        if !has_ended(&self.progress) {
+            self.advance(py, ticks, |_, progress| !has_ended(progress))?;
         }
         self.result(py)
     }
@@ -201,7 +176,47 @@ impl Simulation {
     }
 }
 
+/// Most ticks per call of `step`, which keeps their reports: 1000 s, about 0.4 GB.
+const TICKS_MAX: u64 = 1_000_000;
+/// Ticks between two checks for Ctrl-C.
+const TICKS_UNCHECKED: u64 = 1000;
+
+fn has_ended(progress: &GoalProgress) -> bool {
+    progress.last().goal_id != 0 && progress.last().state.is_final()
+}
+
 impl Simulation {
+    /// Runs ticks until `each` returns false, with the Python lock released.
+    fn advance(
+        &mut self,
+        py: Python<'_>,
+        ticks: u64,
+        mut each: impl FnMut(TickReport, &GoalProgress) -> bool + Send,
+    ) -> PyResult<()> {
+        self.last.events.clear();
+        let (mut left, mut goes_on) = (ticks, true);
+        while left > 0 && goes_on {
+            let some = left.min(TICKS_UNCHECKED);
+            let Self {
+                run,
+                request,
+                progress,
+                last,
+                ..
+            } = self;
+            goes_on = compute(py, || {
+                (0..some).all(|_| {
+                    let report = last.update(run.step(request.take().as_ref()), progress);
+                    each(report, progress)
+                })
+            })?;
+            left -= some;
+            self.check()?;
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
     fn check(&self) -> PyResult<()> {
         self.run
             .world()

@@ -12,6 +12,7 @@ use crate::errors::{AtasError, bus_error};
 use crate::goal::goal_dict;
 use crate::names::parse_hand;
 use crate::pause;
+use crate::process::OwnProcess;
 use crate::reader::seconds;
 use crate::rows;
 
@@ -24,7 +25,7 @@ const BOTH: &str = "both";
 /// its grip.
 #[pyclass(unsendable, module = "atas")]
 pub(crate) struct Teleop {
-    leader: atas_client::TeleopSender,
+    leader: OwnProcess<atas_client::TeleopSender>,
     hand: Hand,
 }
 
@@ -36,9 +37,12 @@ impl Teleop {
             one => (TeleopHands::One(parse_hand(one)?), parse_hand(one)?),
         };
         let leader = atas_client::TeleopSender::open(session, teleoperated).map_err(bus_error)?;
-        let mut leader = Self { leader, hand };
+        let mut leader = Self {
+            leader: OwnProcess::new(leader),
+            hand,
+        };
         let begin = Instant::now();
-        while leader.active_progress()?.last().goal_id == 0 || leader.leader.now_ns() == 0 {
+        while leader.active_progress()?.last().goal_id == 0 || leader.leader.get()?.now_ns() == 0 {
             check_timeout(begin)?;
             pause(py, POLL)?;
         }
@@ -46,13 +50,13 @@ impl Teleop {
     }
 
     fn poll(&mut self) -> PyResult<GoalProgress> {
-        self.leader.poll().copied().map_err(bus_error)
+        self.leader.get_mut()?.poll().copied().map_err(bus_error)
     }
 
     /// Returns the progress of the goal; an error if it has ended.
     fn active_progress(&mut self) -> PyResult<GoalProgress> {
         let progress = self.poll()?;
-        if self.leader.has_ended() {
+        if self.leader.get()?.has_ended() {
             return Err(AtasError::new_err(progress.text()));
         }
         Ok(progress)
@@ -95,7 +99,10 @@ impl Teleop {
         };
         let valid_ns = seconds(valid)?.as_nanos();
         let valid_ns = u64::try_from(valid_ns).unwrap_or(u64::MAX);
-        self.leader.send(&wanted, valid_ns).map_err(bus_error)
+        self.leader
+            .get_mut()?
+            .send(&wanted, valid_ns)
+            .map_err(bus_error)
     }
 
     /// Newest tick report (`TickReport`), for example `report["hands"]["fingers"]["normal_n"]` and
@@ -103,7 +110,7 @@ impl Teleop {
     #[getter]
     fn report<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.poll()?;
-        rows::row(py, self.leader.report())
+        rows::row(py, self.leader.get()?.report())
     }
 
     /// State of the goal, see `Goal.result`.
@@ -114,9 +121,9 @@ impl Teleop {
 
     /// Ends the stream and waits for the daemon's confirmation: the hand brakes and keeps its grip.
     fn end(&mut self, py: Python<'_>) -> PyResult<()> {
-        self.leader.end();
+        self.leader.get_mut()?.end();
         let begin = Instant::now();
-        while !self.leader.has_ended() {
+        while !self.leader.get()?.has_ended() {
             check_timeout(begin)?;
             self.poll()?;
             pause(py, POLL)?;

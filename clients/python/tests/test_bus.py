@@ -1,8 +1,12 @@
 """Tests of arrays over a real bus."""
 
 import gc
+import subprocess
+import sys
+import textwrap
 import threading
 import zlib
+from pathlib import Path
 from typing import Any
 
 import atas
@@ -161,3 +165,54 @@ def test_a_bus_stays_in_its_thread(bus_name: str, capfd: pytest.CaptureFixture[s
     refused.clear()
     gc.collect()
     capfd.readouterr()
+
+
+FORKED = """
+    import multiprocessing, os, sys
+    import atas
+
+    name, method = sys.argv[1:]
+    force_n = [[[1.0, 0.0, 0.0]]]
+
+    def own_bus() -> None:
+        bus = atas.Bus(name)
+        reader, sensor = bus.frames("left"), bus.sensor("left", layout="dome-1", fingers=1)
+        sensor.publish(force_n)
+        assert len(reader.receive()) == 1
+
+    if __name__ == "__main__":
+        bus = atas.Bus(name, create=True)
+        reader = bus.frames("right")
+        sensor = bus.sensor("right", layout="dome-1", fingers=1)
+        sensor.publish(force_n)
+        if method == "os.fork":
+            if os.fork() == 0:
+                for use in (lambda: sensor.publish(force_n), reader.receive, lambda: bus.frames("left"), bus.recover):
+                    try:
+                        use()
+                    except atas.BusError as error:
+                        assert "after a fork" in str(error), error
+                    else:
+                        raise AssertionError("a handle of the parent was used")
+                # Ends the interpreter, which drops all objects.
+                sys.exit(0)
+            _, status = os.wait()
+            assert status == 0, status
+        else:
+            child = multiprocessing.get_context(method).Process(target=own_bus)
+            child.start()
+            child.join()
+            assert child.exitcode == 0, child.exitcode
+        sensor.publish(force_n)
+        assert len(reader.receive()) == 2, "the parent's memory is kept"
+        assert len(atas.Bus(name).frames("right").receive()) >= 0
+        print("done")
+"""
+
+
+@pytest.mark.parametrize("method", ["os.fork", "fork", "spawn", "forkserver"])
+def test_forked_child_leaves_the_bus_to_its_parent(bus_name: str, method: str, tmp_path: Path) -> None:
+    script = tmp_path / "forked.py"
+    script.write_text(textwrap.dedent(FORKED))
+    ended = subprocess.run([sys.executable, script, bus_name, method], capture_output=True, text=True, timeout=120)
+    assert (ended.returncode, ended.stdout) == (0, "done\n"), ended.stderr

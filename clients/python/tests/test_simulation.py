@@ -1,5 +1,10 @@
 """Tests of the in-process simulator with the production controller."""
 
+import signal
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
 import atas
 import numpy as np
 import pytest
@@ -54,6 +59,32 @@ def test_invalid_arguments_raise() -> None:
     ):
         with pytest.raises(ValueError, match=says):
             atas.Simulation(**arguments)
+
+
+def test_numbers_out_of_range_raise() -> None:
+    simulation = atas.Simulation("wood", seed=1)
+    for ticks in (10**6 + 1, 10**10, 2**63 - 1, 2**64, -1):
+        with pytest.raises((ValueError, OverflowError)):
+            simulation.step(ticks)
+    for limit_s in (-1.0, float("nan"), float("inf"), 1e300):
+        with pytest.raises(ValueError, match="invalid time"):
+            simulation.run(limit_s)
+    assert simulation.now_ns == atas.Simulation("wood", seed=1).now_ns, "nothing moved"
+
+
+def test_ctrl_c_ends_a_long_step() -> None:
+    code = "import atas; simulation = atas.Simulation('wood'); print('steps', flush=True); simulation.step(1_000_000)"
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "steps\n"
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+    assert process.returncode == -signal.SIGINT and "KeyboardInterrupt" in error
+
+
+def test_simulation_may_change_threads() -> None:
+    simulation = atas.Simulation("wood", seed=1)
+    with ThreadPoolExecutor(1) as pool:
+        assert len(pool.submit(simulation.step, 10).result()) == 10
 
 
 def test_settings_reach_the_controller() -> None:

@@ -9,6 +9,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from .types import Layout, JointSetpoints, Replayed, Result, Rows, Vector
 
+# Only for `atas.mujoco`.
+@final
+class Contacts:
+    def __new__(
+        cls,
+        objects: list[tuple[int, list[float]]],
+        object_of_geom: list[int],
+        tip_bodies: list[int],
+        elements: int,
+        pins: list[tuple[Any, ...]],
+    ) -> Self: ...
+    def continue_from(self, other: Contacts) -> None: ...
+    def read(
+        self, data: Any
+    ) -> tuple[
+        NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]
+    ]: ...
+    def nearest(self, data: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+
 __all__ = [
     "ELEMENTS",
     "FINGERS",
@@ -18,6 +37,7 @@ __all__ = [
     "Batch",
     "Bus",
     "BusError",
+    "Contacts",
     "Environment",
     "Goal",
     "Teleop",

@@ -10,8 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from .cap import Cap
-from .contacts import Contacts, Slip, element_forces_n, read_contacts
+from .cap import Cap, CapParts
 from .model import Model
 from .options import OBJECT_DAMPING_S, Options
 from .robot import BASE_INERTIA_KG, CARRIER_MASS_KG, DAMPING_SHARE, RIGID_N_M, bounded_damping
@@ -40,6 +39,7 @@ class World:
         mujoco.set_mju_user_warning(lambda text: print(f"MuJoCo: {text}", file=sys.stderr))
         self._scene, self._options = scene, options
         self._models: dict[tuple[bool, bool], Model] = {}
+        self._cap_parts: dict[tuple[bool, bool], CapParts] = {}
         self._substeps = round(scene["tick_s"] * 1e6 / options.step_us)
         self._random = np.random.default_rng(scene["seed"])
         joints = [joint for hand in scene["hands"] for joint in hand["joints"]]
@@ -50,23 +50,20 @@ class World:
         tips = [fingertip for hand in scene["hands"] for fingertip in hand["fingertips"]]
         self._hand_of_tip = np.array([side for side, hand in enumerate(scene["hands"]) for _ in hand["fingertips"]], dtype=int)
         self._reach_m = np.array([max(float(np.linalg.norm(pin["position_m"])) for pin in tip["pins"]) for tip in tips])
-        self._shapes = [thing["shape"] for thing in scene["objects"]]
         self._friction_n_m = options.joint_friction * np.array([joint["effort_max_n_m"] for joint in joints])
         steady = self._friction_n_m * options.step_us * 1e-6 / (DAMPING_SHARE * np.array([joint["inertia_kg_m2"] for joint in joints]))
         self._friction_speed = np.maximum(FRICTION_SPEED, steady)
         has = [any(thing[part] for thing in scene["objects"]) for part in ("thread", "neck")]
         self._cap = Cap(scene) if all(has) else None
-        self._support_n = np.zeros(len(scene["objects"]))
-        self._touched = np.full(len(tips), -1)
-        self._nearest = np.zeros(len(tips), dtype=int)
-        self._slip = Slip(len(tips))
+        self._support_n: NDArray[np.float64] = np.zeros(len(scene["objects"]))
+        self._nearest: NDArray[np.int64] = np.zeros(len(tips), dtype=np.int64)
         self._tick = 0
         # A saved model has all skins.
         self._now = self._model((options.save is not None,) * 2)
         self._now.set_joints(self._reference)
         mujoco.mj_forward(self._now.model, self._now.data)
         if self._cap is not None:
-            self._cap.begin(self.model, self.data)
+            self._cap.begin(self._cap_parts[self._now.skins])
 
     @property
     def model(self) -> Any:
@@ -98,16 +95,17 @@ class World:
         data.xfrc_applied[now.bodies, :3] = rest[2 : 2 + 3 * objects].reshape(-1, 3)
         self._set_compliance(rest[2 + 3 * objects :])
         if self._cap is not None:
-            self._cap.update(model, data, self._support_n[self._cap.index])
+            self._cap.update(self._cap_parts[now.skins], self._support_n[self._cap.index])
         begin, way = self._reference + self._feed_forward * velocity, target - self._reference
         ctrl, applied, qvel = data.ctrl, data.qfrc_applied, now.qvel_now
-        applied[now.base_dof] = self._push_on_bases(rest[:2])
+        self._push_on_bases(rest[:2])
         for step in range(self._substeps):
             # As a drive interpolates: the position of the substep's begin, and the velocity.
             ctrl[now.drives] = begin + way * (step / self._substeps)
             applied[now.dof] = -self._friction_n_m * np.tanh(qvel[now.dof] / self._friction_speed)
             mujoco.mj_step(model, data)
-            applied[now.base_dof] = 0.0
+            if step == 0:
+                applied[now.base_dof] = 0.0
         self._reference = target.copy()
         warnings = data.warning.number
         if warnings.any():
@@ -116,7 +114,9 @@ class World:
 
     def _model(self, skins: tuple[bool, bool]) -> Model:
         if skins not in self._models:
-            self._models[skins] = Model(self._scene, self._options, skins)
+            added = self._models[skins] = Model(self._scene, self._options, skins)
+            if self._cap is not None:
+                self._cap_parts[skins] = self._cap.parts(added.model, added.data)
         return self._models[skins]
 
     def _choose_model(self) -> None:
@@ -124,13 +124,9 @@ class World:
         now, data = self._now, self.data
         if len(now.bodies) == 0:
             return
-        tips_m, distances_m = data.xpos[now.tip_bodies], np.empty((len(now.bodies), len(now.tip_bodies)))
-        for index, (body, shape) in enumerate(zip(now.bodies, self._shapes, strict=True)):
-            local_m = (tips_m - data.xpos[body]) @ data.xmat[body].reshape(3, 3)
-            distances_m[index] = _distance_m(shape, local_m) - self._reach_m
-        nearest_m = distances_m.min(axis=0)
         # A stiffness that changed with each touch would drive an oscillation: its spring would be tensed by one and relaxed by another.
-        self._nearest = np.where(self._touched >= 0, self._touched, distances_m.argmin(axis=0))
+        distances_m, self._nearest = now.contacts.nearest(data)
+        nearest_m = distances_m - self._reach_m
         left, right = (
             bool((nearest_m[self._hand_of_tip == side] < (FAR_M if has_skin else NEAR_M)).any())
             for side, has_skin in enumerate(now.skins)
@@ -139,18 +135,16 @@ class World:
             following = self._model((left, right))
             following.take_motion(now)
             self._now = following
-            self._slip.reset()
 
-    def _push_on_bases(self, target_m: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Force of one step after which the bases reach the displacement of tremor and bumps at the end of the tick, N.
+    def _push_on_bases(self, target_m: NDArray[np.float64]) -> None:
+        """Applies a force for one step, after which the bases reach the displacement of tremor and bumps at the end of the tick.
 
         Contact forces follow velocities: a base that jumped would slide along an object without friction.
         """
-        now, step_s = self._now, self.model.opt.timestep
-        if len(now.base_dof) == 0:
-            return np.zeros(0)
-        velocity_m_s = (target_m - now.qpos_now[now.base_qpos]) / (self._substeps * step_s)
-        return np.asarray(BASE_INERTIA_KG * (velocity_m_s - now.qvel_now[now.base_dof]) / step_s)
+        now, step_s, applied = self._now, self._options.step_us * 1e-6, self.data.qfrc_applied
+        for qpos, dof, base_m in zip(now.base_qpos, now.base_dof, target_m, strict=False):
+            velocity_m_s = (base_m - now.qpos_now[qpos]) / (self._substeps * step_s)
+            applied[dof] = BASE_INERTIA_KG * (velocity_m_s - now.qvel_now[dof]) / step_s
 
     def _set_compliance(self, stiffness: NDArray[np.float64]) -> None:
         """Gives each fingertip's carrier the stiffness of the object that it touches or will touch first."""
@@ -165,39 +159,29 @@ class World:
     def _state(self) -> NDArray[np.float64]:
         now, data = self._now, self.data
         effort = data.actuator_force[now.drives] + self._noise_n_m * self._random.standard_normal(len(now.drives))
-        contacts = read_contacts(now)
-        self._touched, self._support_n = contacts.touched, contacts.support_n
-        self._slip.update(now, contacts)
+        elements_n, normal_n, slip_m, touched, self._support_n = now.contacts.read(data)
         parts = [
             now.qpos_now[now.qpos],
             now.qvel_now[now.dof],
             effort,
-            element_forces_n(now),
-            contacts.normal_n,
-            self._slip.slip_m,
-            contacts.touched,
-            *self._objects(contacts),
-            np.zeros(3) if self._cap is None else self._cap.state(self.model, data),
+            elements_n,
+            normal_n,
+            slip_m,
+            touched,
+            *self._objects(),
+            np.zeros(3) if self._cap is None else self._cap.state(self._cap_parts[now.skins]),
         ]
         state = np.concatenate(parts)
-        if not np.isfinite(state).all():
+        # A sum is finite if its terms are, and takes less time than a look at each.
+        if not np.isfinite(state.sum()):
             raise Failed(f"a value is not finite at {data.time:.3f} s")
         return state
 
-    def _objects(self, contacts: Contacts) -> Iterator[NDArray[np.float64]]:
+    def _objects(self) -> Iterator[NDArray[np.float64]]:
         """Pose, velocity and support force of each object."""
         now, data = self._now, self.data
         for index, body in enumerate(now.bodies):
             velocity = np.zeros(6)
             mujoco.mj_objectVelocity(self.model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
-            yield from (data.xpos[body], data.xquat[body], velocity[3:], velocity[:3], contacts.support_n[index : index + 1])
+            yield from (data.xpos[body], data.xquat[body], velocity[3:], velocity[:3], self._support_n[index : index + 1])
 
-
-def _distance_m(shape: dict[str, Any], point_m: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distance of points from a shape, in its frame, m; 0 inside."""
-    if "box" in shape:
-        beyond = np.abs(point_m) - shape["box"]
-    else:
-        radius_m, half_m = shape["cylinder"]
-        beyond = np.stack([np.hypot(point_m[:, 0], point_m[:, 1]) - radius_m, np.abs(point_m[:, 2]) - half_m], axis=1)
-    return np.asarray(np.linalg.norm(np.maximum(beyond, 0.0), axis=1))
