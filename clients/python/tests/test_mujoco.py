@@ -115,6 +115,19 @@ def test_soft_object_yields_in_series_with_the_skin(tmp_path: Path) -> None:
     assert np.ptp(forces_n[-50:]) < 0.02 * force_n, "the force oscillates"
 
 
+def test_carrier_is_damped_on_a_rigid_object(tmp_path: Path) -> None:
+    """A new model has the stiffness of a rigid object, but no damping yet. Carriers exist because of the soft object."""
+    scene = bench(tmp_path, 5.0)
+    plate = scene["objects"][0]
+    scene["objects"].append(plate | {"name": "foam", "stiffness_n_m": 500.0, "position_m": [0.5, 0]})
+    world = World(scene, QUIET)
+    for depth_m in np.linspace(0, 5e-4, 100):
+        world.advance(np.array([0, depth_m, *np.zeros(10), np.inf, 500.0]))
+    carriers = world.now.carriers
+    assert len(carriers) > 0
+    assert (world.model.dof_damping[world.model.jnt_dofadr[carriers]] > 0).all()
+
+
 def test_tremor_moves_the_fingertips(tmp_path: Path) -> None:
     world = World(bench(tmp_path, 5.0), QUIET)
     for depth in np.linspace(0, 5e-4, 100):
@@ -153,14 +166,17 @@ def test_cap_turns_only_above_thread_friction(tmp_path: Path) -> None:
     joints = sum(len(hand["joints"]) for hand in scene["hands"])
     start = [joint["start_rad"] for hand in scene["hands"] for joint in hand["joints"]]
     rest = np.concatenate([start, np.zeros(joints + 2 + 6), [np.inf, np.inf]])
+    for _ in range(300):
+        # The bottle settles on the table, which can lift a cap that has not turned yet.
+        world.advance(rest)
     angle = {}
-    for torque_n_m in (0.010, 0.020):
+    for torque_n_m in (0.010, 0.016):
         for _ in range(200):
             world.data.xfrc_applied[world.model.body("object0-cap").id, 5] = -torque_n_m
             state = world.advance(rest)
         angle[torque_n_m] = float(state[-2])
     assert state[-3] == 1.0
-    assert abs(angle[0.010]) < 0.005 < 0.1 < angle[0.020]
+    assert abs(angle[0.010]) < 0.005 < 0.1 < angle[0.016]
     assert state[-1] == pytest.approx(0.015, rel=0.05), "the thread passes its friction to the bottle"
 
 

@@ -35,9 +35,9 @@ PULL_SHARE = 0.5
 """Upward force over the cap's weight that removes it. Design choice: above the solver's residuals."""
 LOOSE_RAD = 0.02
 """Turn below which a pull removes the cap, rad."""
+DAMPING_N_M_S_RAD = 0.004
+"""Damping of the thread (built-in engine)."""
 STIFF = [0.001, 1.0]
-FRICTION_ROW = mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF
-EQUALITY_ROW = mujoco.mjtConstraint.mjCNSTR_EQUALITY
 
 
 def add_rim(bottle: Any, rim_m: float, cap_radius_m: float) -> None:
@@ -62,7 +62,7 @@ def add_joints(spec: Any, carrier: Any, bottle_name: str, thread: dict[str, Any]
     body = carrier.add_body(name=f"{carrier.name}-cap")
     body.add_joint(name="cap-travel", type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, 0, 1], armature=0.01)
     turn = body.add_joint(name="cap-turn", type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0, 0, 1])
-    turn.armature, turn.frictionloss, turn.damping[0] = thread["inertia_kg_m2"], thread["friction_n_m"], 0.004
+    turn.armature, turn.frictionloss, turn.damping[0] = thread["inertia_kg_m2"], thread["friction_n_m"], DAMPING_N_M_S_RAD
     # Sticks: with the default, a thread creeps below its friction.
     turn.solref_friction, turn.solimp_friction = STIFF, [0.999, 0.9999, 0.001, 0.5, 2.0]
     for name, first, second in (("cap-lock", "cap-turn", None), ("cap-thread", "cap-travel", "cap-turn")):
@@ -76,6 +76,19 @@ def add_joints(spec: Any, carrier: Any, bottle_name: str, thread: dict[str, Any]
     # Anchor, relative pose (position, quaternion), torque scale; `Cap` sets the pose.
     weld.data[:11] = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]
     return body
+
+
+class CapParts:
+    """Indices of cap, thread and bottle in one model: finding parts by name takes longer than a step without contact."""
+
+    def __init__(self, model: Any, data: Any, bottle: int, cap: int) -> None:
+        self.model, self.data = model, data
+        turn, travel = model.joint("cap-turn").id, model.joint("cap-travel").id
+        self.turn_qpos, self.travel_qpos = int(model.jnt_qposadr[turn]), int(model.jnt_qposadr[travel])
+        self.turn_dof = int(model.jnt_dofadr[turn])
+        self.lock, self.thread, self.weld = (model.equality(name).id for name in ("cap-lock", "cap-thread", "cap-weld"))
+        self.bottle, self.carrier = model.body(f"object{bottle}").id, model.body(f"object{cap}").id
+        self.qpos, self.qvel = data.qpos, data.qvel
 
 
 class Cap:
@@ -92,90 +105,105 @@ class Cap:
         self._starts_engaged = bool(cap["on_neck"])
         self.engaged = False
         self._turn_rad = self._yaw_rad = 0.0
+        self._remaining = np.nan
         self._offset_m, self._tilt_rad = np.zeros(3), np.zeros(3)
 
-    def begin(self, model: Any, data: Any) -> None:
+    def parts(self, model: Any, data: Any) -> CapParts:
+        """Returns the parts of cap and thread in a model of the scene."""
+        return CapParts(model, data, self.bottle, self.index)
+
+    def begin(self, parts: CapParts) -> None:
         """Engages a cap that starts on the neck."""
         if self._starts_engaged:
-            self._engage(model, data)
+            self._engage(parts)
 
-    def update(self, model: Any, data: Any, rim_n: float) -> None:
+    def update(self, parts: CapParts, rim_n: float) -> None:
         """Engages or releases the cap, and follows the thread. `rim_n` is the force of its support."""
         if not self.engaged:
-            if rim_n >= CAPTURE_WEIGHT * self._weight_n and self._is_aligned(data):
-                self._engage(model, data)
+            if rim_n >= CAPTURE_WEIGHT * self._weight_n and self._is_aligned(parts):
+                self._engage(parts)
             return
-        angle = self.angle_rad(data)
-        if angle < LOOSE_RAD and self._pull_n(model, data) > PULL_SHARE * self._weight_n:
-            self._release(model, data)
+        angle = self.angle_rad(parts)
+        if angle < LOOSE_RAD and _pull_n(parts) > PULL_SHARE * self._weight_n:
+            self._release(parts)
             return
-        self._weld(model, angle)
+        self._weld(parts, angle)
         beyond = max(angle - self._thread["closing_rad"], 0.0)
-        dof = model.joint("cap-turn").dofadr[0]
-        model.dof_frictionloss[dof] = self._thread["friction_n_m"] + self._thread["rise_n_m_rad"] * beyond
+        limit_n_m = self._thread["friction_n_m"] + self._thread["rise_n_m_rad"] * beyond
+        # Damping, which keeps the solver from creeping, is a part of the friction.
+        rate_rad_s = abs(float(parts.qvel[parts.turn_dof]))
+        damping = min(DAMPING_N_M_S_RAD, limit_n_m / rate_rad_s) if rate_rad_s > 0 else DAMPING_N_M_S_RAD
+        parts.model.dof_damping[parts.turn_dof] = damping
+        parts.model.dof_frictionloss[parts.turn_dof] = limit_n_m - damping * rate_rad_s
 
-    def angle_rad(self, data: Any) -> float:
+    def angle_rad(self, parts: CapParts) -> float:
         """Angle since the engagement, closing positive, rad."""
-        return float(self._thread["sign"] * (data.joint("cap-turn").qpos[0] - self._turn_rad))
+        return float(self._thread["sign"] * (parts.qpos[parts.turn_qpos] - self._turn_rad))
 
-    def state(self, model: Any, data: Any) -> NDArray[np.float64]:
+    def state(self, parts: CapParts) -> NDArray[np.float64]:
         """Engaged, angle, torque of the cap on the bottle, as in the message."""
         if not self.engaged:
             return np.zeros(3)
-        dof = model.joint("cap-turn").dofadr[0]
-        rows = (data.efc_type == FRICTION_ROW) & (data.efc_id == dof)
-        torque = -self._thread["sign"] * data.efc_force[rows].sum()
-        return np.array([1.0, self.angle_rad(data), torque])
+        data, dof = parts.data, parts.turn_dof
+        # The row of the only joint with friction follows those of the equalities.
+        friction_n_m = float(data.efc_force[data.ne]) if data.nf else 0.0
+        damper_n_m = -parts.model.dof_damping[dof] * parts.qvel[dof]
+        return np.array([1.0, self.angle_rad(parts), -self._thread["sign"] * (friction_n_m + damper_n_m)])
 
-    def _local(self, data: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _local(self, parts: CapParts) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Offset of the carrier from the engaged position, m, and its rotation, in the bottle's frame."""
-        bottle, carrier = data.body(f"object{self.bottle}"), data.body(f"object{self.index}")
-        axes = np.asarray(bottle.xmat).reshape(3, 3)
-        offset = axes.T @ (carrier.xpos - bottle.xpos) - [0, 0, self._engaged_m]
-        return offset, axes.T @ np.asarray(carrier.xmat).reshape(3, 3)
+        data, bottle, carrier = parts.data, parts.bottle, parts.carrier
+        axes = data.xmat[bottle].reshape(3, 3)
+        offset = axes.T @ (data.xpos[carrier] - data.xpos[bottle]) - [0, 0, self._engaged_m]
+        return offset, axes.T @ data.xmat[carrier].reshape(3, 3)
 
-    def _is_aligned(self, data: Any) -> bool:
-        offset, rotation = self._local(data)
+    def _is_aligned(self, parts: CapParts) -> bool:
+        offset, rotation = self._local(parts)
         lean = np.cross([0, 0, 1], rotation[:, 2])
         return bool(np.hypot(*offset[:2]) < CAPTURE_M and rotation[2, 2] > 0 and np.linalg.norm(lean) < CAPTURE_TILT_RAD)
 
-    def _engage(self, model: Any, data: Any) -> None:
-        self._offset_m, rotation = self._local(data)
+    def _engage(self, parts: CapParts) -> None:
+        self._offset_m, rotation = self._local(parts)
         self._tilt_rad = np.cross([0, 0, 1], rotation[:, 2])
         self._yaw_rad = float(np.arctan2(rotation[1, 0], rotation[0, 0]))
-        self._turn_rad = float(data.joint("cap-turn").qpos[0])
-        thread = model.equality("cap-thread").id
-        model.eq_data[thread, 0] = float(data.joint("cap-travel").qpos[0]) - model.eq_data[thread, 1] * self._turn_rad
-        data.eq_active[model.equality("cap-lock").id] = False
-        data.eq_active[model.equality("cap-weld").id] = True
-        self.engaged = True
-        self._weld(model, 0.0)
+        self._turn_rad = float(parts.qpos[parts.turn_qpos])
+        data = parts.model.eq_data
+        data[parts.thread, 0] = float(parts.qpos[parts.travel_qpos]) - data[parts.thread, 1] * self._turn_rad
+        parts.data.eq_active[parts.lock] = False
+        parts.data.eq_active[parts.weld] = True
+        self.engaged, self._remaining = True, np.nan
+        self._weld(parts, 0.0)
 
-    def _release(self, model: Any, data: Any) -> None:
-        turn = float(data.joint("cap-turn").qpos[0])
-        model.eq_data[model.equality("cap-lock").id, 0] = turn
-        data.eq_active[model.equality("cap-lock").id] = True
-        data.eq_active[model.equality("cap-weld").id] = False
+    def _release(self, parts: CapParts) -> None:
+        parts.model.eq_data[parts.lock, 0] = float(parts.qpos[parts.turn_qpos])
+        parts.data.eq_active[parts.lock] = True
+        parts.data.eq_active[parts.weld] = False
         self.engaged = False
 
-    def _weld(self, model: Any, angle_rad: float) -> None:
+    def _weld(self, parts: CapParts, angle_rad: float) -> None:
         """Holds the carrier on the axis; offset and tilt at the engagement vanish over the first turn."""
         remaining = min(max(1.0 - angle_rad / CENTRING_RAD, 0.0), 1.0)
+        if remaining == self._remaining:
+            return
+        self._remaining = remaining
         upright, lean, pose = np.zeros(4), np.zeros(4), np.zeros(4)
         mujoco.mju_axisAngle2Quat(upright, np.array([0.0, 0.0, 1.0]), self._yaw_rad)
         tilt = remaining * self._tilt_rad
         size = float(np.linalg.norm(tilt))
         mujoco.mju_axisAngle2Quat(lean, tilt / size if size > 0 else np.array([1.0, 0.0, 0.0]), size)
         mujoco.mju_mulQuat(pose, lean, upright)
-        weld = model.equality("cap-weld").id
-        model.eq_data[weld, 3:6] = remaining * self._offset_m + [0, 0, self._engaged_m]
-        model.eq_data[weld, 6:10] = pose
+        weld = parts.model.eq_data[parts.weld]
+        weld[3:6] = remaining * self._offset_m + [0, 0, self._engaged_m]
+        weld[6:10] = pose
 
-    def _pull_n(self, model: Any, data: Any) -> float:
-        """Upward force of the cap on the weld beyond its weight, N."""
-        rows = np.flatnonzero((data.efc_type == EQUALITY_ROW) & (data.efc_id == model.equality("cap-weld").id))
-        # The third row is the vertical force on the first body, the bottle.
-        return float(data.efc_force[rows[2]]) if len(rows) else 0.0
+
+def _pull_n(parts: CapParts) -> float:
+    """Upward force of the cap on the weld beyond its weight, N."""
+    data = parts.data
+    # Rows of equalities are the first.
+    rows = np.flatnonzero(data.efc_id[: data.ne] == parts.weld)
+    # The third row is the vertical force on the first body, the bottle.
+    return float(data.efc_force[rows[2]]) if len(rows) else 0.0
 
 
 def engaged_height_m(cap: dict[str, Any], bottle: dict[str, Any]) -> float:

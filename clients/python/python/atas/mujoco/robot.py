@@ -13,7 +13,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from .options import PIN_MASS_KG, PIN_RADIUS_M, SHEAR_RATIO, SKIN_DAMPING_S, Options
+from .options import PIN_MASS_KG, PIN_RADIUS_M, PIN_RADIUS_SHARE, PIN_STIFFENING, SHEAR_RATIO, SKIN_DAMPING_S, Options
 
 LINK_KG = 1e-5
 """Mass of a link, kg: MuJoCo needs one. Design choice: negligible beside a drive's inertia, and 20 links weigh 2 mN, so that no
@@ -183,17 +183,18 @@ def _add_skin(tip: Any, name: str, fingertip: dict[str, Any], options: Options, 
 
 def _pins(pins: list[dict[str, Any]], per_element: int) -> list[dict[str, Any]]:
     """Divides each pin into equal ones on a circle with the second moment of area of the element's disc."""
-    if per_element == 1:
-        return pins
     divided = []
     for pin in pins:
         position, normal, tangents = (np.asarray(pin[key]) for key in ("position_m", "normal", "tangents"))
-        radius_m = np.sqrt(pin["area_m2"] / (2 * np.pi))
+        circle_m = np.sqrt(pin["area_m2"] / (2 * np.pi)) if per_element > 1 else 0.0
         distance_m = np.linalg.norm(position)
         is_dome = np.allclose(position, distance_m * normal)
+        radius_m = PIN_RADIUS_SHARE / np.sqrt(per_element) * distance_m if is_dome else PIN_RADIUS_M
+        # On a dome of radius R, spheres of radius r touch over a larger area than points: R / (R - r).
+        share = PIN_STIFFENING * (1 - radius_m / distance_m) if is_dome else 1.0
         for number in range(per_element):
             angle = 2 * np.pi * number / per_element
-            place = position + radius_m * np.array([np.cos(angle), np.sin(angle)]) @ tangents
+            place = position + circle_m * np.array([np.cos(angle), np.sin(angle)]) @ tangents
             outward = place / np.linalg.norm(place) if is_dome else normal
             along = tangents - np.outer(tangents @ outward, outward)
             divided.append(
@@ -202,7 +203,8 @@ def _pins(pins: list[dict[str, Any]], per_element: int) -> list[dict[str, Any]]:
                     "position_m": outward * distance_m if is_dome else place,
                     "normal": outward,
                     "tangents": along / np.linalg.norm(along, axis=1, keepdims=True),
-                    "stiffness_n_m": pin["stiffness_n_m"] / per_element,
+                    "stiffness_n_m": pin["stiffness_n_m"] * share / per_element,
+                    "radius_m": radius_m,
                 }
             )
     return divided
@@ -210,7 +212,7 @@ def _pins(pins: list[dict[str, Any]], per_element: int) -> list[dict[str, Any]]:
 
 def _add_pin(tip: Any, name: str, pin: dict[str, Any], options: Options) -> None:
     normal = np.asarray(pin["normal"])
-    body = tip.add_body(name=name, pos=np.asarray(pin["position_m"]) - PIN_RADIUS_M * normal)
+    body = tip.add_body(name=name, pos=np.asarray(pin["position_m"]) - pin["radius_m"] * normal)
     mass_kg = PIN_MASS_KG / options.pins
     for axis, ratio, suffix in zip((normal, *pin["tangents"]), (1.0, SHEAR_RATIO, SHEAR_RATIO), "nxy", strict=True):
         stiffness = ratio * pin["stiffness_n_m"]
@@ -220,7 +222,7 @@ def _add_pin(tip: Any, name: str, pin: dict[str, Any], options: Options) -> None
     body.add_geom(
         name=name,
         type=mujoco.mjtGeom.mjGEOM_SPHERE,
-        size=[PIN_RADIUS_M, 0, 0],
+        size=[pin["radius_m"], 0, 0],
         mass=1e-6,
         contype=0,
         conaffinity=0,
