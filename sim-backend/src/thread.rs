@@ -1,8 +1,9 @@
 //! Cap thread: angle and friction torque.
 //!
 //! Friction is one elastic bristle with a torque limit. The limit is the thread's friction up to
-//! the closing angle and rises beyond it. It acts in both directions, therefore a closed cap stays
-//! closed. Friction law of the prototype.
+//! the closing angle and rises beyond it with the tension of the thread. Only sliding tightens the
+//! thread, the twist of the bristle does not: a cap that springs back keeps its tension. The limit
+//! acts in both directions, therefore a closed cap stays closed. Friction law of the prototype.
 
 /// Rise of the holding torque beyond the closing angle, N·m/rad (tactile design).
 pub(crate) const RISE_N_M_RAD: f64 = 0.5;
@@ -60,10 +61,10 @@ pub(crate) struct CapTruth {
 }
 
 impl Thread {
-    /// Returns the torque limit of the thread at an angle, N·m.
+    /// Returns the torque limit of a thread that has slid by an angle, N·m.
     #[must_use]
-    pub fn torque_limit_n_m(&self, angle_rad: f64) -> f64 {
-        self.friction_n_m + RISE_N_M_RAD * (angle_rad - self.closing_rad).max(0.0)
+    pub fn torque_limit_n_m(&self, slid_rad: f64) -> f64 {
+        self.friction_n_m + RISE_N_M_RAD * (slid_rad - self.closing_rad).max(0.0)
     }
 
     /// Returns the downward travel of a cap at an angle, m; zero below zero.
@@ -85,9 +86,14 @@ pub(crate) struct ThreadState {
 }
 
 impl ThreadState {
+    /// Returns the angle without the elastic twist, rad.
+    pub(crate) fn slid_rad(&self) -> f64 {
+        self.angle_rad - self.twist_rad
+    }
+
     /// Advances one step under a torque on the cap.
     pub(crate) fn step(&mut self, thread: &Thread, drive_n_m: f64, dt_s: f64) {
-        let limit_n_m = thread.torque_limit_n_m(self.angle_rad);
+        let limit_n_m = thread.torque_limit_n_m(self.slid_rad());
         let twist_rad = self.twist_rad + self.rate_rad_s * dt_s;
         let trial_n_m = STIFFNESS_N_M_RAD * twist_rad + DAMPING_N_M_S_RAD * self.rate_rad_s;
         let holds = trial_n_m.abs() <= limit_n_m;
@@ -157,7 +163,7 @@ mod tests {
             }
             let expected_rad = 3.0 + (drive_n_m - 0.015) / RISE_N_M_RAD;
             assert!(
-                (turning.angle_rad - expected_rad).abs() < 0.01,
+                (turning.slid_rad() - expected_rad).abs() < 0.001,
                 "{drive_n_m}: {turning:?}"
             );
             assert!((turning.torque_n_m - drive_n_m).abs() < 1e-4);
@@ -167,6 +173,8 @@ mod tests {
                 closed_rad - turning.angle_rad < 0.011,
                 "only elastic springback"
             );
+            let holding_n_m = THREAD.torque_limit_n_m(turning.slid_rad());
+            assert!((holding_n_m - drive_n_m).abs() < 1e-3, "{holding_n_m}");
         }
     }
 

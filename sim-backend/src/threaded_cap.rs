@@ -216,7 +216,7 @@ impl ThreadedCap {
             engaged: self.engaged.is_some(),
             angle_rad: turning.angle_rad,
             torque_n_m: turning.torque_n_m,
-            holding_n_m: self.thread.torque_limit_n_m(turning.angle_rad),
+            holding_n_m: self.thread.torque_limit_n_m(turning.slid_rad()),
             thread: self.thread,
         })
     }

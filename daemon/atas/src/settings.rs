@@ -366,9 +366,9 @@ settings! {
         /// Multiple of dF_max at which Module 4 ends the screwing (paper: 1.4). Too small: stops
         /// before the cap is tight. Too large: over-tightens or slips on.
         finish_ratio = 1.4 in 1.05..5.0;
-        /// Time constant of Module 4's tangential force, s. Too small: ends on noise. Too large:
+        /// Time constant of Module 4's torque, s. Too small: ends on noise. Too large:
         /// detects a tight cap late.
-        finish_filter_s = 0.01 in 0.0..0.5;
+        finish_filter_s = 0.004 in 0.0..0.5;
     }
     /// Speeds and distances of hand motion (design choices).
     motion: Motion {

@@ -20,8 +20,8 @@ use crate::tasks::{
 };
 use crate::teleop::TeleopTarget;
 use crate::thresholds::Thresholds;
-use nalgebra::{Matrix3, Vector2, Vector3};
-use robot_model::{Compression, GRASP_SIDES, GraspPose};
+use nalgebra::{Vector2, Vector3};
+use robot_model::{Compression, GRASP_SIDES, GraspPose, Transform};
 use shm_schemas::{Cause, ModuleId, Reason};
 
 /// Contact loss of a gripped object until it counts as lost, s (design choice: longer than contact
@@ -52,8 +52,10 @@ pub struct HandMotion<'a> {
     pub closing_axis: Vector3<f64>,
     /// See [`Context::turns_by_wrist`].
     pub turns_by_wrist: bool,
-    /// Measured orientation of each fingertip.
-    pub base_from_tip: &'a [Matrix3<f64>],
+    /// Measured frame of each fingertip.
+    pub base_from_tip: &'a [Transform],
+    /// Measured mean of the fingertips of each grasp side, base frame, m.
+    pub side_m: [Vector3<f64>; GRASP_SIDES],
     /// Compression of the fingertips under load.
     pub compression: Compression,
     /// Ratio of tactile to torque-estimated force, ≥ 1.
@@ -342,6 +344,7 @@ impl TaskExecutor {
             closing_axis: motion.closing_axis,
             turns_by_wrist: motion.turns_by_wrist,
             base_from_tip: motion.base_from_tip,
+            side_m: motion.side_m,
             tactile_over_torque: motion.tactile_over_torque,
             torque_over_tactile: motion.torque_over_tactile,
             turning: self.waypoints.turning(),

@@ -18,8 +18,8 @@ use crate::settings::Settings;
 use crate::tasks::Step;
 use crate::teleop::{TeleopTarget, ValidatedTarget};
 use crate::tick::Tick;
-use nalgebra::{Matrix3, Vector2};
-use robot_model::{FINGERTIPS_MAX, GRASP_SIDES, HandModel, HandPose, HandVector};
+use nalgebra::{Vector2, Vector3};
+use robot_model::{FINGERTIPS_MAX, GRASP_SIDES, HandModel, HandPose, HandVector, Transform};
 use shm_schemas::{
     Cause, EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus,
     ModuleEvent, Reason,
@@ -48,7 +48,8 @@ pub(crate) struct HandControl {
     measured_gap_m: f64,
     /// Measured pose of the object against the hand.
     object_pose: Option<ObjectPose>,
-    base_from_tip: [Matrix3<f64>; FINGERTIPS_MAX],
+    base_from_tip: [Transform; FINGERTIPS_MAX],
+    side_m: [Vector3<f64>; GRASP_SIDES],
     frames: u32,
     torque_check: TorqueForceCheck,
     /// F_2 of the held object, N; zero for an empty hand.
@@ -83,7 +84,8 @@ impl HandControl {
             active_modules: 0,
             measured_gap_m: 0.0,
             object_pose: None,
-            base_from_tip: [Matrix3::identity(); FINGERTIPS_MAX],
+            base_from_tip: [Transform::IDENTITY; FINGERTIPS_MAX],
+            side_m: [Vector3::zeros(); GRASP_SIDES],
             frames: 0,
             force_limit_n: 0.0,
             slips: false,
@@ -174,8 +176,9 @@ impl HandControl {
             None
         };
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
-            *of_tip = tip.rotation;
+            *of_tip = *tip;
         }
+        self.side_m = core::array::from_fn(|side| measured.side_m(side));
         let closing_s = self.executor.as_ref().map_or(0.0, TaskExecutor::closing_s);
         let load = (self.grips(), closing_s);
         match effort_n_m {
@@ -224,6 +227,7 @@ impl HandControl {
             closing_axis: servo.closing_axis(&self.model),
             turns_by_wrist: self.model.turns_by_wrist(),
             base_from_tip: &self.base_from_tip[..self.model.fingertip_count()],
+            side_m: self.side_m,
             compression: perception::compression(&settings.perception, self.model.skin()),
             tactile_over_torque: self.torque_check.tactile_over_torque(&settings.safety),
             torque_over_tactile: self.torque_check.torque_over_tactile(&settings.safety),

@@ -6,8 +6,8 @@ use crate::settings::Settings;
 use crate::tasks::BehaviourTable;
 use crate::teleop::TeleopTarget;
 use crate::thresholds::Thresholds;
-use nalgebra::{Matrix3, Vector3};
-use robot_model::{Compression, GRASP_SIDES, GraspPose};
+use nalgebra::Vector3;
+use robot_model::{Compression, GRASP_SIDES, GraspPose, Transform};
 use shm_schemas::{ModuleId, Reason};
 
 /// Inputs of a module other than the percept.
@@ -56,8 +56,10 @@ pub struct Context<'a> {
     pub lowering_m: Option<f64>,
     /// Teleoperation target; `None` brakes.
     pub teleop_target: Option<&'a TeleopTarget>,
-    /// Rotation of each fingertip's frame into the base frame, measured.
-    pub base_from_tip: &'a [Matrix3<f64>],
+    /// Measured frame of each fingertip.
+    pub base_from_tip: &'a [Transform],
+    /// Measured mean of the fingertips of each grasp side, base frame, m.
+    pub side_m: [Vector3<f64>; GRASP_SIDES],
     /// Ratio of tactile to joint-estimated force, ≥ 1. Limits opening when the skin reports too
     /// much.
     pub tactile_over_torque: f64,
@@ -204,11 +206,11 @@ pub fn load_n(percept: &Percept) -> f64 {
 /// Returns the vertical force of the object on all gripping fingertips, base frame, N; negative for
 /// a suspended object.
 #[must_use]
-pub fn force_up_n(percept: &Percept, base_from_tip: &[Matrix3<f64>]) -> f64 {
+pub fn force_up_n(percept: &Percept, base_from_tip: &[Transform]) -> f64 {
     percept
         .fingertips
         .iter()
         .zip(base_from_tip)
-        .map(|(finger, base_from_tip)| (base_from_tip * finger.force_tip_n).z)
+        .map(|(finger, base_from_tip)| (base_from_tip.rotation * finger.force_tip_n).z)
         .sum()
 }

@@ -102,7 +102,7 @@ fn clear_of_contacts(wanted: GraspPose, percept: &Percept, context: &Context<'_>
     let now_m = context.pose.centre_m;
     let mut centre_m = wanted.centre_m;
     for (finger, base_from_tip) in percept.fingertips.iter().zip(context.base_from_tip) {
-        let force_n: Vector3<f64> = base_from_tip * finger.force_tip_n;
+        let force_n: Vector3<f64> = base_from_tip.rotation * finger.force_tip_n;
         let floor_n = BLOCKING_SHARE * force_n.norm();
         for axis in 0..3 {
             let presses = (wanted.centre_m[axis] - now_m[axis]) * force_n[axis] < 0.0;

@@ -22,6 +22,8 @@ const NOISE_MARGIN: f64 = 5.0;
 pub struct ContactPercept {
     /// Filtered force of the object on the fingertip, tip frame, N.
     pub force_tip_n: Vector3<f64>,
+    /// Torque of the object on the fingertip about the origin of the tip frame, tip frame, N·m.
+    pub torque_tip_n_m: Vector3<f64>,
     /// Outward normal of the contact patch, unit vector, tip frame.
     pub patch_normal: Vector3<f64>,
     /// F_n: force along the inward patch normal, N, positive when pressed.
@@ -66,6 +68,7 @@ impl Default for ContactPercept {
     fn default() -> Self {
         Self {
             force_tip_n: Vector3::zeros(),
+            torque_tip_n_m: Vector3::zeros(),
             patch_normal: Vector3::z(),
             normal_n: 0.0,
             tangential_n: 0.0,
@@ -160,6 +163,7 @@ impl FingertipPerception {
         );
         self.percept = ContactPercept {
             force_tip_n: patch.force_n,
+            torque_tip_n_m: patch.torque_n_m,
             patch_normal: patch.normal,
             normal_n: patch.normal_n,
             tangential_n: patch.tangential_n.norm(),

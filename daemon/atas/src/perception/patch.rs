@@ -106,6 +106,8 @@ pub(super) struct LoadedElement {
 pub(super) struct Patch {
     /// Sum over all elements, tip frame, N. Weak elements are included; their noise averages out.
     pub(super) force_n: Vector3<f64>,
+    /// Torque of these forces about the origin of the tip frame, tip frame, N·m.
+    pub(super) torque_n_m: Vector3<f64>,
     /// Outward unit normal, tip frame; the fingertip axis for weak contacts.
     pub(super) normal: Vector3<f64>,
     /// Axes that complete the normal to a right-handed frame.
@@ -133,9 +135,12 @@ impl Patch {
         floor_n: f64,
     ) -> Self {
         let mut force_n = Vector3::zeros();
+        let mut torque_n_m = Vector3::zeros();
         let mut lean = Vector3::zeros();
         for (element, &reading) in elements_n.iter().enumerate().take(axes.count) {
-            force_n += axes.force(element, reading);
+            let element_n = axes.force(element, reading);
+            force_n += element_n;
+            torque_n_m += axes.position_m[element].cross(&element_n);
             if reading[0] > NORMAL_FLOOR_N {
                 lean += axes.normal[element] * reading[0];
             }
@@ -149,6 +154,7 @@ impl Patch {
         let normal_n = -force_n.dot(&normal);
         let mut patch = Self {
             force_n,
+            torque_n_m,
             normal,
             plane: plane_axes(&normal),
             normal_n,

@@ -8,7 +8,7 @@ use atas_core::tasks::BehaviourTable;
 use atas_core::teleop::TeleopTarget;
 use atas_core::thresholds::{ForceLimitSource, Thresholds};
 use nalgebra::Vector3;
-use robot_model::GraspPose;
+use robot_model::{GRASP_SIDES, GraspPose, Transform};
 use shm_schemas::{GripOrder, ModuleId};
 
 /// Lift of 50 mm within 5 s.
@@ -40,8 +40,8 @@ pub(crate) struct Bench {
     pub(crate) closing_m: f64,
     pub(crate) carried_m: f64,
     pub(crate) carry_scale: f64,
-    pub(crate) closing_m_s: [f64; robot_model::GRASP_SIDES],
-    pub(crate) frame: robot_model::GraspPose,
+    pub(crate) closing_m_s: [f64; GRASP_SIDES],
+    pub(crate) frame: GraspPose,
     pub(crate) lowering_m: Option<f64>,
     pub(crate) hangs: bool,
     pub(crate) proved: bool,
@@ -61,7 +61,7 @@ impl Bench {
             closing_m: 0.0,
             carried_m: 0.0,
             carry_scale: 1.0,
-            closing_m_s: [0.0; robot_model::GRASP_SIDES],
+            closing_m_s: [0.0; GRASP_SIDES],
             frame: path().pose_at(0.0),
             lowering_m: None,
             hangs: true,
@@ -80,6 +80,20 @@ impl Bench {
             lead: Some(lead),
             ..bench
         }
+    }
+
+    /// Frames of both fingertips with radius 10 mm, rotated as the base.
+    pub(crate) fn base_from_tip(&self) -> [Transform; GRASP_SIDES] {
+        let (frame, axis) = (&self.frame, self.frame.closing_axis());
+        let along = Vector3::new(-axis.y, axis.x, 0.0);
+        [1.0, -1.0].map(|sign| {
+            let side = usize::from(sign < 0.0);
+            let outwards_m = axis * (sign * (frame.half_opening_m[side] + 0.01));
+            Transform {
+                translation_m: frame.centre_m + outwards_m + along * frame.tangential_m[side],
+                ..Transform::IDENTITY
+            }
+        })
     }
 
     /// F_1 is 0.5 N, F_2 is 4 N.
@@ -113,7 +127,8 @@ impl Bench {
             turning: -1.0,
             lowering_m: self.lowering_m,
             teleop_target: self.lead.as_ref(),
-            base_from_tip: &[nalgebra::Matrix3::identity(); robot_model::GRASP_SIDES],
+            base_from_tip: &self.base_from_tip(),
+            side_m: self.base_from_tip().map(|tip| tip.translation_m),
             turns_by_wrist: false,
             tactile_over_torque: 1.0,
             torque_over_tactile: 1.0,

@@ -9,11 +9,14 @@ use shm_schemas::ModuleId;
 /// Tangential offset of a side at the ends of a turn, m.
 const TRAVEL_M: f64 = 0.007;
 
-/// Percept of a cap that resists clockwise rotation with this shear force per side, N; closing axis
-/// x.
-fn resisting(shear_n: f64) -> Percept {
+/// Percept of a cap that resists clockwise rotation with this shear force per side, N. The
+/// fingertips roll on the cap: they are at the ends of a diameter that turns with it.
+fn resisting(bench: &Bench, shear_n: f64) -> Percept {
+    let [first, second] = bench.base_from_tip();
+    let outwards = (first.translation_m - second.translation_m).normalize();
+    let against = Vector3::new(-outwards.y, outwards.x, 0.0);
     let tip = |sign: f64| ContactPercept {
-        force_tip_n: Vector3::new(0.0, sign * shear_n, -3.0),
+        force_tip_n: (outwards * 3.0 + against * shear_n) * sign,
         ..fingertip(3.0)
     };
     percept([tip(1.0), tip(-1.0)])
@@ -24,7 +27,7 @@ fn turn(bench: &mut Bench, most_n: f64) -> Verdict {
     let mut verdict = Verdict::None;
     let mut go = |bench: &mut Bench, ahead_m: f64, shear_n: f64| {
         bench.frame.tangential_m = [-ahead_m, ahead_m];
-        let proposal = bench.evaluate(&resisting(shear_n));
+        let proposal = bench.evaluate(&resisting(bench, shear_n));
         if verdict == Verdict::None {
             verdict = proposal.verdict;
         }
