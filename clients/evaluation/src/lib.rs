@@ -69,7 +69,7 @@ pub use gentleness::{
     GentlenessPlan, GentlenessReport, GentlenessRow, RobustnessRow, reference_objects,
     reference_or_other,
 };
-pub use held::{Discards, discards_text};
+pub use held::{HeldPlan, HeldSummary, Outcomes};
 pub use markdown::{RobotResults, SkinResults, errors_table, robots_table, skins_table, table};
 pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
 pub use plan::{Plan, Shard};
@@ -77,7 +77,7 @@ pub use policy::GripPolicy;
 pub use reflex::{CoarsePolicy, ReflexPlan, ReflexReport};
 pub use report::{Baseline, Family, Report, Row};
 pub use rows::TrialRow;
-pub use sensor_effects::{EffectPlan, EffectReport, EffectRow};
+pub use sensor_effects::{EffectReport, EffectRow, sensor_effects};
 pub use sensor_variant::SensorVariant;
 pub use sim_backend::random::trial_seed;
 pub use statistics::{median, wilson};

@@ -173,6 +173,18 @@ fn table_head(heads: &[String]) -> String {
     text
 }
 
+/// Formats headings and rows of equal length.
+pub(crate) fn rows_table<const N: usize>(
+    heads: &[&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> String {
+    let mut text = table_head(&heads.map(str::to_owned));
+    for row in rows {
+        line(&mut text, &row);
+    }
+    text
+}
+
 fn line(text: &mut String, cells: &[String]) {
     // Writing into memory cannot fail.
     let _ = writeln!(text, "| {} |", cells.join(" | "));

@@ -20,14 +20,8 @@ mod trial;
 
 use std::sync::atomic::AtomicBool;
 
-use robot_model::RobotModel;
-use sim_backend::Object;
-use sim_backend::engine::EngineCommand;
-use sim_backend::random::trial_seed;
-
 use crate::Task;
-use crate::held::{self, Grip, HeldTrial};
-use crate::parallel::run_indexed;
+use crate::held::{Grip, HeldPlan};
 use crate::policy::GripPolicy;
 use case::{CASES, Disturbance};
 
@@ -36,37 +30,19 @@ pub use report::{DisturbanceReport, DisturbanceRow};
 /// Plan of the evaluation.
 #[derive(Clone, Debug)]
 pub struct DisturbancePlan {
-    /// Nominal objects.
-    pub objects: Vec<Object>,
-    /// Trials per object, case and policy.
-    pub seeds: u64,
-    /// First seed per object.
-    pub first_seed: u64,
+    /// Worlds, each with every case and policy.
+    pub held: HeldPlan,
     /// Texts of which one is part of the name of each evaluated case; empty: all cases.
     pub cases: Vec<String>,
     /// True: the baselines of the grasp get the same trials.
     pub baselines: bool,
-    /// Physics engine in a process of its own; `None`: the built-in one.
-    pub engine: Option<EngineCommand>,
-    /// Threads; 0: one per core.
-    pub threads: usize,
-    /// Controller settings.
-    pub settings: atas_core::Settings,
-}
-
-/// One trial of the plan: case, policy, object, number of the seed.
-struct Job {
-    case: usize,
-    grip: Grip,
-    object: usize,
-    number: u64,
 }
 
 impl DisturbancePlan {
     /// Returns the number of trials.
     #[must_use]
     pub fn trials(&self) -> u64 {
-        self.worlds() * (self.cases().len() * self.grips().len()) as u64
+        self.held.worlds() * (self.cases().len() * self.grips().len()) as u64
     }
 
     /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
@@ -78,34 +54,13 @@ impl DisturbancePlan {
         stop: &AtomicBool,
         done: impl Fn() + Sync,
     ) -> anyhow::Result<Option<DisturbanceReport>> {
-        anyhow::ensure!(
-            self.trials() > 0,
-            "could not evaluate: the plan has no trial; request at least one object, seed and case"
-        );
-        let cases = self.cases();
-        let robot = RobotModel::two_hand_arm()?;
-        let engines = held::engines(self.engine.as_ref());
-        let endings = run_indexed(self.trials(), self.threads, stop, |index| {
-            let job = self.job(index);
-            let nominal = &self.objects[job.object];
-            let seed = trial_seed(&nominal.name, job.number);
-            let trial = HeldTrial::new(
-                &robot,
-                engines.as_ref(),
-                nominal.clone(),
-                seed,
-                self.settings,
-                &cases[job.case].errors(),
-            )?;
-            let ending = trial::run(&trial, cases[job.case], job.grip, seed)?;
-            done();
-            Ok(ending)
+        let (cases, grips) = (self.cases(), self.grips());
+        let series = cases.len() * grips.len();
+        let endings = self.held.run(series, stop, done, |series, world| {
+            let (case, grip) = (cases[series / grips.len()], grips[series % grips.len()]);
+            trial::run(&world.trial(&case.errors())?, case, grip, world.seed)
         })?;
         Ok(endings.map(|endings| DisturbanceReport::new(self, &endings)))
-    }
-
-    fn worlds(&self) -> u64 {
-        self.objects.len() as u64 * self.seeds
     }
 
     /// Returns the requested cases.
@@ -124,35 +79,27 @@ impl DisturbancePlan {
         let policies = core::iter::once(GripPolicy::BuiltIn).chain(baselines);
         policies.map(Grip::Policy).collect()
     }
-
-    /// Returns a trial: all worlds of a row are consecutive.
-    fn job(&self, index: u64) -> Job {
-        let (row, world) = (index / self.worlds(), index % self.worlds());
-        let grips = self.grips();
-        Job {
-            case: row as usize / grips.len(),
-            grip: grips[row as usize % grips.len()],
-            object: (world / self.seeds) as usize,
-            number: self.first_seed + world % self.seeds,
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use sim_backend::Object;
+
     use super::*;
     use crate::seeds;
 
     fn plan(threads: usize) -> DisturbancePlan {
         DisturbancePlan {
-            objects: vec![Object::built_in("wood").expect("built in")],
-            seeds: 1,
-            first_seed: seeds::EVALUATION_START,
+            held: HeldPlan {
+                objects: vec![Object::built_in("wood").expect("built in")],
+                seeds: 1,
+                first_seed: seeds::EVALUATION_START,
+                engine: None,
+                threads,
+                settings: atas_core::Settings::default(),
+            },
             cases: Vec::new(),
             baselines: true,
-            engine: None,
-            threads,
-            settings: atas_core::Settings::default(),
         }
     }
 

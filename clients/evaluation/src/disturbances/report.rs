@@ -4,8 +4,7 @@ use serde::Serialize;
 
 use super::DisturbancePlan;
 use super::trial::{Ending, Outcome};
-use crate::held::{self, Discards, Grip, discards_text};
-use crate::seeds;
+use crate::held::{Grip, HeldSummary};
 use crate::statistics::median;
 
 /// Result of the evaluation.
@@ -13,20 +12,11 @@ use crate::statistics::median;
 pub struct DisturbanceReport {
     /// Always `disturbances`.
     pub task: &'static str,
-    /// Physics engine, if not the built-in one.
-    pub engine: Option<String>,
-    /// Names of the objects.
-    pub objects: Vec<String>,
-    /// Trials per object, case and policy.
-    pub seeds: u64,
-    /// First seed per object.
-    pub first_seed: u64,
-    /// `tuning` or `judging`.
-    pub purpose: &'static str,
+    /// Objects, seeds, engine and discarded trials.
+    #[serde(flatten)]
+    pub summary: HeldSummary,
     /// One row per case and policy.
     pub rows: Vec<DisturbanceRow>,
-    /// Trials that the engine could not simulate, by reason.
-    pub discarded: Discards,
 }
 
 /// Outcomes of one case with one policy.
@@ -76,22 +66,13 @@ impl DisturbanceReport {
             .cases()
             .into_iter()
             .flat_map(|case| grips.iter().map(move |grip| (case, grip)));
-        let rows = cases.zip(endings.chunks(plan.worlds() as usize));
+        let rows = cases.zip(endings.chunks(plan.held.worlds() as usize));
         let rows =
             rows.map(|((case, grip), endings)| DisturbanceRow::new(case.name(), *grip, endings));
         Self {
             task: "disturbances",
-            engine: plan.engine.as_ref().map(ToString::to_string),
-            objects: plan
-                .objects
-                .iter()
-                .map(|object| object.name.clone())
-                .collect(),
-            seeds: plan.seeds,
-            first_seed: plan.first_seed,
-            purpose: seeds::purpose(plan.first_seed, plan.seeds),
+            summary: plan.held.summary(endings.iter().map(|end| &end.discarded)),
             rows: rows.collect(),
-            discarded: held::count_discards(endings.iter().map(|ending| &ending.discarded)),
         }
     }
 
@@ -111,7 +92,7 @@ impl DisturbanceReport {
             }
             text += "\n";
         }
-        text + &discards_text(&self.discarded)
+        text + &self.summary.discards()
     }
 
     /// Returns the names of the policies with their settings.

@@ -19,13 +19,9 @@ mod trial;
 
 use std::sync::atomic::AtomicBool;
 
-use robot_model::RobotModel;
-use sim_backend::engine::EngineCommand;
-use sim_backend::random::trial_seed;
-use sim_backend::{Errors, Object};
+use sim_backend::Errors;
 
-use crate::held::{self, Grip, HeldTrial};
-use crate::parallel::run_indexed;
+use crate::held::{Grip, HeldPlan};
 use trial::Ending;
 
 pub use objects::{reference_objects, reference_or_other};
@@ -39,20 +35,10 @@ const WIDTH_ERROR_M: f64 = 0.004;
 /// Plan of the evaluation.
 #[derive(Clone, Debug)]
 pub struct GentlenessPlan {
-    /// Nominal objects.
-    pub objects: Vec<Object>,
-    /// Trials per object and gripper.
-    pub seeds: u64,
-    /// First seed per object.
-    pub first_seed: u64,
+    /// Worlds, each with every gripper.
+    pub held: HeldPlan,
     /// True: all candidates of the baselines, without robustness.
     pub tunes: bool,
-    /// Physics engine in a process of its own; `None`: the built-in one.
-    pub engine: Option<EngineCommand>,
-    /// Threads; 0: one per core.
-    pub threads: usize,
-    /// Controller settings.
-    pub settings: atas_core::Settings,
 }
 
 /// Gripper and condition of some trials.
@@ -106,7 +92,7 @@ impl GentlenessPlan {
     /// Returns the number of trials.
     #[must_use]
     pub fn trials(&self) -> u64 {
-        self.worlds() * self.series().len() as u64
+        self.held.worlds() * self.series().len() as u64
     }
 
     /// Runs all trials; calls `done` after each, from any thread; `None` if stopped.
@@ -118,37 +104,12 @@ impl GentlenessPlan {
         stop: &AtomicBool,
         done: impl Fn() + Sync,
     ) -> anyhow::Result<Option<GentlenessReport>> {
-        anyhow::ensure!(
-            self.worlds() > 0,
-            "could not evaluate: the plan has no trial; request at least one object and seed"
-        );
-        let robot = RobotModel::two_hand_arm()?;
-        let engines = held::engines(self.engine.as_ref());
         let series = self.series();
-        let endings = run_indexed(self.trials(), self.threads, stop, |index| {
-            let (series, world) = (
-                series[(index / self.worlds()) as usize],
-                index % self.worlds(),
-            );
-            let nominal = &self.objects[(world / self.seeds) as usize];
-            let seed = trial_seed(&nominal.name, self.first_seed + world % self.seeds);
-            let trial = HeldTrial::new(
-                &robot,
-                engines.as_ref(),
-                nominal.clone(),
-                seed,
-                self.settings,
-                &series.condition.errors(),
-            )?;
-            let ending = trial::run(&trial, series.grip, series.condition.noise())?;
-            done();
-            Ok(ending)
+        let endings = self.held.run(series.len(), stop, done, |index, world| {
+            let Series { grip, condition } = series[index];
+            trial::run(&world.trial(&condition.errors())?, grip, condition.noise())
         })?;
         Ok(endings.map(|endings| GentlenessReport::new(self, &self.by_series(endings))))
-    }
-
-    fn worlds(&self) -> u64 {
-        self.objects.len() as u64 * self.seeds
     }
 
     /// Returns all grippers with exact widths and noise × 1, the ATAS modules at larger noise, then
@@ -169,7 +130,7 @@ impl GentlenessPlan {
     /// Groups the endings by series; within one, the trials of an object are consecutive.
     fn by_series(&self, endings: Vec<Ending>) -> Vec<(Series, Vec<Ending>)> {
         let mut endings = endings.into_iter();
-        let worlds = self.worlds() as usize;
+        let worlds = self.held.worlds() as usize;
         let series = self.series().into_iter();
         series
             .map(|series| (series, endings.by_ref().take(worlds).collect()))
@@ -185,13 +146,15 @@ mod tests {
     #[test]
     fn report_counts_grippers_and_conditions() {
         let plan = |threads| GentlenessPlan {
-            objects: vec![reference_or_other("egg").expect("known")],
-            seeds: 1,
-            first_seed: seeds::EVALUATION_START,
+            held: HeldPlan {
+                objects: vec![reference_or_other("egg").expect("known")],
+                seeds: 1,
+                first_seed: seeds::EVALUATION_START,
+                engine: None,
+                threads,
+                settings: atas_core::Settings::default(),
+            },
             tunes: false,
-            engine: None,
-            threads,
-            settings: atas_core::Settings::default(),
         };
         let run = |threads| {
             let report = plan(threads).run(&AtomicBool::new(false), || ());
@@ -201,15 +164,14 @@ mod tests {
         let names: Vec<&str> = report.rows.iter().map(|row| row.gripper).collect();
         assert_eq!(names, ["ours", "fixed_force", "slip_reactive", "position"]);
         for row in &report.rows {
-            let lost = row.crushed + row.dropped + row.slipped + row.not_lifted;
-            assert_eq!(
-                (row.trials, row.held + lost + row.discarded),
-                (1, 1),
-                "{row:?}"
-            );
+            assert_eq!((row.outcomes.trials, row.outcomes.sum()), (1, 1), "{row:?}");
         }
         let ours = &report.rows[0];
-        assert_eq!((ours.object.as_str(), ours.held), ("egg", 1), "{ours:?}");
+        assert_eq!(
+            (ours.object.as_str(), ours.outcomes.held),
+            ("egg", 1),
+            "{ours:?}"
+        );
         assert!(
             ours.peak.is_some_and(|peak| (1.0..4.0).contains(&peak)),
             "{ours:?}"

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::trial::{Ending, Figures};
 use super::{Condition, GentlenessPlan, Series};
-use crate::held::{self, Discards, Outcome, discards_text};
-use crate::seeds;
+use crate::held::{HeldSummary, Outcome, Outcomes};
+use crate::markdown::rows_table;
 use crate::statistics::median;
 
 /// Name of the row over all objects.
@@ -16,20 +16,13 @@ const ALL: &str = "all";
 pub struct GentlenessReport {
     /// Always `gentleness`.
     pub task: &'static str,
-    /// Physics engine, if not the built-in one.
-    pub engine: Option<String>,
-    /// Trials per object and gripper.
-    pub seeds: u64,
-    /// First seed per object.
-    pub first_seed: u64,
-    /// `tuning` or `judging`.
-    pub purpose: &'static str,
+    /// Objects, seeds, engine and discarded trials.
+    #[serde(flatten)]
+    pub summary: HeldSummary,
     /// One row per object and gripper; with several objects also one per gripper over all.
     pub rows: Vec<GentlenessRow>,
     /// One row per condition and gripper over all objects; empty for tuning.
     pub robustness: Vec<RobustnessRow>,
-    /// Trials that the engine could not simulate, by reason.
-    pub discarded: Discards,
 }
 
 /// Results of one object and gripper.
@@ -41,20 +34,9 @@ pub struct GentlenessRow {
     pub gripper: &'static str,
     /// Its force or margin; empty for the ATAS modules.
     pub setting: String,
-    /// Trials.
-    pub trials: u64,
-    /// Objects in the lifted hand at the end, stable and unharmed.
-    pub held: u64,
-    /// Crushed objects.
-    pub crushed: u64,
-    /// Dropped objects.
-    pub dropped: u64,
-    /// Objects that slipped or turned beyond the limits of the judge.
-    pub slipped: u64,
-    /// Objects that were not lifted, or put back.
-    pub not_lifted: u64,
-    /// Trials that the engine could not simulate: never a success.
-    pub discarded: u64,
+    /// Counts by outcome.
+    #[serde(flatten)]
+    pub outcomes: Outcomes,
     /// Median ratio of the largest force of a fingertip to the force that friction needs.
     pub peak: Option<f64>,
     /// Median compression of the object at the largest force, mm; zero if rigid.
@@ -72,14 +54,9 @@ pub struct RobustnessRow {
     pub condition: String,
     /// Name of the gripper.
     pub gripper: &'static str,
-    /// Trials.
-    pub trials: u64,
-    /// Objects in the lifted hand at the end, stable and unharmed.
-    pub held: u64,
-    /// Crushed objects.
-    pub crushed: u64,
-    /// Dropped objects.
-    pub dropped: u64,
+    /// Counts by outcome.
+    #[serde(flatten)]
+    pub outcomes: Outcomes,
     /// Median ratio of the final force to the force that friction needs, held objects.
     pub over_grip: Option<f64>,
     /// Largest such ratio.
@@ -94,7 +71,7 @@ impl GentlenessReport {
         } else {
             rows(plan, series)
         };
-        if plan.tunes || plan.objects.len() > 1 {
+        if plan.tunes || plan.held.objects.len() > 1 {
             let quiet = series
                 .iter()
                 .filter(|(series, _)| series.condition == Condition::Nominal);
@@ -104,44 +81,39 @@ impl GentlenessReport {
             rows.extend(quiet.map(total));
         }
         if plan.tunes {
-            rows.sort_by(|a, b| b.held.cmp(&a.held).then(order(a.peak, b.peak)));
+            rows.sort_by(|a, b| {
+                b.outcomes
+                    .held
+                    .cmp(&a.outcomes.held)
+                    .then(order(a.peak, b.peak))
+            });
         }
         let robustness = series
             .iter()
             .map(|(series, endings)| RobustnessRow::new(*series, endings));
         Self {
             task: "gentleness",
-            engine: plan.engine.as_ref().map(ToString::to_string),
-            seeds: plan.seeds,
-            first_seed: plan.first_seed,
-            purpose: seeds::purpose(plan.first_seed, plan.seeds),
+            summary: plan.held.summary(all.map(|ending| &ending.discarded)),
             rows,
             robustness: if plan.tunes {
                 Vec::new()
             } else {
                 robustness.collect()
             },
-            discarded: held::count_discards(all.map(|ending| &ending.discarded)),
         }
     }
 
     /// Returns the tables as Markdown.
     #[must_use]
     pub fn markdown(&self) -> String {
-        let table = |header: &[&str], rows: Vec<Vec<String>>| {
-            let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
-            let header = header.iter().map(|cell| (*cell).to_owned()).collect();
-            let rule = format!("|{}\n", "---|".repeat(Vec::len(&header)));
-            line(header) + &rule + &rows.into_iter().map(line).collect::<String>()
-        };
-        let rows = self.rows.iter().map(|row| row.cells().to_vec());
-        let mut text = table(&GentlenessRow::HEADER, rows.collect());
+        let rows = self.rows.iter().map(GentlenessRow::cells);
+        let mut text = rows_table(&GentlenessRow::HEADER, rows);
         if !self.robustness.is_empty() {
-            let rows = self.robustness.iter().map(|row| row.cells().to_vec());
+            let rows = self.robustness.iter().map(RobustnessRow::cells);
             text += "\n";
-            text += &table(&RobustnessRow::HEADER, rows.collect());
+            text += &rows_table(&RobustnessRow::HEADER, rows);
         }
-        text + &discards_text(&self.discarded)
+        text + &self.summary.discards()
     }
 }
 
@@ -151,14 +123,14 @@ fn rows(plan: &GentlenessPlan, series: &[(Series, Vec<Ending>)]) -> Vec<Gentlene
         .iter()
         .filter(|(series, _)| series.condition == Condition::Nominal);
     let of_object = |index: usize| {
-        let name = &plan.objects[index].name;
-        let seeds = plan.seeds as usize;
+        let name = &plan.held.objects[index].name;
+        let seeds = plan.held.seeds as usize;
         quiet.clone().map(move |(series, endings)| {
             let endings = &endings[index * seeds..(index + 1) * seeds];
             GentlenessRow::new(name.clone(), *series, endings)
         })
     };
-    (0..plan.objects.len()).flat_map(of_object).collect()
+    (0..plan.held.objects.len()).flat_map(of_object).collect()
 }
 
 fn order(a: Option<f64>, b: Option<f64>) -> core::cmp::Ordering {
@@ -179,7 +151,6 @@ impl GentlenessRow {
     ];
 
     fn new(object: String, series: Series, endings: &[Ending]) -> Self {
-        let with = |outcome: Outcome| count(endings, outcome);
         let judged = || {
             endings
                 .iter()
@@ -192,13 +163,7 @@ impl GentlenessRow {
             object,
             gripper: series.grip.name(),
             setting: series.grip.setting(),
-            trials: endings.len() as u64,
-            held: with(Outcome::Held),
-            crushed: with(Outcome::Crushed),
-            dropped: with(Outcome::Dropped),
-            slipped: with(Outcome::Slipped),
-            not_lifted: with(Outcome::NotLifted),
-            discarded: with(Outcome::Discarded),
+            outcomes: endings.iter().map(|ending| ending.outcome).collect(),
             peak: of(&|figures| Some(figures.peak)),
             deformation_mm: of(&|figures| Some(figures.deformation_m * 1e3)),
             slip_mm: of(&|figures| figures.lifted_s.map(|_| figures.slip_m * 1e3)),
@@ -209,12 +174,13 @@ impl GentlenessRow {
     /// Returns the row as text.
     #[must_use]
     pub fn cells(&self) -> [String; 7] {
+        let of = &self.outcomes;
         let lost = [
-            (self.crushed, "crushed"),
-            (self.dropped, "dropped"),
-            (self.slipped, "slipped"),
-            (self.not_lifted, "not lifted"),
-            (self.discarded, "discarded"),
+            (of.crushed, "crushed"),
+            (of.dropped, "dropped"),
+            (of.slipped, "slipped"),
+            (of.not_lifted, "not lifted"),
+            (of.discarded, "discarded"),
         ];
         let lost = lost.into_iter().filter(|(count, _)| *count > 0);
         let lost: String = lost
@@ -224,7 +190,7 @@ impl GentlenessRow {
         [
             self.object.clone(),
             gripper.trim().replace('_', " "),
-            format!("{} of {}{lost}", self.held, self.trials),
+            format!("{} of {}{lost}", of.held, of.trials),
             number(self.peak),
             number(self.deformation_mm),
             number(self.slip_mm),
@@ -251,10 +217,7 @@ impl RobustnessRow {
         Self {
             condition: series.condition.name(),
             gripper: series.grip.name(),
-            trials: endings.len() as u64,
-            held: over_grip.len() as u64,
-            crushed: count(endings, Outcome::Crushed),
-            dropped: count(endings, Outcome::Dropped),
+            outcomes: endings.iter().map(|ending| ending.outcome).collect(),
             over_grip_max: over_grip.iter().copied().reduce(f64::max),
             over_grip: median(over_grip),
         }
@@ -266,18 +229,13 @@ impl RobustnessRow {
         [
             self.condition.clone(),
             self.gripper.replace('_', " "),
-            format!("{} of {}", self.held, self.trials),
-            self.crushed.to_string(),
-            self.dropped.to_string(),
+            format!("{} of {}", self.outcomes.held, self.outcomes.trials),
+            self.outcomes.crushed.to_string(),
+            self.outcomes.dropped.to_string(),
             number(self.over_grip),
             number(self.over_grip_max),
         ]
     }
-}
-
-fn count(endings: &[Ending], outcome: Outcome) -> u64 {
-    let with = endings.iter().filter(|end| end.outcome == outcome);
-    with.count() as u64
 }
 
 fn number(value: Option<f64>) -> String {

@@ -2,8 +2,9 @@
 //! sensor effects, disturbances and gentleness.
 //!
 //! ```text
-//!  robot, object, seed ─▶ HeldTrial: scene and goal ─▶ HeldRun: grip, lift, watch ─▶ Outcome
-//!                                                        ▲ loads, bumps; commands and truth
+//!  HeldPlan: objects, seeds ─▶ HeldWorld ─▶ HeldTrial: scene and goal
+//!                       ─▶ HeldRun: grip, lift, watch ─▶ Outcome ─▶ Outcomes, HeldSummary
+//!                            ▲ loads, bumps; commands and truth
 //! ```
 //!
 //! * **In:** an object, a seed, a [`Grip`], settings and an engine. **Out:** ground truth per tick,
@@ -11,10 +12,9 @@
 //! * **Invariants:** equal arguments give equal bits with the built-in engine. All grips of an
 //!   object and seed get the same world and noise.
 
+mod plan;
 mod position;
 mod run;
-
-use std::collections::BTreeMap;
 
 use anyhow::Context;
 use atas_client::goal::LIFT_M;
@@ -22,13 +22,15 @@ use atas_core::Settings;
 use atas_tasks::goals::grasp_goal;
 use robot_model::RobotModel;
 use shm_schemas::{GoalRequest, ObjectTruth};
-use sim_backend::engine::{EngineCommand, EngineError, EnginePool};
+use sim_backend::engine::{EngineError, EnginePool};
 use sim_backend::{Errors, GraspHint, Object, Scene, World, WorldFault};
 
 use crate::Task;
 use crate::judge::{Load, SLIP_MAX_M, TURN_MAX_RAD};
 use crate::policy::GripPolicy;
 
+pub(crate) use plan::HeldWorld;
+pub use plan::{HeldPlan, HeldSummary, Outcomes};
 use position::PositionGripper;
 pub(crate) use run::HeldRun;
 
@@ -70,9 +72,6 @@ pub(crate) enum Outcome {
     /// The engine could not simulate the trial.
     Discarded,
 }
-
-/// Reasons of discarded trials, with their counts.
-pub type Discards = BTreeMap<String, u64>;
 
 impl Grip {
     /// Returns the name in reports.
@@ -195,28 +194,6 @@ impl Outcome {
             Self::Slipped
         }
     }
-}
-
-/// Returns the engines of a command, if any.
-pub(crate) fn engines(command: Option<&EngineCommand>) -> Option<EnginePool> {
-    command.cloned().map(EnginePool::new)
-}
-
-/// Counts the reasons of discarded trials.
-pub(crate) fn count_discards<'a>(reasons: impl Iterator<Item = &'a Option<String>>) -> Discards {
-    let mut discards = Discards::new();
-    for reason in reasons.flatten() {
-        *discards.entry(reason.clone()).or_default() += 1;
-    }
-    discards
-}
-
-/// Returns the discarded trials as one line per reason.
-#[must_use]
-pub fn discards_text(discards: &Discards) -> String {
-    let line =
-        |(reason, count): (&String, &u64)| format!("discarded by the engine: {count} × {reason}\n");
-    discards.iter().map(line).collect()
 }
 
 /// Returns the reason if the engine did not simulate a tick; `None` without a fault. Also an engine

@@ -15,15 +15,11 @@ mod trial;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use robot_model::RobotModel;
 use serde::Serialize;
-use sim_backend::engine::{EngineCommand, EnginePool};
-use sim_backend::random::trial_seed;
-use sim_backend::{CreepModel, DriftModel, Errors, HysteresisModel, Object, SensorModel};
+use sim_backend::{CreepModel, DriftModel, Errors, HysteresisModel, SensorModel};
 
-use crate::held::{self, Discards, HeldTrial, Outcome, discards_text};
-use crate::parallel::run_indexed;
-use crate::seeds;
+use crate::held::{HeldPlan, HeldSummary, HeldWorld, Outcomes};
+use crate::markdown::rows_table;
 use trial::Ending;
 
 /// Drift per fingertip, N/s, and its duration, s (acceptance criterion).
@@ -36,42 +32,16 @@ const CREEP: f64 = 0.05;
 /// error `hysteresis` of the simulator.
 const FULL_SCALE_N: f64 = 1.0;
 
-/// Plan of the evaluation.
-#[derive(Clone, Debug)]
-pub struct EffectPlan {
-    /// Nominal objects.
-    pub objects: Vec<Object>,
-    /// Trials per object and case.
-    pub seeds: u64,
-    /// First seed per object.
-    pub first_seed: u64,
-    /// Physics engine in a process of its own; `None`: the built-in one.
-    pub engine: Option<EngineCommand>,
-    /// Threads; 0: one per core.
-    pub threads: usize,
-    /// Controller settings.
-    pub settings: atas_core::Settings,
-}
-
 /// Result of the evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectReport {
     /// Always `sensor-effects`.
     pub task: &'static str,
-    /// Physics engine, if not the built-in one.
-    pub engine: Option<String>,
-    /// Names of the objects.
-    pub objects: Vec<String>,
-    /// Trials per object and case.
-    pub seeds: u64,
-    /// First seed per object.
-    pub first_seed: u64,
-    /// `tuning` or `judging`.
-    pub purpose: &'static str,
+    /// Objects, seeds, engine and discarded trials.
+    #[serde(flatten)]
+    pub summary: HeldSummary,
     /// One row per effect, with and without joint torques.
     pub rows: Vec<EffectRow>,
-    /// Trials that the engine could not simulate, by reason.
-    pub discarded: Discards,
 }
 
 /// Outcomes of one case.
@@ -81,20 +51,9 @@ pub struct EffectRow {
     pub effect: &'static str,
     /// True if the servos report joint torques.
     pub torques: bool,
-    /// Trials.
-    pub trials: u64,
-    /// Objects in the lifted hand after the hold, stable and unharmed.
-    pub held: u64,
-    /// Crushed objects.
-    pub crushed: u64,
-    /// Dropped objects.
-    pub dropped: u64,
-    /// Objects in the lifted hand that slipped or turned beyond the limits of the judge.
-    pub slipped: u64,
-    /// Objects that were not lifted, or put back.
-    pub not_lifted: u64,
-    /// Trials that the engine could not simulate: never a success.
-    pub discarded: u64,
+    /// Counts by outcome.
+    #[serde(flatten)]
+    pub outcomes: Outcomes,
     /// Trials of any outcome with a warning or HOLD before the end.
     pub warned: u64,
 }
@@ -166,165 +125,111 @@ impl Effect {
     }
 }
 
-impl EffectPlan {
-    /// Returns the number of worlds: one per object and seed.
-    #[must_use]
-    pub fn worlds(&self) -> u64 {
-        self.objects.len() as u64 * self.seeds
-    }
+/// Runs all cases of all worlds; calls `done` after each world, from any thread; `None` if stopped.
+///
+/// # Errors
+/// The robot, a world or an engine cannot be created, or the plan is empty.
+pub fn sensor_effects(
+    plan: &HeldPlan,
+    stop: &AtomicBool,
+    done: impl Fn() + Sync,
+) -> anyhow::Result<Option<EffectReport>> {
+    let worlds = plan.run(1, stop, done, |_, world| endings(world, stop))?;
+    let worlds: Option<Vec<Vec<Ending>>> = worlds.into_iter().flatten().collect();
+    Ok(worlds.map(|worlds| EffectReport::new(plan, &worlds)))
+}
 
-    /// Runs all trials; calls `done` after each world, from any thread; `None` if stopped.
-    ///
-    /// # Errors
-    /// The robot or a world cannot be created, or the plan is empty.
-    pub fn run(
-        &self,
-        stop: &AtomicBool,
-        done: impl Fn() + Sync,
-    ) -> anyhow::Result<Option<EffectReport>> {
-        anyhow::ensure!(
-            self.worlds() > 0,
-            "could not evaluate: the plan has no trial; request at least one object and seed"
-        );
-        let robot = RobotModel::two_hand_arm()?;
-        let engines = held::engines(self.engine.as_ref());
-        let worlds = run_indexed(self.worlds(), self.threads, stop, |index| {
-            let (object, number) = (index / self.seeds, self.first_seed + index % self.seeds);
-            let endings = self.endings(&robot, engines.as_ref(), object as usize, number, stop)?;
-            done();
-            Ok(endings)
-        })?;
-        let worlds: Option<Vec<Vec<Ending>>> = worlds.into_iter().flatten().collect();
-        Ok(worlds.map(|worlds| self.report(&worlds)))
-    }
-
-    /// Returns the ending of every case of one world; `None` if stopped.
-    fn endings(
-        &self,
-        robot: &RobotModel,
-        engines: Option<&EnginePool>,
-        object: usize,
-        number: u64,
-        stop: &AtomicBool,
-    ) -> anyhow::Result<Option<Vec<Ending>>> {
-        let nominal = &self.objects[object];
-        let seed = trial_seed(&nominal.name, number);
-        let mut endings = Vec::new();
-        for torques in [true, false] {
-            let trial = HeldTrial::new(
-                robot,
-                engines,
-                nominal.clone(),
-                seed,
-                self.settings,
-                &Errors::NONE,
-            )?;
-            let trial = if torques {
-                trial
-            } else {
-                trial.without_torques()
-            };
-            let reference = trial::run(&trial, &SensorModel::default())?;
-            for (_, effect) in CASES {
-                if stop.load(Ordering::Relaxed) {
-                    return Ok(None);
-                }
-                endings.push(match effect {
-                    Effect::None => reference.clone(),
-                    _ => trial::run(&trial, &effect.model(reference.lifted_s))?,
-                });
+/// Returns the ending of every case of one world; `None` if stopped.
+fn endings(world: &HeldWorld<'_>, stop: &AtomicBool) -> anyhow::Result<Option<Vec<Ending>>> {
+    let mut endings = Vec::new();
+    for torques in [true, false] {
+        let trial = world.trial(&Errors::NONE)?;
+        let trial = if torques {
+            trial
+        } else {
+            trial.without_torques()
+        };
+        let reference = trial::run(&trial, &SensorModel::default())?;
+        for (_, effect) in CASES {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
             }
+            endings.push(match effect {
+                Effect::None => reference.clone(),
+                _ => trial::run(&trial, &effect.model(reference.lifted_s))?,
+            });
         }
-        Ok(Some(endings))
     }
+    Ok(Some(endings))
+}
 
-    fn report(&self, worlds: &[Vec<Ending>]) -> EffectReport {
+impl EffectReport {
+    fn new(plan: &HeldPlan, worlds: &[Vec<Ending>]) -> Self {
         let cases = [true, false]
             .into_iter()
-            .flat_map(|t| CASES.map(|(name, _)| (name, t)));
+            .flat_map(|torques| CASES.map(|(effect, _)| (effect, torques)));
         let rows = cases.enumerate().map(|(case, (effect, torques))| {
-            let endings = worlds.iter().map(|endings| &endings[case]);
-            EffectRow::count(effect, torques, endings)
+            let endings = || worlds.iter().map(|endings| &endings[case]);
+            EffectRow {
+                effect,
+                torques,
+                outcomes: endings().map(|ending| ending.outcome).collect(),
+                warned: endings().filter(|ending| ending.warned).count() as u64,
+            }
         });
-        EffectReport {
+        Self {
             task: "sensor-effects",
-            engine: self.engine.as_ref().map(ToString::to_string),
-            objects: self
-                .objects
-                .iter()
-                .map(|object| object.name.clone())
-                .collect(),
-            seeds: self.seeds,
-            first_seed: self.first_seed,
-            purpose: seeds::purpose(self.first_seed, self.seeds),
+            summary: plan.summary(worlds.iter().flatten().map(|end| &end.discarded)),
             rows: rows.collect(),
-            discarded: held::count_discards(worlds.iter().flatten().map(|end| &end.discarded)),
         }
+    }
+
+    /// Returns the rows as a Markdown table.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        let rows = self.rows.iter().map(EffectRow::cells);
+        rows_table(&EffectRow::HEADER, rows) + &self.summary.discards()
     }
 }
 
 impl EffectRow {
-    fn count<'a>(
-        effect: &'static str,
-        torques: bool,
-        endings: impl Iterator<Item = &'a Ending>,
-    ) -> Self {
-        let mut row = Self {
-            effect,
-            torques,
-            trials: 0,
-            held: 0,
-            crushed: 0,
-            dropped: 0,
-            slipped: 0,
-            not_lifted: 0,
-            discarded: 0,
-            warned: 0,
-        };
-        for ending in endings {
-            row.trials += 1;
-            row.warned += u64::from(ending.warned);
-            *match ending.outcome {
-                Outcome::Held => &mut row.held,
-                Outcome::Crushed => &mut row.crushed,
-                Outcome::Dropped => &mut row.dropped,
-                Outcome::Slipped => &mut row.slipped,
-                Outcome::NotLifted => &mut row.not_lifted,
-                Outcome::Discarded => &mut row.discarded,
-            } += 1;
-        }
-        row
-    }
-}
+    /// Headings of [`EffectRow::cells`].
+    pub const HEADER: [&str; 9] = [
+        "effect",
+        "joint torques",
+        "trials",
+        "held",
+        "crushed",
+        "dropped",
+        "slipped",
+        "not lifted",
+        "warned",
+    ];
 
-impl EffectReport {
-    /// Returns the rows as a Markdown table.
+    /// Returns the row as text.
     #[must_use]
-    pub fn markdown(&self) -> String {
-        let mut text = "| effect | joint torques | trials | held | crushed | dropped | slipped | not lifted | \
-                        warned |\n|---|---|---|---|---|---|---|---|---|\n"
-            .to_owned();
-        for row in &self.rows {
-            let torques = if row.torques { "yes" } else { "no" };
-            let counts = [
-                row.trials,
-                row.held,
-                row.crushed,
-                row.dropped,
-                row.slipped,
-                row.not_lifted,
-                row.warned,
-            ];
-            let counts = counts.map(|count| count.to_string()).join(" | ");
-            text += &format!("| {} | {torques} | {counts} |\n", row.effect);
-        }
-        text + &discards_text(&self.discarded)
+    pub fn cells(&self) -> [String; 9] {
+        let of = &self.outcomes;
+        [
+            self.effect.to_owned(),
+            if self.torques { "yes" } else { "no" }.to_owned(),
+            of.trials.to_string(),
+            of.held.to_string(),
+            of.crushed.to_string(),
+            of.dropped.to_string(),
+            of.slipped.to_string(),
+            of.not_lifted.to_string(),
+            self.warned.to_string(),
+        ]
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use sim_backend::Object;
+
     use super::*;
+    use crate::seeds;
 
     #[test]
     fn cases_have_valid_models() {
@@ -344,7 +249,7 @@ mod tests {
     /// One rigid object: without an effect it is held; the rows count every case.
     #[test]
     fn report_counts_every_case() {
-        let plan = EffectPlan {
+        let plan = HeldPlan {
             objects: vec![Object::built_in("wood").expect("built in")],
             seeds: 1,
             first_seed: seeds::EVALUATION_START,
@@ -352,17 +257,15 @@ mod tests {
             threads: 0,
             settings: atas_core::Settings::default(),
         };
-        let report = plan
-            .run(&AtomicBool::new(false), || ())
+        let report = sensor_effects(&plan, &AtomicBool::new(false), || ())
             .expect("it runs")
             .expect("not stopped");
         assert_eq!(report.rows.len(), 2 * CASES.len());
         for row in &report.rows {
-            let held_or_not = row.held + row.slipped + row.not_lifted + row.discarded;
-            let sum = held_or_not + row.crushed + row.dropped;
-            assert_eq!((row.trials, sum), (1, 1), "{row:?}");
+            assert_eq!((row.outcomes.trials, row.outcomes.sum()), (1, 1), "{row:?}");
         }
-        assert_eq!((report.rows[0].effect, report.rows[0].held), ("none", 1));
+        let first = &report.rows[0];
+        assert_eq!((first.effect, first.outcomes.held), ("none", 1));
         assert!(report.markdown().lines().count() == 2 + report.rows.len());
     }
 }

@@ -3,12 +3,11 @@
 use atas_console::arguments::{Disturbances, Gentleness, HoldOptions, SensorEffects};
 use atas_console::{Interrupt, Output, table};
 use atas_evaluation::{
-    Discards, DisturbancePlan, DisturbanceReport, EffectPlan, EffectReport, GentlenessPlan,
-    GentlenessReport, GentlenessRow, RobustnessRow, Task, discards_text, reference_objects,
+    DisturbancePlan, DisturbanceReport, EffectReport, EffectRow, GentlenessPlan, GentlenessReport,
+    GentlenessRow, HeldPlan, HeldSummary, RobustnessRow, Task, reference_objects,
     reference_or_other, seeds,
 };
 use serde::Serialize;
-use sim_backend::engine::EngineCommand;
 use sim_backend::{Object, ObjectError};
 
 /// Objects of the sensor effects without --objects: rigid, slippery, soft and heavy ones that can
@@ -22,15 +21,11 @@ pub(super) fn sensor_effects(
 ) -> anyhow::Result<()> {
     let usual = || EFFECT_OBJECTS.map(Object::built_in).into_iter().collect();
     let options = &arguments.hold;
-    let plan = EffectPlan {
-        objects: objects(&arguments.objects, usual, Object::from_name_or_file)?,
-        seeds: options.seeds,
-        first_seed: first_seed(options),
-        engine: engine(options)?,
-        threads: options.threads,
-        settings: atas_core::Settings::default(),
-    };
-    let report = super::with_progress_bar(plan.worlds(), |done| plan.run(interrupt.flag(), done))?;
+    let objects = objects(&arguments.objects, usual, Object::from_name_or_file)?;
+    let plan = held_plan(objects, options)?;
+    let report = super::with_progress_bar(plan.worlds(), |done| {
+        atas_evaluation::sensor_effects(&plan, interrupt.flag(), done)
+    })?;
     show(
         &report,
         options,
@@ -47,15 +42,11 @@ pub(super) fn disturbances(
 ) -> anyhow::Result<()> {
     let usual = || Task::PickPlace.objects();
     let options = &arguments.hold;
+    let objects = objects(&arguments.objects, usual, Object::from_name_or_file)?;
     let plan = DisturbancePlan {
-        objects: objects(&arguments.objects, usual, Object::from_name_or_file)?,
-        seeds: options.seeds,
-        first_seed: first_seed(options),
+        held: held_plan(objects, options)?,
         cases: arguments.cases.clone(),
         baselines: !arguments.no_baselines,
-        engine: engine(options)?,
-        threads: options.threads,
-        settings: atas_core::Settings::default(),
     };
     let report = super::with_progress_bar(plan.trials(), |done| plan.run(interrupt.flag(), done))?;
     show(
@@ -73,17 +64,14 @@ pub(super) fn gentleness(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let options = &arguments.hold;
+    let objects = objects(&arguments.objects, reference_objects, reference_or_other)?;
+    let mut held = held_plan(objects, options)?;
+    if arguments.tune {
+        held.first_seed = *seeds::TUNING.start();
+    }
     let plan = GentlenessPlan {
-        objects: objects(&arguments.objects, reference_objects, reference_or_other)?,
-        seeds: options.seeds,
-        first_seed: match arguments.tune {
-            true => *seeds::TUNING.start(),
-            false => first_seed(options),
-        },
+        held,
         tunes: arguments.tune,
-        engine: engine(options)?,
-        threads: options.threads,
-        settings: atas_core::Settings::default(),
     };
     let report = super::with_progress_bar(plan.trials(), |done| plan.run(interrupt.flag(), done))?;
     show(
@@ -93,6 +81,17 @@ pub(super) fn gentleness(
         print_gentleness,
         output,
     )
+}
+
+fn held_plan(objects: Vec<Object>, options: &HoldOptions) -> anyhow::Result<HeldPlan> {
+    Ok(HeldPlan {
+        objects,
+        seeds: options.seeds,
+        first_seed: options.first_seed.unwrap_or(seeds::EVALUATION_START),
+        engine: super::engine(options.engine.as_deref())?,
+        threads: options.threads,
+        settings: atas_core::Settings::default(),
+    })
 }
 
 /// Returns the named objects, or the usual ones if no name is given.
@@ -125,50 +124,10 @@ fn show<R: Serialize>(
     print(report, output)
 }
 
-fn engine(options: &HoldOptions) -> anyhow::Result<Option<EngineCommand>> {
-    super::engine(options.engine.as_deref())
-}
-
-fn first_seed(options: &HoldOptions) -> u64 {
-    options.first_seed.unwrap_or(seeds::EVALUATION_START)
-}
-
 fn print_effects(report: &EffectReport, output: &mut Output) -> anyhow::Result<()> {
-    let mut rows = table(&[
-        "effect",
-        "joint torques",
-        "trials",
-        "held",
-        "crushed",
-        "dropped",
-        "slipped",
-        "not lifted",
-        "warned",
-    ]);
-    for row in &report.rows {
-        let torques = if row.torques { "yes" } else { "no" };
-        let mut cells = vec![row.effect.to_owned(), torques.to_owned()];
-        let counts = [
-            row.trials,
-            row.held,
-            row.crushed,
-            row.dropped,
-            row.slipped,
-            row.not_lifted,
-            row.warned,
-        ];
-        cells.extend(counts.map(|count| count.to_string()));
-        rows.add_row(cells);
-    }
-    output.table(rows)?;
-    print_discards(&report.discarded, output)?;
-    output.line(format_args!(
-        "{}, {} seeds each from {}, purpose: {}",
-        report.objects.join(", "),
-        report.seeds,
-        report.first_seed,
-        report.purpose
-    ))
+    let rows = report.rows.iter().map(EffectRow::cells);
+    print_rows(&EffectRow::HEADER, rows, output)?;
+    print_summary(&report.summary, output)
 }
 
 fn print_disturbances(report: &DisturbanceReport, output: &mut Output) -> anyhow::Result<()> {
@@ -188,47 +147,44 @@ fn print_disturbances(report: &DisturbanceReport, output: &mut Output) -> anyhow
         rows.add_row(cells);
     }
     output.table(rows)?;
-    print_discards(&report.discarded, output)?;
     output.line(
         "allowed: trials in which friction could hold the object throughout; slip and response: \
          median; maximum; response: from 0.1 mm of slip to the first closing command",
     )?;
-    output.line(format_args!(
-        "{}, {} seeds each from {}, purpose: {}, engine: {}",
-        report.objects.join(", "),
-        report.seeds,
-        report.first_seed,
-        report.purpose,
-        report.engine.as_deref().unwrap_or("built-in"),
-    ))
+    print_summary(&report.summary, output)
 }
 
 fn print_gentleness(report: &GentlenessReport, output: &mut Output) -> anyhow::Result<()> {
-    let mut rows = table(&GentlenessRow::HEADER);
-    for row in &report.rows {
-        rows.add_row(row.cells().to_vec());
-    }
-    output.table(rows)?;
+    let rows = report.rows.iter().map(GentlenessRow::cells);
+    print_rows(&GentlenessRow::HEADER, rows, output)?;
     if !report.robustness.is_empty() {
-        let mut rows = table(&RobustnessRow::HEADER);
-        for row in &report.robustness {
-            rows.add_row(row.cells().to_vec());
-        }
-        output.table(rows)?;
+        let rows = report.robustness.iter().map(RobustnessRow::cells);
+        print_rows(&RobustnessRow::HEADER, rows, output)?;
     }
-    print_discards(&report.discarded, output)?;
-    output.line(format_args!(
-        "{} seeds of each object from {}, purpose: {}, engine: {}",
-        report.seeds,
-        report.first_seed,
-        report.purpose,
-        report.engine.as_deref().unwrap_or("built-in"),
-    ))
+    print_summary(&report.summary, output)
 }
 
-fn print_discards(discards: &Discards, output: &mut Output) -> anyhow::Result<()> {
-    match discards_text(discards) {
-        text if text.is_empty() => Ok(()),
-        text => output.line(text.trim_end()),
+fn print_rows<const N: usize>(
+    heads: &[&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let mut printed = table(heads);
+    for row in rows {
+        printed.add_row(row);
     }
+    output.table(printed)
+}
+
+/// Prints discarded trials, objects, seeds and engine.
+fn print_summary(summary: &HeldSummary, output: &mut Output) -> anyhow::Result<()> {
+    output.line(format_args!(
+        "{}{}; {} seeds each from {}, purpose: {}, engine: {}",
+        summary.discards(),
+        summary.objects.join(", "),
+        summary.seeds,
+        summary.first_seed,
+        summary.purpose,
+        summary.engine.as_deref().unwrap_or("built-in"),
+    ))
 }
