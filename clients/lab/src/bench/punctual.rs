@@ -26,6 +26,8 @@ const SETTLE: Duration = Duration::from_secs(1);
 /// Free-running daemons per repeat, which share its window: each has a different constant phase to
 /// the frames.
 const FREE_RUNS: u32 = 3;
+/// Half a tick of the measured daemon, which runs at 1 kHz, ns.
+const HALF_TICK_NS: u64 = 500_000;
 /// Most reports read at once: the queue length.
 const AT_ONCE: usize = 256;
 
@@ -113,6 +115,17 @@ pub(super) struct Measured {
     pub(super) first_tick_ns: Option<u64>,
     /// True if the kernel granted all real-time settings.
     pub(super) is_realtime: bool,
+}
+
+/// Returns the share of ticks, over all runs, whose frame was younger than half a tick. Without
+/// phase lock each run has a constant phase, and the share is about a half over many runs.
+pub(super) fn fresh_share<'a>(runs: impl Iterator<Item = &'a Measured>) -> f64 {
+    let (mut fresh, mut ticks) = (0_u32, 0_u32);
+    for age_ns in runs.flat_map(|run| &run.frame_age_ns) {
+        ticks += 1;
+        fresh += u32::from(*age_ns < HALF_TICK_NS);
+    }
+    f64::from(fresh) / f64::from(ticks.max(1))
 }
 
 #[derive(Clone, Copy)]

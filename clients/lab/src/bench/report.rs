@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use shm_schemas::{Percentiles, TickReport};
 
 use super::counts::Counts;
-use super::punctual::{Loaded, Measured, References, Repeat};
+use super::punctual::{Loaded, Measured, References, Repeat, fresh_share};
 use super::tool::Notes;
 use super::transport::Transports;
 use super::{Plan, echo, machine, tables};
@@ -53,6 +53,10 @@ impl Report {
                 "locked": over(locked().map(age)),
                 "loaded": over(self.loaded.iter().map(|repeat| age(&repeat.locked))),
                 "free": self.free_frame_age(),
+                "fresh_share": {
+                    "locked": fresh_share(locked()),
+                    "free": fresh_share(self.free()),
+                },
             },
             "sensor_to_command_ratio": of_answer(|repeat| repeat.answer.ratio()),
             "sensor_to_command_us": {
