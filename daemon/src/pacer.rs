@@ -18,6 +18,7 @@ pub use phase::{Arrivals, Awaited, PhaseLock};
 pub use schedule::{Schedule, StartReason, TickStart};
 pub use spin::SpinMargin;
 
+use atas_core::Tick;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 use shm_bus::now_ns;
@@ -50,14 +51,22 @@ impl Pacer {
         }
     }
 
-    /// Receives the inputs of the tick. In lock-step the joint state is already received, because
-    /// it sets the tick's time.
-    pub fn receive(&self, ports: &mut InputPorts) {
+    /// Receives the inputs of the tick and returns its time. On the clock, the time is read
+    /// afterwards: inputs that come while the thread waits for a core are not in the future. In
+    /// lock-step the joint state is already received, because it sets the time.
+    pub fn receive(&self, ports: &mut InputPorts, start: &TickStart) -> Tick {
         match self {
-            Self::Free(_) => ports.poll(),
+            Self::Free(_) => {
+                ports.poll();
+                Tick {
+                    now_ns: now_ns(),
+                    ..start.tick
+                }
+            }
             Self::LockStep(_) => {
                 ports.poll_frames();
                 ports.poll_targets();
+                start.tick
             }
         }
     }
@@ -219,5 +228,39 @@ fn spin_until(deadline_ns: u64) -> u64 {
             return now;
         }
         std::hint::spin_loop();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use shm_bus::{Bus, FreshBus, Realtime};
+    use shm_schemas::{HandFrame, Stamp, service};
+
+    use super::*;
+
+    #[test]
+    fn frame_that_comes_while_the_tick_waits_for_a_core_is_not_in_the_future() {
+        let name = FreshBus::new("stall");
+        let bus = Bus::open(&name, "test", Realtime::No).expect("a bus");
+        let mut ports = InputPorts::open(&bus).expect("ports");
+        let sensor = bus.publisher(service::HAND_FRAME[0]).expect("a publisher");
+        let mut pacer = FreePacer::new(1_000_000, 0);
+        let start = pacer.wait(&mut ports, |_| ());
+        std::thread::sleep(Duration::from_millis(5));
+        let frame = HandFrame {
+            stamp: Stamp {
+                captured_ns: now_ns(),
+                ..Stamp::default()
+            },
+            ..HandFrame::default()
+        };
+        sensor.send(&frame).expect("sent");
+        let tick = Pacer::Free(pacer).receive(&mut ports, &start);
+        let [captured_ns, ..] = ports.captured_ns();
+        assert_eq!(captured_ns, frame.stamp.captured_ns);
+        assert!(tick.now_ns >= captured_ns, "{tick:?}: {captured_ns} ns");
+        assert_eq!(tick.index, start.tick.index);
     }
 }

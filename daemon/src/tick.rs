@@ -122,10 +122,10 @@ impl TickLoop {
             return false;
         };
         stopwatch.start();
-        pacer.receive(ports);
-        *last_tick = start.tick;
+        let tick = pacer.receive(ports, &start);
+        *last_tick = tick;
         let order = request_for(link, &start, pacer.is_free());
-        let inputs = ports.inputs(start.tick, order.as_ref().map(|o| &o.request));
+        let inputs = ports.inputs(tick, order.as_ref().map(|o| &o.request));
         let step = panic_guard.step(&inputs, |stage| stopwatch.lap(stage as usize));
         stopwatch.lap(REPORT);
         let sent = commands.send(step.command);
@@ -148,14 +148,14 @@ impl TickLoop {
             || link.takes_stop()
             || counts.ticks.is_multiple_of(counts.status_every)
         {
-            link.push_snapshot(&counts.complete(panic_guard.status(start.tick.now_ns), &start));
+            link.push_snapshot(&counts.complete(panic_guard.status(tick.now_ns), &start));
         }
         // After the snapshot: a client that reacts to the stop or notification must not read an
         // older status.
         link.confirm_stop(sent.is_ok());
         link.push_notifications(ticket, goal_update.as_ref());
         if counts.ticks.is_multiple_of(counts.view_every) {
-            link.push_view(|view| ports.write_view(start.tick, view));
+            link.push_view(|view| ports.write_view(tick, view));
         }
         if let (Pacer::LockStep(pacer), Some(OperatorRequest::Recover)) =
             (pacer, order.map(|o| o.request))

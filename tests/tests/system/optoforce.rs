@@ -19,6 +19,7 @@ fingers = 1
 required = false
 [intake]
 element_force_n = 2000.0
+reject_age_s = 5.0
 [perception]
 touch_on_n = 19.8
 touch_off_n = 9.9
@@ -155,7 +156,9 @@ fn check(stream: &[u8], frames: u64) {
     feed(&master, stream);
     wait_for("every frame", || {
         statuses.newest(&mut status).expect("readable");
-        (status.hands[0].frames + status.hands[0].lost >= frames).then_some(())
+        let hand = status.hands[0];
+        let refused = hand.corrupt + hand.foreign + hand.mistimed;
+        (hand.frames + hand.lost + refused >= frames).then_some(())
     });
     let hand = status.hands[0];
     assert_eq!(
