@@ -16,7 +16,7 @@ use shm_schemas::{
 use crate::errors::{AtasError, bus_error};
 use crate::goal::Goal;
 use crate::names::{bus_name, parse_hand};
-use crate::process::OwnProcess;
+use crate::own_thread::OwnThread;
 use crate::reader::Reader;
 use crate::robot::Robot;
 use crate::sensor::Sensor;
@@ -31,9 +31,9 @@ const STOP_TIMEOUT: Duration = Duration::from_secs(1);
 /// sensor or robot that may start first passes `create=True`. `role` is the name shown to others,
 /// for example in `atas doctor`. A bus and the objects that it creates belong to one thread; each
 /// thread opens its own bus.
-#[pyclass(unsendable, module = "atas")]
+#[pyclass(module = "atas")]
 pub(crate) struct Bus {
-    session: OwnProcess<Session>,
+    session: OwnThread<Session>,
 }
 
 #[pymethods]
@@ -45,7 +45,7 @@ impl Bus {
         let join = if create { Node::open } else { Node::join };
         let node = join(&name, role, Realtime::No).map_err(bus_error)?;
         Ok(Self {
-            session: OwnProcess::new(Session::from_bus(node)),
+            session: OwnThread::new(Session::from_bus(node)),
         })
     }
 

@@ -10,22 +10,22 @@ use shm_bus::{GoalClient, PendingGoal, writer_epoch};
 use shm_schemas::{GoalRequest, GoalUpdate};
 
 use crate::errors::bus_error;
+use crate::own_thread::OwnThread;
 use crate::pause;
-use crate::process::OwnProcess;
 use crate::reader::seconds;
 use crate::rows::{self, Row};
 
 /// A running goal: iterate over it for its updates, or wait for its end.
 ///
 /// Dropping it does not end the goal, unless it was sent `attached`: then the robot holds.
-#[pyclass(unsendable, module = "atas")]
+#[pyclass(module = "atas")]
 pub(crate) struct Goal {
-    pending: OwnProcess<PendingGoal>,
+    pending: OwnThread<PendingGoal>,
     progress: GoalProgress,
     /// Id of the goal, for `Bus.cancel`.
     #[pyo3(get)]
     goal_id: u64,
-    _client: OwnProcess<GoalClient>,
+    _client: OwnThread<GoalClient>,
 }
 
 impl Goal {
@@ -37,10 +37,10 @@ impl Goal {
         };
         let client = session.bus().goal_client().map_err(bus_error)?;
         Ok(Self {
-            pending: OwnProcess::new(client.send(&request).map_err(bus_error)?),
+            pending: OwnThread::new(client.send(&request).map_err(bus_error)?),
             progress: GoalProgress::default(),
             goal_id: request.goal_id,
-            _client: OwnProcess::new(client),
+            _client: OwnThread::new(client),
         })
     }
 

@@ -21,7 +21,7 @@ mod errors;
 mod goal;
 mod learning;
 mod names;
-mod process;
+mod own_thread;
 mod reader;
 mod recording;
 mod robot;

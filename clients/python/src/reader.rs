@@ -9,8 +9,8 @@ use shm_schemas::{Payload, Stamp};
 use zerocopy::FromBytes;
 
 use crate::errors::bus_error;
+use crate::own_thread::OwnThread;
 use crate::pause;
-use crate::process::OwnProcess;
 use crate::rows::{self, Row};
 
 /// Poll interval of a waiting reader: half the period of the daemon.
@@ -101,9 +101,9 @@ impl Losses {
 /// A reader receives the payloads that are sent while it exists, and earlier ones as far as the
 /// service keeps them. The queue is bounded: a slow reader loses the oldest payloads, counted in
 /// `lost`. A reader belongs to the thread that created it.
-#[pyclass(unsendable, module = "atas")]
+#[pyclass(module = "atas")]
 pub(crate) struct Reader {
-    source: OwnProcess<Box<dyn Source>>,
+    source: OwnThread<Box<dyn Source>>,
     losses: Losses,
     /// Name of the service on the bus.
     #[pyo3(get)]
@@ -119,7 +119,7 @@ impl Reader {
         let most = line.map_or(1, |line| line.buffer * line.publishers);
         let subscriber = bus.subscriber::<T>(service).map_err(bus_error)?;
         Ok(Self {
-            source: OwnProcess::new(Box::new(Typed { subscriber, most })),
+            source: OwnThread::new(Box::new(Typed { subscriber, most })),
             losses: Losses::default(),
             service: service.to_owned(),
         })

@@ -16,8 +16,8 @@ use shm_schemas::{
 
 use crate::errors::{AtasError, bus_error};
 use crate::goal::Goal;
+use crate::own_thread::OwnThread;
 use crate::pause;
-use crate::process::OwnProcess;
 use crate::reader::seconds;
 use crate::rows::{finite, numbers};
 
@@ -34,10 +34,10 @@ type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 /// than the last of its writer, and respects the joints' limits. When it expires, its positions are
 /// held with zero velocity, which keeps the grip. Every joint state contains the executed
 /// set-points, so that the next daemon continues from them.
-#[pyclass(unsendable, module = "atas")]
+#[pyclass(module = "atas")]
 pub(crate) struct Robot {
-    states: OwnProcess<Publisher<JointState>>,
-    commands: OwnProcess<Subscriber<JointCommand>>,
+    states: OwnThread<Publisher<JointState>>,
+    commands: OwnThread<Subscriber<JointCommand>>,
     speeds_rad_s: RobotVector,
     stamp: Stamp,
     sent: Option<u64>,
@@ -60,8 +60,8 @@ impl Robot {
             .map(|joint| joint.velocity_max_rad_s)
             .collect();
         Ok(Self {
-            states: OwnProcess::new(bus.publisher(JOINT_STATE).map_err(bus_error)?),
-            commands: OwnProcess::new(commands),
+            states: OwnThread::new(bus.publisher(JOINT_STATE).map_err(bus_error)?),
+            commands: OwnThread::new(commands),
             speeds_rad_s: RobotVector::from_slice(&speeds),
             stamp: Stamp {
                 writer_epoch: writer_epoch(),

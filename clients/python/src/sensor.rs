@@ -11,7 +11,7 @@ use shm_schemas::service::{HAND_FRAME, SENSOR_STATUS};
 use shm_schemas::{Hand, HandFrame, Layout, SensorStatus, Stamp, Text};
 
 use crate::errors::bus_error;
-use crate::process::OwnProcess;
+use crate::own_thread::OwnThread;
 use crate::rows::shape_of;
 
 /// Interval of health reports, ns.
@@ -21,10 +21,10 @@ const HEALTH_NS: u64 = 100_000_000;
 /// by `Bus.sensor`.
 ///
 /// A bus has one sensor per hand; a second one is rejected, and the error names the first.
-#[pyclass(unsendable, module = "atas")]
+#[pyclass(module = "atas")]
 pub(crate) struct Sensor {
-    frames: OwnProcess<Publisher<HandFrame>>,
-    healths: OwnProcess<Publisher<SensorStatus>>,
+    frames: OwnThread<Publisher<HandFrame>>,
+    healths: OwnThread<Publisher<SensorStatus>>,
     frame: HandFrame,
     health: SensorStatus,
     taxels: usize,
@@ -52,8 +52,8 @@ impl Sensor {
         };
         let service = HAND_FRAME[usize::from(hand != Hand::LEFT)];
         Ok(Self {
-            frames: OwnProcess::new(bus.publisher(service).map_err(bus_error)?),
-            healths: OwnProcess::new(bus.publisher(SENSOR_STATUS).map_err(bus_error)?),
+            frames: OwnThread::new(bus.publisher(service).map_err(bus_error)?),
+            healths: OwnThread::new(bus.publisher(SENSOR_STATUS).map_err(bus_error)?),
             frame: HandFrame {
                 stamp,
                 layout_hash: known.hash(),

@@ -11,8 +11,8 @@ use shm_schemas::Hand;
 use crate::errors::{AtasError, bus_error};
 use crate::goal::goal_dict;
 use crate::names::parse_hand;
+use crate::own_thread::OwnThread;
 use crate::pause;
-use crate::process::OwnProcess;
 use crate::reader::seconds;
 use crate::rows;
 
@@ -23,9 +23,9 @@ const BOTH: &str = "both";
 
 /// Teleoperates a hand until `end` or until this object is dropped; the hand then brakes and keeps
 /// its grip.
-#[pyclass(unsendable, module = "atas")]
+#[pyclass(module = "atas")]
 pub(crate) struct Teleop {
-    leader: OwnProcess<atas_client::TeleopSender>,
+    leader: OwnThread<atas_client::TeleopSender>,
     hand: Hand,
 }
 
@@ -38,7 +38,7 @@ impl Teleop {
         };
         let leader = atas_client::TeleopSender::open(session, teleoperated).map_err(bus_error)?;
         let mut leader = Self {
-            leader: OwnProcess::new(leader),
+            leader: OwnThread::new(leader),
             hand,
         };
         let begin = Instant::now();

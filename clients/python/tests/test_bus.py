@@ -146,25 +146,43 @@ def test_observer_does_not_create_a_bus() -> None:
         atas.Bus("Not a name")
 
 
-def test_a_bus_stays_in_its_thread(bus_name: str, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_bus_stays_in_its_thread(bus_name: str) -> None:
     bus = atas.Bus(bus_name, create=True)
-    refused: list[BaseException] = []
+    sensor, robot = bus.sensor("left"), bus.robot()
+    uses = [bus.peers, bus.frames("left").newest, sensor.connect_readers, robot.connect_readers]
+    refused: list[str] = []
 
     def use() -> None:
-        try:
-            bus.peers()
-        except BaseException as why:
-            refused.append(why)
+        for call in uses:
+            with pytest.raises(atas.BusError) as error:
+                call()
+            refused.append(str(error.value))
 
     thread = threading.Thread(target=use)
     thread.start()
     thread.join()
-    assert len(refused) == 1 and "thread" in str(refused[0])
+    assert len(refused) == len(uses) and all("another thread" in why for why in refused), refused
     assert [role for role, _, alive in bus.peers() if alive] == ["python"]
-    # The exception references the thread's frame, which references the bus.
-    refused.clear()
+    # The tracebacks reference the frames, which reference the bus.
     gc.collect()
-    capfd.readouterr()
+
+
+DROPPED = """
+    import sys, threading
+    import atas
+
+    handles = [atas.Bus(sys.argv[1], create=True)]
+    thread = threading.Thread(target=handles.clear)
+    thread.start()
+    thread.join()
+    with atas.Bus(sys.argv[1]).sensor("left") as sensor:
+        sensor.connect_readers()
+"""
+
+
+def test_bus_dropped_by_another_thread_harms_nothing(bus_name: str) -> None:
+    script = [sys.executable, "-c", textwrap.dedent(DROPPED), bus_name]
+    assert subprocess.run(script, timeout=60, check=False).returncode == 0
 
 
 FORKED = """
