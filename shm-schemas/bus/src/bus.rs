@@ -12,7 +12,7 @@ use crate::leftovers;
 use crate::location::Location;
 use crate::lock::{FileLock, OWNER_LOCK};
 use crate::log;
-use crate::member::Member;
+use crate::member::{Departure, Member};
 use crate::name::BusName;
 use crate::node::{self, Realtime};
 use crate::opaque::Opaque;
@@ -89,6 +89,9 @@ impl Bus {
         clean::remove_dead(&place, &node);
         Ok(Self {
             member: Rc::new(Member {
+                _departure: Departure {
+                    location: place.clone(),
+                },
                 location: place,
                 realtime,
                 node: Opaque::new(node),

@@ -17,6 +17,9 @@ use crate::refusal::{Cause, Refusal};
 use crate::shortage;
 use crate::startup::StartupLock;
 
+/// Time limit for the start-up lock when a process leaves. Design choice: other processes take some
+/// milliseconds; the next process on the bus removes what remains.
+const LEAVE_MAX: Duration = Duration::from_millis(100);
 /// Time after which a transient error counts as left by a killed process. Design choice.
 const TRANSIENT_MAX: Duration = Duration::from_millis(50);
 
@@ -26,6 +29,34 @@ pub(crate) struct Member {
     pub(crate) realtime: Realtime,
     pub(crate) node: Opaque<Node<Ipc>>,
     pub(crate) role: String,
+    /// Declared after the node, which must be gone before.
+    pub(crate) _departure: Departure,
+}
+
+/// Removes the files of a bus on drop if no process remains: iceoryx2 leaves one in `/dev/shm`.
+#[derive(Debug)]
+pub(crate) struct Departure {
+    pub(crate) location: Location,
+}
+
+impl Drop for Departure {
+    fn drop(&mut self) {
+        let place = &self.location;
+        // The bus may have been wiped, or have a new life.
+        let is_current = || {
+            let read = Location::read(&place.folder);
+            read.is_ok_and(|now| now.is_some_and(|now| now.prefix == place.prefix))
+        };
+        if !is_current() {
+            return;
+        }
+        let startup = StartupLock::take_within(&place.folder, "departure", LEAVE_MAX);
+        let peers = || place.config().and_then(|config| Peer::list(place, &config));
+        let is_empty = || peers().is_ok_and(|peers| !peers.iter().any(|peer| peer.alive));
+        if startup.is_ok() && is_current() && is_empty() {
+            leftovers::remove_all(place);
+        }
+    }
 }
 
 impl Member {

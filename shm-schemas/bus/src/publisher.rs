@@ -1,6 +1,7 @@
 //! Write port of a stream.
 
 use std::fmt;
+use std::rc::Rc;
 
 use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::port::SendError;
@@ -13,6 +14,7 @@ use shm_schemas::Payload;
 
 use crate::bus::Bus;
 use crate::error::BusError;
+use crate::member::Member;
 use crate::node::{Ipc, Realtime};
 use crate::qos::Stream;
 use crate::refusal::{loan_text, send_text};
@@ -23,6 +25,8 @@ use crate::stream::{Factory, PATTERN, degradation_action};
 pub struct Publisher<T> {
     port: Box<dyn WritePort<T>>,
     stream: &'static Stream,
+    /// Dropped last: its departure may remove the files of the bus.
+    _member: Rc<Member>,
 }
 
 /// Write port of iceoryx2. Errors are causes.
@@ -48,6 +52,7 @@ impl Bus {
             Ok(port) => Ok(Publisher {
                 port: Box::new(port),
                 stream,
+                _member: Rc::clone(member),
             }),
             Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
                 Err(member.taken_error(stream.service, first_publisher(&factory)))

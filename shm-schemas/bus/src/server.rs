@@ -1,6 +1,7 @@
 //! Server side of a request-response service.
 
 use std::fmt;
+use std::rc::Rc;
 
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::identifiers::UniqueNodeId;
@@ -14,6 +15,7 @@ use shm_schemas::Payload;
 use crate::bus::Bus;
 use crate::error::BusError;
 use crate::exchange::{Exchange, Factory, PATTERN, debug_by_service};
+use crate::member::Member;
 use crate::node::Ipc;
 use crate::opaque::Opaque;
 use crate::refusal::{loan_text, send_text};
@@ -22,6 +24,8 @@ use crate::shortage::{require_space, require_stack};
 pub(crate) struct Server<Q: Payload, A: Payload> {
     port: Opaque<IoxServer<Ipc, Q, (), A, ()>>,
     service: &'static str,
+    /// Dropped last: its departure may remove the files of the bus.
+    _member: Rc<Member>,
 }
 
 /// Open request at the server. Dropping it ends the exchange.
@@ -53,6 +57,7 @@ impl Bus {
             Ok(port) => Ok(Server {
                 port: Opaque::new(port),
                 service,
+                _member: Rc::clone(member),
             }),
             Err(ServerCreateError::ExceedsMaxSupportedServers) => {
                 Err(member.taken_error(service, first_server(&factory)))

@@ -20,16 +20,24 @@ pub(crate) struct StartupLock {
 
 impl StartupLock {
     pub(crate) fn take(folder: &Folder, role: &str) -> Result<Self, BusError> {
+        Self::take_within(folder, role, WAIT_MAX)
+    }
+
+    pub(crate) fn take_within(
+        folder: &Folder,
+        role: &str,
+        limit: Duration,
+    ) -> Result<Self, BusError> {
         let begin = Instant::now();
         loop {
             match Self::attempt(folder, role)? {
                 Ok(lock) => return Ok(lock),
-                Err(holder) if begin.elapsed() >= WAIT_MAX => {
+                Err(holder) if begin.elapsed() >= limit => {
                     let bus = folder.bus.to_string();
                     return Err(BusError::StartupBlocked {
                         bus,
                         pid: holder.pid,
-                        waited: WAIT_MAX,
+                        waited: limit,
                     });
                 }
                 Err(_) => std::thread::sleep(POLL),

@@ -1,6 +1,7 @@
 //! Read port of a stream.
 
 use std::fmt;
+use std::rc::Rc;
 
 use iceoryx2::port::ReceiveError;
 use iceoryx2::port::subscriber::{Subscriber as IoxSubscriber, SubscriberCreateError};
@@ -8,6 +9,7 @@ use shm_schemas::Payload;
 
 use crate::bus::Bus;
 use crate::error::BusError;
+use crate::member::Member;
 use crate::node::{Ipc, Realtime};
 use crate::qos::Stream;
 use crate::shortage::require_space;
@@ -17,6 +19,8 @@ use crate::stream::{Factory, PATTERN, degradation_action};
 pub struct Subscriber<T> {
     port: Box<dyn ReadPort<T>>,
     stream: &'static Stream,
+    /// Dropped last: its departure may remove the files of the bus.
+    _member: Rc<Member>,
 }
 
 /// Read port of iceoryx2.
@@ -44,6 +48,7 @@ impl Bus {
             Ok(port) => Ok(Subscriber {
                 port: Box::new(port),
                 stream,
+                _member: Rc::clone(member),
             }),
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => Err(BusError::Full {
                 service: stream.service,

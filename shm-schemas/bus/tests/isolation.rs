@@ -48,6 +48,21 @@ fn two_buses_do_not_see_each_other() {
 }
 
 #[test]
+fn last_process_leaves_no_shared_memory() {
+    let name = FreshBus::new("leave");
+    for _ in 0..3 {
+        let (first, second) = (open(&name, "first"), open(&name, "second"));
+        let publisher = first.publisher::<Status>(STATUS).expect("publisher");
+        drop(first);
+        drop(second);
+        assert!(!memory(&name).is_empty(), "the publisher is in use");
+        publisher.send(&Status::default()).expect("sent");
+        drop(publisher);
+        assert_eq!(memory(&name), Vec::<std::path::PathBuf>::new());
+    }
+}
+
+#[test]
 fn files_are_private_to_the_user() {
     let name = FreshBus::new("private");
     let bus = open(&name, "both");

@@ -114,6 +114,11 @@ fn peer() {
             sleep_until_killed();
         }
         "starting" => hold_startup_lock(&name),
+        "asking" => {
+            ready();
+            let _unheard = stop::request(&name, "a test", WITHIN);
+            sleep_until_killed();
+        }
         "in a container" => check_answered(&name),
         "flooder" => {
             let socket = UnixDatagram::unbound().expect("a socket");
@@ -258,6 +263,31 @@ fn stop_waits_for_a_suspended_daemon() {
     daemon.signal(Signum::CONT);
     let second = stop::request(&name, "a test", WITHIN).expect("answered");
     assert_eq!(second.stamp.sequence, 2, "the first stop counted as well");
+}
+
+#[test]
+fn sockets_of_killed_clients_are_removed_by_the_next_daemon() {
+    let name = FreshBus::new("sockets");
+    let daemon = Peer::start(&name, "daemon");
+    daemon.stop();
+    // The bus outlives the daemon.
+    let observer = Bus::join(&name, "observer", Realtime::No).expect("joins");
+    let folder = observer.folder();
+    let sockets = || {
+        let entries = fs::read_dir(folder).expect("listed").flatten();
+        let names = entries.map(|entry| entry.file_name().into_string().expect("UTF-8"));
+        let mut clients: Vec<String> = names.filter(|name| name.starts_with("stop-")).collect();
+        clients.sort();
+        clients
+    };
+    let clients = [0; 3].map(|_| Peer::start(&name, "asking"));
+    until("all wait", || sockets().len() == 3);
+    clients.into_iter().for_each(Peer::kill);
+    daemon.kill();
+    let _waiting = UnixDatagram::bind(folder.join("stop-waiting")).expect("a living client");
+    assert_eq!(sockets().len(), 4);
+    let _next = Peer::start(&name, "daemon");
+    assert_eq!(sockets(), ["stop-waiting"]);
 }
 
 #[test]

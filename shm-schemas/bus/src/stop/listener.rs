@@ -20,6 +20,7 @@ use shm_schemas::{Stamp, StopAnswer, StopOutcome, StopRequest, Text};
 use zerocopy::{FromZeros, IntoBytes};
 
 use super::STOP_SOCKET;
+use super::request::remove_abandoned;
 use super::signal::Signal;
 use crate::clock::{now_ns, writer_epoch};
 use crate::error::BusError;
@@ -83,12 +84,13 @@ struct Unanswered {
 
 impl Listener {
     /// Opens the bus's stop socket and replaces an old one. The owner lock guarantees that no other
-    /// process uses it.
+    /// process uses it. Removes the sockets of killed clients.
     ///
     /// # Errors
     /// [`BusError::Io`] if the socket cannot be created.
     pub fn open(owner: &OwnerLock) -> Result<Self, BusError> {
         let path = owner.folder.path.join(STOP_SOCKET);
+        remove_abandoned(&owner.folder);
         let made = || -> io::Result<UnixDatagram> {
             match fs::remove_file(&path) {
                 Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),

@@ -1,5 +1,6 @@
 //! The client's side of the stop socket.
 
+use std::ffi::OsStr;
 use std::fs::{self, Permissions};
 use std::io;
 use std::os::unix::fs::PermissionsExt;
@@ -14,7 +15,8 @@ use zerocopy::{FromZeros, IntoBytes};
 use super::STOP_SOCKET;
 use crate::clock::{nonce, now_ns};
 use crate::error::BusError;
-use crate::folder::Folder;
+use crate::folder::{Folder, entries_named};
+use crate::leftovers;
 use crate::name::BusName;
 
 /// Requests the daemon of a bus to stop at once and to stay stopped, and waits for its answer.
@@ -34,6 +36,23 @@ pub fn request(bus: &BusName, reason: &str, within: Duration) -> Result<StopAnsw
     client.answer(begin, within)
 }
 
+/// Prefix of the names of client sockets.
+const CLIENT_SOCKET: &str = "stop-";
+
+/// Removes the sockets of killed clients.
+pub(super) fn remove_abandoned(folder: &Folder) {
+    let is_client = |name: &OsStr| {
+        name.as_encoded_bytes()
+            .starts_with(CLIENT_SOCKET.as_bytes())
+    };
+    for (path, _) in entries_named(&folder.path, is_client) {
+        let tried = UnixDatagram::unbound().and_then(|socket| socket.connect(&path));
+        if tried.is_err_and(|error| error.kind() == io::ErrorKind::ConnectionRefused) {
+            leftovers::remove(&path);
+        }
+    }
+}
+
 struct Client<'a> {
     socket: UnixDatagram,
     folder: &'a Folder,
@@ -44,7 +63,9 @@ struct Client<'a> {
 
 impl<'a> Client<'a> {
     fn open(folder: &'a Folder) -> Result<Self, BusError> {
-        let own = folder.path.join(format!("stop-{:08x}", nonce() as u32));
+        let own = folder
+            .path
+            .join(format!("{CLIENT_SOCKET}{:08x}", nonce() as u32));
         let (socket, path) = match bind_at(&own) {
             Ok(socket) => (socket, Some(own)),
             Err(_) => {
