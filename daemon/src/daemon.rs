@@ -5,8 +5,10 @@ use std::thread::{Builder, JoinHandle};
 
 use atas_core::Controller;
 use atas_process::exit::Exit;
+use atas_process::last_words;
 use crossbeam::channel::{Sender, bounded};
 use robot_model::ModelError;
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use shm_bus::{Bus, BusError, BusName, OwnerLock, Realtime as Deadline, stop, writer_epoch};
 use shm_schemas::StatusFlags;
 
@@ -79,8 +81,35 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let source = args.source();
     let config = source.load()?;
     let (version, bus, hash) = (env!("CARGO_PKG_VERSION"), &args.bus, config.hash());
+    raise_descriptor_limit();
     tracing::info!(version, %bus, configuration = %source, hash = format_args!("{hash:016x}"), "starting");
     let owner = OwnerLock::take(&args.bus, ROLE)?;
+    if let Some(end) = owner.former_end() {
+        tracing::warn!("{end}");
+    }
+    last_words::record_to(owner.end_record().try_clone()?.into());
+    let ended = run_as_owner(args, source, config, &owner);
+    if let Err(failure) = &ended {
+        owner.record_end(&format!("ended: {failure}"));
+    }
+    ended.inspect(|()| tracing::info!("stopped"))
+}
+
+/// Raises the limit of open files to the permitted maximum: every peer on the bus needs some, and
+/// without them no request would arrive.
+fn raise_descriptor_limit() {
+    let limit = getrlimit(Resource::Nofile);
+    let current = limit.maximum;
+    // The kernel permits every limit up to the maximum.
+    let _ = setrlimit(Resource::Nofile, Rlimit { current, ..limit });
+}
+
+fn run_as_owner(
+    args: &Args,
+    source: config::Source,
+    config: Config,
+    owner: &OwnerLock,
+) -> Result<(), Failure> {
     let signals = Signals::install()?;
     panics::install_hook();
     let robot = config.robot_model()?;
@@ -90,7 +119,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Err(refused) = realtime::limit_idle_latency(&config.realtime, &mut granted) {
         tracing::info!("{refused}");
     }
-    let stops = StopThread::start(stop::Listener::open(&owner)?, &config.realtime)?;
+    let stops = StopThread::start(stop::Listener::open(owner)?, &config.realtime)?;
     let (tick_end, supervisor_end) = link::link(config.recording.stream, stops.signal());
     let start = Start {
         bus: args.bus.clone(),
@@ -102,7 +131,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let (ticks, granted) = start.spawn(tick_end)?;
     let flags = flags(&granted, args.lockstep, wiring.joints_required);
     let state = SupervisorState::new(source, config, robot, wiring, flags);
-    supervise(args, supervisor_end, state, signals, ticks).inspect(|()| tracing::info!("stopped"))
+    supervise(args, supervisor_end, state, signals, ticks)
 }
 
 fn supervise(

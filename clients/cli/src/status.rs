@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Run, Session, Stopped, json, standstill, text};
 use atas_console::{Exit, ExitError, Interrupt, Output, arguments, modules, number, table};
-use shm_bus::{BusName, Owner, now_ns};
+use shm_bus::{BusName, End, Owner, now_ns};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
 
@@ -25,12 +25,21 @@ pub(crate) fn status(
     let (mut statuses, mut status) = session.watch_status()?;
     let mut before = status;
     let mut run = Run::read(session.bus(), &status)?;
+    let former = End::find(&arguments.bus.bus);
+    let former = former.as_ref();
     if !arguments.watch {
         rejections::await_rejections(&mut statuses, &mut status)?;
         let refusals = rejection_texts(&session, &status)?;
         let frozen = standstill(&status, now_ns());
         let fingers = run.fingertips(&status);
-        print([&before, &status], fingers, &refusals, frozen, output)?;
+        print(
+            [&before, &status],
+            fingers,
+            &refusals,
+            frozen,
+            former,
+            output,
+        )?;
         return frozen.map_or(Ok(()), |frozen| {
             Err(ExitError::with_code(Exit::Failed, standstill_text(frozen)))
         });
@@ -52,7 +61,14 @@ pub(crate) fn status(
             let refusals = rejection_texts(&session, &status)?;
             run.poll(session.bus(), &status)?;
             let fingers = run.fingertips(&status);
-            print([&before, &status], fingers, &refusals, frozen, output)?;
+            print(
+                [&before, &status],
+                fingers,
+                &refusals,
+                frozen,
+                former,
+                output,
+            )?;
             drawn = Some(Instant::now());
             before = status;
         }
@@ -67,17 +83,22 @@ fn print(
     fingers: [usize; HANDS],
     refusals: &[String],
     frozen: Option<Duration>,
+    former: Option<&End>,
     output: &mut Output,
 ) -> anyhow::Result<()> {
     if output.is_json() {
         let mut value = json::status(status, fingers);
         value["refusals"] = refusals.into();
         value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();
+        value["former_end"] = former.map(|end| end.to_string()).into();
         return output.json(&value);
     }
     output.line(heading([before, status]))?;
     if let Some(frozen) = frozen {
         output.line(standstill_text(frozen))?;
+    }
+    if let Some(end) = former {
+        output.line(format!("before this daemon: {end}"))?;
     }
     for refusal in refusals {
         output.line(refusal)?;
@@ -91,7 +112,7 @@ fn missing_status_text(bus: &BusName) -> String {
     let why = match (Stopped::owner(bus), Owner::find(bus)) {
         (Some(stopped), _) => stopped.to_string(),
         (None, Some(owner)) => format!("{owner}, which owns the bus, hangs"),
-        (None, None) => "it ended".to_owned(),
+        (None, None) => End::find(bus).map_or("it ended".to_owned(), |end| end.to_string()),
     };
     format!("no status from the daemon for one second: {why}")
 }

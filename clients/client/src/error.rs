@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use shm_bus::{BusError, BusName};
+use shm_bus::{BusError, BusName, End};
 
 use crate::standstill::Stopped;
 
@@ -15,14 +15,17 @@ pub enum ClientError {
     Bus(#[from] BusError),
     /// No daemon reports its status.
     #[error(
-        "could not find a daemon because nothing on bus {bus:?} (folder {}) reports its status; start `atasd`, or name its \
-         bus with --bus or {}", folder.display(), BusName::ENV
+        "could not find a daemon because nothing on bus {bus:?} (folder {}) reports its status{}; start `atasd`, or name \
+         its bus with --bus or {}",
+        folder.display(), end.as_ref().map_or(String::new(), |end| format!(": {end}")), BusName::ENV
     )]
     NoDaemon {
         /// Name of the bus.
         bus: String,
         /// Folder of the bus.
         folder: PathBuf,
+        /// End of the last daemon unless it was orderly.
+        end: Option<End>,
     },
     /// The process of the daemon is stopped (suspended).
     #[error("no answer on bus {bus:?}: {stopped}")]

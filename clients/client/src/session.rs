@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use shm_bus::{Bus, BusName, Realtime, Subscriber, now_ns, writer_epoch};
+use shm_bus::{Bus, BusName, End, Realtime, Subscriber, now_ns, writer_epoch};
 use shm_schemas::{
     ControlOp, ControlOutcome, ControlReply, ControlRequest, Mode, Stamp, Status, Text, service,
 };
@@ -119,6 +119,7 @@ impl Session {
         ClientError::NoDaemon {
             bus: self.bus.name().as_str().to_owned(),
             folder: self.bus.folder().to_owned(),
+            end: End::find(self.bus.name()),
         }
     }
 

@@ -16,7 +16,7 @@ use atas_recording::{MessageType, Messages, Outlet, Row, RowInputs, Subject};
 use foxglove::{Context, PartialMetadata, RawChannel, Schema};
 use robot_model::RobotFiles;
 use serde_json::json;
-use shm_bus::BusError;
+use shm_bus::{BusError, End};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{JointCommand, ModuleEvent, Status, TickReport, View};
 use tokio::sync::oneshot;
@@ -100,6 +100,7 @@ fn poll(watch: &mut Observer, teller: &mut Converter<'_>, session: &Session) -> 
         return Err(ClientError::NoDaemon {
             bus: bus.name().to_string(),
             folder: bus.folder().to_owned(),
+            end: End::find(bus.name()),
         }
         .into());
     }

@@ -4,6 +4,7 @@
 //! ```text
 //!  tracing ─▶ log ─▶ standard error
 //!  SIGINT, SIGTERM ─▶ shutdown ─▶ a flag
+//!  fatal signals ─▶ last_words ─▶ standard error, record
 //!  thread ─▶ scheduling ─▶ SCHED_FIFO
 //! ```
 //!
@@ -16,6 +17,7 @@ pub mod command_line;
 pub mod configuration;
 pub mod exit;
 pub mod file_name;
+pub mod last_words;
 pub mod log;
 pub mod scheduling;
 pub mod shutdown;

@@ -1,9 +1,10 @@
 //! Start, end and rejected start of the daemon.
 
+use std::os::unix::process::ExitStatusExt;
 use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
-use shm_bus::FreshBus;
+use shm_bus::{End, FreshBus};
 use shm_schemas::{Cause, ControlOp, ControlOutcome, Mode, StatusFlags, TickReport, service};
 
 use crate::support::{Daemon, TOLERANT, World, wait_for};
@@ -69,6 +70,60 @@ fn signal_stops_daemon_and_next_can_start() {
             );
         }
     }
+}
+
+/// A fatal signal ends the daemon as usual; log, next start and clients name it.
+#[test]
+fn each_end_leaves_its_cause() {
+    let bus = FreshBus::new("ends");
+    let mut world = World::open(&bus);
+    let ready = |world: &mut World, daemon: &Daemon| {
+        world.until("ready", |s| s.pid == daemon.pid() && s.mode == Mode::READY);
+    };
+    let ends = [
+        (Signal::ABORT, "ended by SIGABRT"),
+        (Signal::BUS, "ended by SIGBUS"),
+        (Signal::FPE, "ended by SIGFPE"),
+        (Signal::ILL, "ended by SIGILL"),
+        (Signal::SEGV, "ended by SIGSEGV"),
+        (Signal::SYS, "ended by SIGSYS"),
+        (Signal::XCPU, "ended by SIGXCPU"),
+        (Signal::XFSZ, "ended by SIGXFSZ"),
+        (Signal::KILL, "ended without a word"),
+    ];
+    for (signal, words) in ends {
+        let mut daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
+        ready(&mut world, &daemon);
+        daemon.signal(signal);
+        assert_eq!(daemon.wait().signal(), Some(signal.as_raw()), "{words}");
+        let is_logged = daemon.log().contains(words);
+        assert_eq!(is_logged, signal != Signal::KILL, "{}", daemon.log());
+        let expected = format!("atasd (process {}) {words}", daemon.pid());
+        let end = |when| {
+            let end = End::find(&bus).map(|end| end.to_string());
+            let end = end.unwrap_or_default();
+            assert!(end.contains(&expected), "{when}: {end:?}, not {expected:?}");
+        };
+        end("after the end");
+        let mut next = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
+        ready(&mut world, &next);
+        assert!(next.log().contains(&expected), "{}", next.log());
+        end("while the next one runs");
+        next.signal(Signal::TERM);
+        assert!(next.wait().success());
+        assert_eq!(End::find(&bus), None, "the next one ended orderly");
+    }
+}
+
+#[test]
+fn daemon_opens_files_up_to_the_hard_limit() {
+    let bus = FreshBus::new("files");
+    let mut world = World::open(&bus);
+    let limited = ["prlimit", "--nofile=32:4096"];
+    let daemon = Daemon::start_under(&limited, &bus, TOLERANT, &[], |_| ());
+    world.until("ready", |s| s.pid == daemon.pid() && s.mode == Mode::READY);
+    let reply = world.control(ControlOp::ESTOP, "", 0.0);
+    assert_eq!(reply.outcome, ControlOutcome::DONE);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::member::{Departure, Member};
 use crate::name::BusName;
 use crate::node::{self, Realtime};
 use crate::opaque::Opaque;
-use crate::owner::OwnerLock;
+use crate::owner_lock::OwnerLock;
 use crate::peer::Peer;
 use crate::shortage::{self, require_space, require_stack};
 use crate::startup::StartupLock;

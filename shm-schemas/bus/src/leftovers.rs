@@ -19,6 +19,7 @@ use iceoryx2::prelude::{MessagingPattern, ServiceName, ipc};
 use iceoryx2::service::Service;
 use iceoryx2::service::service_hash::ServiceHash;
 
+use crate::end::END_RECORD;
 use crate::folder::entries;
 use crate::location::{Location, PREFIX, VERSION_FILE};
 use crate::lock::{OWNER_LOCK, STARTUP_LOCK};
@@ -54,7 +55,14 @@ fn is_unfinished(meta: &Metadata) -> bool {
 }
 
 /// Files that survive a restart of the bus: the daemon opens some of them before it joins.
-const PERSISTENT: [&str; 5] = [OWNER_LOCK, STARTUP_LOCK, PREFIX, VERSION_FILE, STOP_SOCKET];
+const PERSISTENT: [&str; 6] = [
+    OWNER_LOCK,
+    END_RECORD,
+    STARTUP_LOCK,
+    PREFIX,
+    VERSION_FILE,
+    STOP_SOCKET,
+];
 
 /// Removes everything except [`PERSISTENT`]; returns the number of entries. Call under the start-up
 /// lock, when no peer is alive.

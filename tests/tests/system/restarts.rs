@@ -118,8 +118,10 @@ impl Rig {
 type Interruption = (&'static str, fn(&mut Rig));
 
 /// Interruptions of the daemon.
-const INTERRUPTIONS: [Interruption; 4] = [
+const INTERRUPTIONS: [Interruption; 5] = [
     ("killed", |rig| rig.replace(Signal::KILL)),
+    // Shared memory was truncated.
+    ("ended by SIGBUS", |rig| rig.replace(Signal::BUS)),
     ("ended", |rig| rig.replace(Signal::TERM)),
     ("stopped and recovered", |rig| {
         rig.atas("estop");

@@ -24,7 +24,7 @@ use super::request::remove_abandoned;
 use super::signal::Signal;
 use crate::clock::{now_ns, writer_epoch};
 use crate::error::BusError;
-use crate::owner::OwnerLock;
+use crate::owner_lock::OwnerLock;
 use crate::user::uid;
 
 /// Time limit for a tick to take a stop; afterwards the answer is `WAITING`. Design choice: twenty
