@@ -1,6 +1,6 @@
 //! A fresh controller fed with the recorded inputs gives the same commands bit for bit.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -18,15 +18,18 @@ use crate::support::{Daemon, World, wait_for};
 /// Recorder on its own thread, started before the daemon, so that it misses nothing.
 struct Recorder {
     is_ending: Arc<AtomicBool>,
+    /// Number of recorded parts, which may come later than a status.
+    parts: Arc<AtomicUsize>,
     thread: JoinHandle<Recording>,
 }
 
 impl Recorder {
     fn start(bus: &FreshBus) -> Self {
         let (name, ends) = (BusName::clone(bus), Arc::new(AtomicBool::new(false)));
+        let parts = Arc::new(AtomicUsize::new(0));
         let (is_there, there) = mpsc::channel();
         let thread = std::thread::spawn({
-            let ends = Arc::clone(&ends);
+            let (ends, parts) = (Arc::clone(&ends), Arc::clone(&parts));
             move || {
                 let bus = Bus::open(&name, "recorder", Realtime::No).expect("the bus opens");
                 let mut headers = bus.subscriber(service::RUN_HEADER).expect("there is room");
@@ -36,6 +39,7 @@ impl Recorder {
                 loop {
                     let last = ends.load(Ordering::Acquire);
                     recording.receive(&mut headers, &mut inputs);
+                    parts.store(recording.parts.len(), Ordering::Release);
                     if last {
                         return recording;
                     }
@@ -46,6 +50,7 @@ impl Recorder {
         there.recv().expect("the recorder begins");
         Self {
             is_ending: ends,
+            parts,
             thread,
         }
     }
@@ -220,7 +225,10 @@ fn replay_reports_missing_parts() {
     let mut world = World::open(&bus);
     let recorder = Recorder::start(&bus);
     let _daemon = Daemon::start_with(&bus, TOLERANT, &["--record-stream"], |_| ());
-    publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
+    let parts = Arc::clone(&recorder.parts);
+    publish_for(&mut world, 30_000, |w| {
+        w.newest.mode == Mode::READY && parts.load(Ordering::Acquire) > 10
+    });
     let mut recording = recorder.end();
     assert_eq!(
         recording.replay(3),
