@@ -174,14 +174,15 @@ fn prepare_location(folder: &Folder) -> Result<Location, BusError> {
     };
     let other = version::other_version(folder)?;
     leftovers::remove_unfinished(&place);
-    let mut peers = Peer::list(&place, &place.config()?)?;
-    peers.retain(|peer| peer.alive);
+    let config = place.config()?;
     let Some(creator) = other else {
-        return match peers.is_empty() {
-            true => renew(folder, &place),
-            false => Ok(place),
+        return match Peer::is_any_alive(&place, &config)? {
+            false => renew(folder, &place),
+            true => Ok(place),
         };
     };
+    let mut peers = Peer::list(&place, &config)?;
+    peers.retain(|peer| peer.alive);
     let mut users: Vec<String> = peers.iter().map(Peer::to_string).collect();
     // Another release of iceoryx2 may not list the nodes of the daemon.
     users.extend(daemon(folder).filter(|_| peers.is_empty()));

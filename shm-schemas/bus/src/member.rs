@@ -51,9 +51,11 @@ impl Drop for Departure {
             return;
         }
         let startup = StartupLock::take_within(&place.folder, "departure", LEAVE_MAX);
-        let peers = || place.config().and_then(|config| Peer::list(place, &config));
-        let is_empty = || peers().is_ok_and(|peers| !peers.iter().any(|peer| peer.alive));
-        if startup.is_ok() && is_current() && is_empty() {
+        let is_used = || {
+            let config = place.config();
+            config.and_then(|config| Peer::is_any_alive(place, &config))
+        };
+        if startup.is_ok() && is_current() && is_used().is_ok_and(|is_used| !is_used) {
             leftovers::remove_all(place);
         }
     }

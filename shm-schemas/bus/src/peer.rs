@@ -3,7 +3,7 @@
 use std::fmt;
 
 use iceoryx2::identifiers::UniqueNodeId;
-use iceoryx2::node::NodeView;
+use iceoryx2::node::{NodeListFailure, NodeView};
 use iceoryx2::prelude::{CallbackProgression, Config, Node, NodeState};
 
 use crate::error::BusError;
@@ -37,11 +37,24 @@ impl Peer {
         });
         match listed {
             Ok(()) => Ok(peers),
-            Err(e) => Err(shortage::refusal_error(
-                place,
-                "the list of peers",
-                format!("{e:?}"),
-            )),
+            Err(e) => Err(list_error(place, e)),
+        }
+    }
+
+    /// Returns true if a process is on the bus. Ends the search at the first one.
+    pub(crate) fn is_any_alive(place: &Location, config: &Config) -> Result<bool, BusError> {
+        let mut is_found = false;
+        let searched = Node::<Ipc>::list(config, |state| {
+            is_found = Self::from_state(&state).alive;
+            if is_found {
+                CallbackProgression::Stop
+            } else {
+                CallbackProgression::Continue
+            }
+        });
+        match searched {
+            Ok(()) => Ok(is_found),
+            Err(e) => Err(list_error(place, e)),
         }
     }
 
@@ -67,4 +80,8 @@ impl Peer {
         let pid = details.map_or(0, |d| d.process_id().value() as u32);
         Self { role, pid, alive }
     }
+}
+
+fn list_error(place: &Location, error: NodeListFailure) -> BusError {
+    shortage::refusal_error(place, "the list of peers", format!("{error:?}"))
 }
