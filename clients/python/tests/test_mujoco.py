@@ -180,6 +180,26 @@ def test_cap_turns_only_above_thread_friction(tmp_path: Path) -> None:
     assert state[-1] == pytest.approx(0.015, rel=0.05), "the thread passes its friction to the bottle"
 
 
+def test_cap_that_falls_on_its_thread_engages_once(tmp_path: Path) -> None:
+    scene = scene_of(tmp_path, "--scene", "screw")
+    world = World(scene, QUIET)
+    joints = sum(len(hand["joints"]) for hand in scene["hands"])
+    start = [joint["start_rad"] for hand in scene["hands"] for joint in hand["joints"]]
+
+    def engaged(force_n: float, ticks: int) -> list[float]:
+        """Whether the cap is engaged at the end of each tick with this vertical force."""
+        on_objects = [0, 0, force_n, 0, 0, 0]
+        values = np.concatenate([start, np.zeros(joints + 2), on_objects, [np.inf, np.inf]])
+        return [float(world.advance(values)[-3]) for _ in range(ticks)]
+
+    weight_n = scene["objects"][0]["mass_kg"] * scene["gravity_m_s2"]
+    engaged(0.0, 300)
+    assert engaged(1.1 * weight_n, 100)[-1] == 1.0, "a pull of a tenth of the weight holds the cap"
+    assert engaged(2.0 * weight_n, 20)[-1] == 0.0, "a pull of the whole weight removes it"
+    states = engaged(0.0, 300)
+    assert min(states[states.index(1.0) :]) == 1.0, "the rim pushes it up, which is no pull"
+
+
 def exchange(messages: list[tuple[int, bytes]], *options: str) -> list[tuple[int, bytes]]:
     """Answers of an engine process."""
     sent = b"".join(struct.pack("<II", kind, len(payload)) + payload for kind, payload in messages)

@@ -118,13 +118,14 @@ class Cap:
             self._engage(parts)
 
     def update(self, parts: CapParts, rim_n: float) -> None:
-        """Engages or releases the cap, and follows the thread. `rim_n` is the force of its support."""
+        """Engages or releases the cap, and follows the thread. `rim_n` is the upward force of the rim."""
         if not self.engaged:
             if rim_n >= CAPTURE_WEIGHT * self._weight_n and self._is_aligned(parts):
                 self._engage(parts)
             return
         angle = self.angle_rad(parts)
-        if angle < LOOSE_RAD and _pull_n(parts) > PULL_SHARE * self._weight_n:
+        # A cap that the hand presses on the rim leans on the weld as well: that is no pull.
+        if angle < LOOSE_RAD and _pull_n(parts) - rim_n > PULL_SHARE * self._weight_n:
             self._release(parts)
             return
         self._weld(parts, angle)
