@@ -5,7 +5,7 @@ use std::thread::{Builder, JoinHandle};
 
 use atas_core::Controller;
 use atas_process::exit::Exit;
-use atas_process::last_words;
+use atas_process::fatal_signals;
 use crossbeam::channel::{Sender, bounded};
 use robot_model::ModelError;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
@@ -87,7 +87,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(end) = owner.former_end() {
         tracing::warn!("{end}");
     }
-    last_words::record_to(owner.end_record().try_clone()?.into());
     let ended = run_as_owner(args, source, config, &owner);
     if let Err(failure) = &ended {
         owner.record_end(&format!("ended: {failure}"));
@@ -110,6 +109,7 @@ fn run_as_owner(
     config: Config,
     owner: &OwnerLock,
 ) -> Result<(), Failure> {
+    fatal_signals::record_to(owner.end_record().try_clone()?.into());
     let signals = Signals::install()?;
     panics::install_hook();
     let robot = config.robot_model()?;

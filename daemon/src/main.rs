@@ -3,6 +3,7 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
+use atas_process::exit::Exit;
 use atas_process::{command_line, log};
 use atasd::args::{Args, Command};
 use atasd::config::Tasks;
@@ -16,8 +17,11 @@ fn main() -> ExitCode {
     };
     let log = match log::start(args.log_format.into(), log::LevelFilter::INFO) {
         Ok(log) => log,
-        // Without the log thread no message can be written.
-        Err(_) => return ExitCode::FAILURE,
+        Err(error) => {
+            let sentence = format!("could not start the log: {error}");
+            command_line::print_error("atasd", &sentence, Exit::Failed, false);
+            return Exit::Failed.into();
+        }
     };
     let code = match run(&args) {
         Ok(()) => ExitCode::SUCCESS,

@@ -160,7 +160,9 @@ fn schedule_fifo(priority: u32) -> Result<(), Refused> {
 
 fn limit_compute_time() {
     let hard = rustix::process::getrlimit(Resource::Rttime).maximum;
-    let current = Some(hard.map_or(COMPUTE_MAX_US, |hard| hard.min(COMPUTE_MAX_US)));
+    // At the hard limit the kernel kills the process, and no cause remains.
+    let below = |hard: u64| COMPUTE_MAX_US.min(hard - hard / 5);
+    let current = Some(hard.map_or(COMPUTE_MAX_US, below));
     // The kernel never refuses to lower a limit.
     let _ = rustix::process::setrlimit(
         Resource::Rttime,

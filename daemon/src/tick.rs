@@ -136,7 +136,14 @@ impl TickLoop {
             input_log.record(&inputs, step.command);
             stopwatch.lap(RECORDING);
         }
-        let mut record = record_of(&step, &start, stopwatch.stage_ns, body_ns);
+        // The age of a frame at the tick's time contains the intake.
+        let intake_ns = tick.now_ns.saturating_sub(start.tick.now_ns);
+        let mut record = record_of(
+            &step,
+            &start,
+            stopwatch.stage_ns,
+            [body_ns, saturated_u32(intake_ns)],
+        );
         record.bus_failures = counts.unsent + ports.failures();
         record.phase_locked = pacer.adapt(&start, arrivals(&record.report, ports));
         let is_news = step.goal_update.is_some() || !step.events.is_empty();
@@ -202,7 +209,7 @@ fn record_of(
     step: &Step<'_>,
     start: &TickStart,
     stage_ns: [u32; STAGES],
-    body_ns: u32,
+    [body_ns, intake_ns]: [u32; 2],
 ) -> TickRecord {
     let ages = step.report.hands.iter().map(|hand| hand.frame_age_ns);
     let frame_age_ns = ages.min().unwrap_or(u64::MAX);
@@ -210,7 +217,9 @@ fn record_of(
         missed_ticks: start.missed,
         wake_late_ns: saturated_u32(start.late_ns),
         stage_ns,
-        sensor_to_command_ns: saturated_u32(frame_age_ns.saturating_add(u64::from(body_ns))),
+        sensor_to_command_ns: saturated_u32(
+            frame_age_ns.saturating_add(body_ns.saturating_sub(intake_ns).into()),
+        ),
         ..*step.report
     };
     TickRecord {

@@ -25,7 +25,7 @@ pub(crate) fn status(
     let (mut statuses, mut status) = session.watch_status()?;
     let mut before = status;
     let mut run = Run::read(session.bus(), &status)?;
-    let former = End::find(&arguments.bus.bus);
+    let former = End::before(&arguments.bus.bus, status.pid);
     let former = former.as_ref();
     if !arguments.watch {
         rejections::await_rejections(&mut statuses, &mut status)?;
@@ -112,7 +112,7 @@ fn missing_status_text(bus: &BusName) -> String {
     let why = match (Stopped::owner(bus), Owner::find(bus)) {
         (Some(stopped), _) => stopped.to_string(),
         (None, Some(owner)) => format!("{owner}, which owns the bus, hangs"),
-        (None, None) => End::find(bus).map_or("it ended".to_owned(), |end| end.to_string()),
+        (None, None) => End::last(bus).map_or("it ended".to_owned(), |end| end.to_string()),
     };
     format!("no status from the daemon for one second: {why}")
 }

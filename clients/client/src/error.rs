@@ -15,9 +15,9 @@ pub enum ClientError {
     Bus(#[from] BusError),
     /// No daemon reports its status.
     #[error(
-        "could not find a daemon because nothing on bus {bus:?} (folder {}) reports its status{}; start `atasd`, or name \
+        "could not find a daemon because nothing on bus {bus:?} (folder {}) reports its status; {}start `atasd`, or name \
          its bus with --bus or {}",
-        folder.display(), end.as_ref().map_or(String::new(), |end| format!(": {end}")), BusName::ENV
+        folder.display(), end.as_ref().map_or(String::new(), |end| format!("{end}; ")), BusName::ENV
     )]
     NoDaemon {
         /// Name of the bus.

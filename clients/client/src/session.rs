@@ -119,7 +119,7 @@ impl Session {
         ClientError::NoDaemon {
             bus: self.bus.name().as_str().to_owned(),
             folder: self.bus.folder().to_owned(),
-            end: End::find(self.bus.name()),
+            end: End::last(self.bus.name()),
         }
     }
 

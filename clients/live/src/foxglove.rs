@@ -100,7 +100,7 @@ fn poll(watch: &mut Observer, teller: &mut Converter<'_>, session: &Session) -> 
         return Err(ClientError::NoDaemon {
             bus: bus.name().to_string(),
             folder: bus.folder().to_owned(),
-            end: End::find(bus.name()),
+            end: End::last(bus.name()),
         }
         .into());
     }

@@ -75,8 +75,14 @@ fn closed() -> PyErr {
 
 impl<T> Drop for OwnThread<T> {
     fn drop(&mut self) {
-        if !self.is_own() {
-            mem::forget(self.value.take());
+        if self.is_own() {
+            return;
+        }
+        mem::forget(self.value.take());
+        if self.pid == process::id() {
+            let why = "a handle of the bus was dropped in another thread than the one that opened it; \
+                       it stays open, and an attached goal goes on, until the process ends";
+            Python::attach(|py| BusError::new_err(why).write_unraisable(py, None));
         }
     }
 }

@@ -4,7 +4,7 @@
 //! ```text
 //!  tracing ─▶ log ─▶ standard error
 //!  SIGINT, SIGTERM ─▶ shutdown ─▶ a flag
-//!  fatal signals ─▶ last_words ─▶ standard error, record
+//!  fatal_signals ─▶ standard error, record
 //!  thread ─▶ scheduling ─▶ SCHED_FIFO
 //! ```
 //!
@@ -16,8 +16,8 @@
 pub mod command_line;
 pub mod configuration;
 pub mod exit;
+pub mod fatal_signals;
 pub mod file_name;
-pub mod last_words;
 pub mod log;
 pub mod scheduling;
 pub mod shutdown;

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use crate::last_words;
+use crate::fatal_signals;
 use crossbeam::channel::{Receiver, Sender, bounded};
 use tracing_subscriber::EnvFilter;
 pub use tracing_subscriber::filter::LevelFilter;
@@ -49,13 +49,13 @@ pub struct Log {
     writer: JoinHandle<()>,
 }
 
-/// Starts the log at this level, or at the levels of `RUST_LOG`, and the [last words](last_words).
-/// Call once per process.
+/// Starts the log at this level, or at the levels of `RUST_LOG`, and installs the handlers of
+/// [`fatal_signals`]. Call once per process.
 ///
 /// # Errors
 /// [`io::Error`] if the writer thread cannot start or the kernel refuses a signal handler.
 pub fn start(format: LogFormat, level: LevelFilter) -> io::Result<Log> {
-    last_words::install()?;
+    fatal_signals::install(format == LogFormat::Json)?;
     let (send, receive) = bounded(QUEUE_LINES);
     let lost = Arc::<AtomicU64>::default();
     let counted = Arc::clone(&lost);

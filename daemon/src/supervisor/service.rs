@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use atas_process::fatal_signals;
 use sd_notify::NotifyState;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -26,6 +27,7 @@ impl Signals {
         let signals = Self::default();
         for signal in [SIGTERM, SIGINT] {
             // Registered first, so that the first signal finds the flag unset.
+            fatal_signals::report_second(signal, Arc::clone(&signals.stop))?;
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&signals.stop))?;
             flag::register(signal, Arc::clone(&signals.stop))?;
         }

@@ -89,7 +89,8 @@ fn each_end_leaves_its_cause() {
         (Signal::SYS, "ended by SIGSYS"),
         (Signal::XCPU, "ended by SIGXCPU"),
         (Signal::XFSZ, "ended by SIGXFSZ"),
-        (Signal::KILL, "ended without a word"),
+        (Signal::QUIT, "ended by SIGQUIT"),
+        (Signal::KILL, "ended without a recorded cause"),
     ];
     for (signal, words) in ends {
         let mut daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
@@ -99,19 +100,19 @@ fn each_end_leaves_its_cause() {
         let is_logged = daemon.log().contains(words);
         assert_eq!(is_logged, signal != Signal::KILL, "{}", daemon.log());
         let expected = format!("atasd (process {}) {words}", daemon.pid());
-        let end = |when| {
-            let end = End::find(&bus).map(|end| end.to_string());
-            let end = end.unwrap_or_default();
-            assert!(end.contains(&expected), "{when}: {end:?}, not {expected:?}");
+        let check = |end: Option<End>| {
+            let end = end.map_or(String::new(), |end| end.to_string());
+            assert!(end.contains(&expected), "{end:?}, not {expected:?}");
         };
-        end("after the end");
+        check(End::last(&bus));
         let mut next = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
         ready(&mut world, &next);
         assert!(next.log().contains(&expected), "{}", next.log());
-        end("while the next one runs");
+        check(End::before(&bus, next.pid()));
+        assert_eq!(End::last(&bus), None, "the next one runs");
         next.signal(Signal::TERM);
         assert!(next.wait().success());
-        assert_eq!(End::find(&bus), None, "the next one ended orderly");
+        assert_eq!(End::last(&bus), None, "the next one ended orderly");
     }
 }
 

@@ -144,7 +144,7 @@ impl Bus {
             Err(BusError::Absent { .. } | BusError::OtherUser { .. }) => return Ok(0),
             found => found?,
         }
-        let _owner = OwnerLock::take_at(&folder, "wipe")?;
+        let _owner = OwnerLock::lock(&folder, "wipe")?;
         let _startup = StartupLock::take(&folder, "wipe")?;
         let removed = match Location::read(&folder)? {
             None => 0,

@@ -13,6 +13,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::PathBuf;
 
 use crate::folder::Folder;
+use crate::lock::FileLock;
 use crate::name::BusName;
 use crate::owner::Owner;
 
@@ -20,29 +21,36 @@ use crate::owner::Owner;
 pub(crate) const END_RECORD: &str = "owner.end";
 /// Cause of an orderly end.
 const ORDERLY: &str = "ended";
-/// Longest record that is read, bytes. Design choice: several times the longest cause.
-const RECORD_MAX: usize = 4096;
+/// Longest recorded cause, characters. Design choice: several sentences.
+const CAUSE_MAX: usize = 500;
 
 /// Unexpected end of a process that owned a bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct End {
     /// The process.
     pub owner: Owner,
-    /// Its last words; `None` if it was killed.
+    /// What it recorded; `None` if it was killed or could not write.
     pub cause: Option<String>,
 }
 
 impl End {
-    /// The unexpected end of the last owner of a bus that has no owner now, or of the owner before
-    /// the present one.
+    /// The unexpected end of the last owner of a bus; `None` if the bus has an owner, or if that
+    /// cannot be determined.
     #[must_use]
-    pub fn find(bus: &BusName) -> Option<Self> {
-        let folder = Folder::for_bus(bus).ok()?;
-        let record = Record::read(&folder);
-        match Owner::find(bus) {
-            Some(_) => record.former,
-            None => record.end(),
+    pub fn last(bus: &BusName) -> Option<Self> {
+        if Owner::find(bus).is_some() || !FileLock::shows_holders() {
+            return None;
         }
+        // Read afterwards: an owner records its end before it releases the lock.
+        Record::read(&Folder::for_bus(bus).ok()?).end()
+    }
+
+    /// The unexpected end of the owner before this one.
+    #[must_use]
+    pub fn before(bus: &BusName, owner_pid: u32) -> Option<Self> {
+        let record = Record::read(&Folder::for_bus(bus).ok()?);
+        let is_of_owner = record.owner.is_some_and(|end| end.owner.pid == owner_pid);
+        record.former.filter(|_| is_of_owner)
     }
 
     fn parse(line: &str) -> Option<Self> {
@@ -65,7 +73,7 @@ impl fmt::Display for End {
             Some(cause) => write!(f, "{} {cause}", self.owner),
             None => write!(
                 f,
-                "{} ended without a word: it was killed, or the machine stopped",
+                "{} ended without a recorded cause: it was killed, or the machine stopped",
                 self.owner
             ),
         }
@@ -82,9 +90,7 @@ struct Record {
 impl Record {
     fn read(folder: &Folder) -> Self {
         let bytes = fs::read(folder.path.join(END_RECORD)).unwrap_or_default();
-        Self::parse(&String::from_utf8_lossy(
-            &bytes[..bytes.len().min(RECORD_MAX)],
-        ))
+        Self::parse(&String::from_utf8_lossy(&bytes))
     }
 
     fn parse(text: &str) -> Self {
@@ -118,7 +124,9 @@ impl EndRecord {
     pub(crate) fn begin(folder: &Folder, role: &str) -> io::Result<Self> {
         let former = Record::read(folder).end();
         let path = folder.path.join(END_RECORD);
-        match fs::remove_file(&path) {
+        // Complete at once, so that no end is lost.
+        let new = path.with_extension("new");
+        match fs::remove_file(&new) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => {}
         }
@@ -127,12 +135,13 @@ impl EndRecord {
             .append(true)
             .create_new(true)
             .mode(0o600)
-            .open(&path)?;
+            .open(&new)?;
         let before = former.as_ref().map_or(String::new(), |end| {
             let cause = end.cause.as_deref().unwrap_or_default();
             format!("{}\t{}\t{cause}", end.owner.pid, end.owner.role)
         });
         file.write_all(format!("{}\t{role}\n{before}\n", std::process::id()).as_bytes())?;
+        fs::rename(&new, &path)?;
         Ok(Self { file, path, former })
     }
 
@@ -146,7 +155,8 @@ impl EndRecord {
 
     /// Appends a cause, in one line. Only the first one counts.
     pub(crate) fn append(&self, cause: &str) {
-        let line = cause.replace(['\n', '\t'], " ") + "\n";
+        let line: String = cause.chars().take(CAUSE_MAX).collect();
+        let line = line.replace(['\n', '\t'], " ") + "\n";
         if let Err(error) = (&self.file).write_all(line.as_bytes()) {
             tracing::warn!(file = %self.path.display(), %error, "could not record the end");
         }
@@ -172,8 +182,7 @@ mod tests {
             assert_eq!(shown(&record.former).as_deref(), former, "{text:?}");
             assert_eq!(shown(&record.end()).as_deref(), end, "{text:?}");
         };
-        let killed =
-            "atasd (process 7) ended without a word: it was killed, or the machine stopped";
+        let killed = "atasd (process 7) ended without a recorded cause: it was killed, or the machine stopped";
         check("", None, None);
         check("7\tatasd\n\n", Some(killed), None);
         check("7\tatasd\n\nended\n", None, None);
@@ -185,7 +194,9 @@ mod tests {
         check("8\tatasd\n7\tatasd\t\nended\n", None, Some(killed));
         check(
             "8\tatasd\n7\tatasd\tended by X\n",
-            Some("atasd (process 8) ended without a word: it was killed, or the machine stopped"),
+            Some(
+                "atasd (process 8) ended without a recorded cause: it was killed, or the machine stopped",
+            ),
             Some("atasd (process 7) ended by X"),
         );
         check("junk", None, None);

@@ -23,7 +23,7 @@ use crate::end::END_RECORD;
 use crate::folder::entries;
 use crate::location::{Location, PREFIX, VERSION_FILE};
 use crate::lock::{OWNER_LOCK, STARTUP_LOCK};
-use crate::stop::STOP_SOCKET;
+use crate::stop::{CLIENT_SOCKET, STOP_SOCKET};
 
 /// Time after which an unfinished file counts as abandoned. The lock excludes Rust processes; peers
 /// in other languages finish a file within about 100 µs. Design choice.
@@ -64,10 +64,15 @@ const PERSISTENT: [&str; 6] = [
     STOP_SOCKET,
 ];
 
-/// Removes everything except [`PERSISTENT`]; returns the number of entries. Call under the start-up
+/// Removes everything except [`PERSISTENT`] and client sockets; returns the number of entries. Call under the start-up
 /// lock, when no peer is alive.
 pub(crate) fn remove_all(place: &Location) -> usize {
-    let lasts = |path: &Path| PERSISTENT.iter().any(|name| path.ends_with(name));
+    // A client may wait for the answer to its stop.
+    let is_client = |path: &Path| {
+        let name = path.file_name().unwrap_or_default().as_encoded_bytes();
+        name.starts_with(CLIENT_SOCKET.as_bytes())
+    };
+    let lasts = |path: &Path| is_client(path) || PERSISTENT.iter().any(|name| path.ends_with(name));
     let files = entries(place.root())
         .map(|(path, _)| path)
         .filter(|path| !lasts(path));

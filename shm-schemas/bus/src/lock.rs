@@ -77,6 +77,11 @@ impl FileLock {
         is_listed(&locks, holder.pid, inode).then_some(holder)
     }
 
+    /// Returns true if [`FileLock::holder`] can see holders: the kernel's lock table is readable.
+    pub(crate) fn shows_holders() -> bool {
+        File::open("/proc/locks").is_ok()
+    }
+
     /// Takes the lock, or returns its holder.
     pub(crate) fn try_take(
         folder: &Folder,

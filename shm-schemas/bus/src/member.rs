@@ -9,7 +9,7 @@ use iceoryx2::prelude::{MessagingPattern, Node};
 use crate::clean;
 use crate::error::BusError;
 use crate::leftovers;
-use crate::location::Location;
+use crate::location::{Location, PREFIX};
 use crate::node::{Ipc, Realtime};
 use crate::opaque::Opaque;
 use crate::peer::Peer;
@@ -57,6 +57,9 @@ impl Drop for Departure {
         };
         if startup.is_ok() && is_current() && is_used().is_ok_and(|is_used| !is_used) {
             leftovers::remove_all(place);
+            // Other programs wait for the next prefix; with this one, they would create shared
+            // memory without the care of `node.rs`.
+            leftovers::remove(&place.root().join(PREFIX));
         }
     }
 }

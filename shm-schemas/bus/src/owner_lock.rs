@@ -55,13 +55,19 @@ impl OwnerLock {
     }
 
     pub(crate) fn take_at(folder: &Folder, role: &str) -> Result<Self, BusError> {
+        let lock = Self::lock(folder, role)?;
+        let record = EndRecord::begin(folder, role);
+        Ok(Self {
+            folder: folder.clone(),
+            record: record.map_err(BusError::io("write a record in", &folder.path))?,
+            _lock: lock,
+        })
+    }
+
+    /// Takes the lock without a record of the end.
+    pub(crate) fn lock(folder: &Folder, role: &str) -> Result<FileLock, BusError> {
         match FileLock::try_take(folder, OWNER_LOCK, role)? {
-            Ok(lock) => Ok(Self {
-                folder: folder.clone(),
-                record: EndRecord::begin(folder, role)
-                    .map_err(BusError::io("write a record in", &folder.path))?,
-                _lock: lock,
-            }),
+            Ok(lock) => Ok(lock),
             Err(owner) => Err(BusError::Owned {
                 bus: folder.bus.to_string(),
                 pid: owner.pid,

@@ -114,7 +114,11 @@ fn daemon_with_invisible_nodes_is_not_displaced() {
     let name = FreshBus::new("hidden");
     let former = open(&name, "former").expect("a new bus");
     let file = version_file(&former);
+    let prefix_file = former.folder().join("prefix");
+    let prefix = fs::read(&prefix_file).expect("readable");
     drop(former);
+    // The invisible nodes use it.
+    fs::write(&prefix_file, prefix).expect("writable");
     let owner = Peer::start(&name, "atasd");
     pretend_other_version(&file);
     // Longer than a start-up may take.

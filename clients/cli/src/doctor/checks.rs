@@ -97,7 +97,7 @@ pub(super) fn realtime_limits(limits: RealtimeLimits, process_status: &str) -> F
         } if time_us < RTTIME_MIN_US => Finding::fail(
             PROBE,
             format!("RLIMIT_RTTIME is {time_us} µs, the daemon needs {RTTIME_MIN_US} µs"),
-            "set LimitRTTIME=20000 in the unit, or remove `rttime` from limits.conf",
+            "set LimitRTTIME=20000:25000 in the unit, or remove `rttime` from limits.conf",
             "the kernel ends the daemon after a few long ticks; the robot then holds",
         ),
         RealtimeLimits {

@@ -27,3 +27,5 @@ pub use request::request;
 pub use signal::Signal;
 
 pub(crate) const STOP_SOCKET: &str = "stop";
+/// Prefix of the names of client sockets.
+pub(crate) const CLIENT_SOCKET: &str = "stop-";

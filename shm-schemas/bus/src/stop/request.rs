@@ -12,7 +12,7 @@ use rustix::net::{AddressFamily, SocketAddrUnix, SocketType, bind, socket};
 use shm_schemas::{Stamp, StopAnswer, StopRequest, Text};
 use zerocopy::{FromZeros, IntoBytes};
 
-use super::STOP_SOCKET;
+use super::{CLIENT_SOCKET, STOP_SOCKET};
 use crate::clock::{nonce, now_ns};
 use crate::error::BusError;
 use crate::folder::{Folder, entries_named};
@@ -35,9 +35,6 @@ pub fn request(bus: &BusName, reason: &str, within: Duration) -> Result<StopAnsw
     client.send(reason, begin, within)?;
     client.answer(begin, within)
 }
-
-/// Prefix of the names of client sockets.
-const CLIENT_SOCKET: &str = "stop-";
 
 /// Removes the sockets of killed clients.
 pub(super) fn remove_abandoned(folder: &Folder) {
@@ -156,7 +153,7 @@ impl<'a> Client<'a> {
 impl Drop for Client<'_> {
     fn drop(&mut self) {
         if let Some(path) = &self.path {
-            // A file that remains is removed with the bus.
+            // The next daemon removes a file that remains.
             let _ = fs::remove_file(path);
         }
     }
