@@ -29,17 +29,7 @@ pub(crate) fn status(
     let former = former.as_ref();
     if !arguments.watch {
         rejections::await_rejections(&mut statuses, &mut status)?;
-        let refusals = rejection_texts(&session, &status)?;
-        let frozen = standstill(&status, now_ns());
-        let fingers = run.fingertips(&status);
-        print(
-            [&before, &status],
-            fingers,
-            &refusals,
-            frozen,
-            former,
-            output,
-        )?;
+        let frozen = print([&before, &status], &session, &run, former, output)?;
         return frozen.map_or(Ok(()), |frozen| {
             Err(ExitError::with_code(Exit::Failed, standstill_text(frozen)))
         });
@@ -57,18 +47,8 @@ pub(crate) fn status(
         }
         if drawn.is_none_or(|drawn| drawn.elapsed() >= UPDATE_PERIOD) {
             output.clear()?;
-            let frozen = standstill(&status, now_ns());
-            let refusals = rejection_texts(&session, &status)?;
             run.poll(session.bus(), &status)?;
-            let fingers = run.fingertips(&status);
-            print(
-                [&before, &status],
-                fingers,
-                &refusals,
-                frozen,
-                former,
-                output,
-            )?;
+            print([&before, &status], &session, &run, former, output)?;
             drawn = Some(Instant::now());
             before = status;
         }
@@ -77,21 +57,24 @@ pub(crate) fn status(
     Ok(())
 }
 
-/// Prints the newer of two statuses. `fingers`: number of fingertips per hand.
+/// Prints the newer of two statuses. Returns the time since the last tick if the ticks have stopped.
 fn print(
     [before, status]: [&Status; 2],
-    fingers: [usize; HANDS],
-    refusals: &[String],
-    frozen: Option<Duration>,
+    session: &Session,
+    run: &Run,
     former: Option<&End>,
     output: &mut Output,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Option<Duration>> {
+    let refusals = rejection_texts(session, status)?;
+    let frozen = standstill(status, now_ns());
+    let fingers = run.fingertips(status);
     if output.is_json() {
         let mut value = json::status(status, fingers);
         value["refusals"] = refusals.into();
         value["standstill_s"] = frozen.map(|frozen| frozen.as_secs_f64()).into();
         value["former_end"] = former.map(|end| end.to_string()).into();
-        return output.json(&value);
+        output.json(&value)?;
+        return Ok(frozen);
     }
     output.line(heading([before, status]))?;
     if let Some(frozen) = frozen {
@@ -104,7 +87,8 @@ fn print(
         output.line(refusal)?;
     }
     output.table(hands(status, fingers))?;
-    output.table(timing(status))
+    output.table(timing(status))?;
+    Ok(frozen)
 }
 
 /// Explains why a watched daemon no longer reports.
