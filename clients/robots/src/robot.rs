@@ -27,10 +27,10 @@ pub enum Change {
     None,
     /// All joints hold: states start.
     Ready,
-    /// States stop, for this reason.
+    /// A port that held its servos failed, for this reason: states stop.
     Failed(String),
-    /// States remain stopped, for a new reason.
-    FailedAgain(String),
+    /// A port could not take over its servos, for a new reason: states remain stopped.
+    TakeOverFailed(String),
 }
 
 /// State of the robot.
@@ -130,19 +130,19 @@ impl Robot {
     }
 
     fn stop_states(&mut self, port: usize, why: String) -> Change {
-        let known = self.ports[port].failure.as_ref() == Some(&why);
-        self.ports[port] = PortState {
+        let failed = PortState {
             failure: Some(why.clone()),
             ..PortState::default()
         };
-        if self.validator.take().is_some() {
-            // The servos of the other ports hold the last set-points.
-            return Change::Failed(why);
-        }
-        if known {
+        let before = core::mem::replace(&mut self.ports[port], failed);
+        // The servos of the other ports hold the last set-points.
+        self.validator = None;
+        if before.holds {
+            Change::Failed(why)
+        } else if before.failure.as_ref() == Some(&why) {
             Change::None
         } else {
-            Change::FailedAgain(why)
+            Change::TakeOverFailed(why)
         }
     }
 

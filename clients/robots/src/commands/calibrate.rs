@@ -105,13 +105,8 @@ fn calibrate(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(f
 }
 
 fn position_rad(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<f64, Failure> {
-    let mut readings = Vec::new();
-    let read = port.driver.read(wire, &[mapped.servo], &mut readings);
-    read.map_err(|error| failed(port, mapped, &error.to_string()))?;
-    let reading = readings.first();
-    reading
-        .map(|reading| reading.position_rad)
-        .ok_or_else(|| failed(port, mapped, "no reading"))
+    let read = port.driver.position_rad(wire, &mapped.servo);
+    read.map_err(|error| failed(port, mapped, &error.to_string()))
 }
 
 fn store_calibration(file: &mut MapFile, mapped: &MappedServo, zero_rad: f64, direction: i8) {

@@ -105,12 +105,12 @@ fn drive(
                     was_whole = true;
                     tracing::info!("all {} joints hold{again}; states begin", map.joints.len());
                 }
-                Change::FailedAgain(why) if !was_whole && !wait => {
+                Change::TakeOverFailed(why) if !was_whole && !wait => {
                     return Err(Failure::Servos(format!(
                         "could not take over the servos: {why}"
                     )));
                 }
-                Change::Failed(why) | Change::FailedAgain(why) => {
+                Change::Failed(why) | Change::TakeOverFailed(why) => {
                     tracing::error!("joint states stopped, working servos keep holding: {why}");
                 }
             },

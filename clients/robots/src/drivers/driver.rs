@@ -104,8 +104,10 @@ pub trait Driver: Sync {
     /// Reads the model register.
     fn model_number(&self, wire: &mut Wire, id: u8) -> Result<u16, WireError>;
 
-    /// Selects the fastest read method that all servos support.
-    fn choose_reading(&self, wire: &mut Wire, servos: &[Servo]) -> Result<(), WireError>;
+    /// Selects the fastest read method that all servos support. By default, only one exists.
+    fn choose_reading(&self, _wire: &mut Wire, _servos: &[Servo]) -> Result<(), WireError> {
+        Ok(())
+    }
 
     /// Returns the torque state. Rejects a servo with torque in another operating mode.
     fn state(&self, wire: &mut Wire, servo: &Servo) -> Result<State, WireError>;
@@ -126,6 +128,15 @@ pub trait Driver: Sync {
         servos: &[Servo],
         out: &mut Vec<Reading>,
     ) -> Result<(), WireError>;
+
+    /// Reads the shaft angle of one servo, rad; repeats the request if the reply is missing or
+    /// damaged.
+    fn position_rad(&self, wire: &mut Wire, servo: &Servo) -> Result<f64, WireError> {
+        let mut reading = Vec::new();
+        wire.repeat(|wire| self.read(wire, &[*servo], &mut reading))?;
+        let first = reading.first().ok_or(WireError::NoReply(servo.id))?;
+        Ok(first.position_rad)
+    }
 
     /// Writes all goals, rad, at once. Servos send no reply.
     fn write_goals(

@@ -100,11 +100,6 @@ impl Driver for Feetech {
         Ok(u16::from_le_bytes([bytes[0], bytes[1]]))
     }
 
-    /// Only one read method exists.
-    fn choose_reading(&self, wire: &mut Wire, servos: &[Servo]) -> Result<(), WireError> {
-        wire.repeat(|wire| self.read(wire, servos, &mut Vec::new()))
-    }
-
     fn state(&self, wire: &mut Wire, servo: &Servo) -> Result<State, WireError> {
         let id = servo.id;
         if wire.read(id, TORQUE_ENABLE, 1)? == [0] {

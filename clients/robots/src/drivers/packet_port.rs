@@ -1,8 +1,9 @@
 //! Serial port that delivers whole reply packets only.
 //!
 //! Adapters and lines add bytes that are no reply: glitches when the direction of the line turns,
-//! remains of a late reply, and the request itself if the adapter echoes it. Like the vendors'
-//! clients, this port skips bytes before a header. It also removes the echo.
+//! remains of a late reply, and the requests themselves if the adapter echoes them. Like the
+//! vendors' clients, this port skips bytes before a header. It also removes echoes, even if an echo
+//! arrives after the next request, as that of a request without reply can.
 //!
 //! ```text
 //!  port ─▶ bytes ─▶ header found, packet complete, no echo ─▶ reader of the protocol
@@ -10,6 +11,7 @@
 //!
 //! The reader of the protocol checks id and checksum.
 
+use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,13 +23,18 @@ use super::protocol::Protocol;
 
 /// Largest parameters of a packet of protocol 2.0, bytes: a bulk reply of 250 servos with four.
 const LENGTH_MAX: usize = 1 << 10;
+/// Requests whose echoes may still arrive. Design choice: the last one, and as many before it as
+/// two cycles have.
+const UNECHOED_MAX: usize = 4;
+/// Reads after which a line that does not become quiet is used nevertheless. Design choice.
+const READS_UNTIL_QUIET: usize = 16;
 
 /// The port.
 pub(super) struct PacketPort {
     port: Box<dyn SerialPort>,
     protocol: Protocol,
-    /// Last request.
-    sent: Vec<u8>,
+    /// The last request; if the adapter echoes, also those before it without echo so far.
+    unechoed: VecDeque<Vec<u8>>,
     received: Vec<u8>,
     /// Rest of the packet that is being read.
     packet: io::Cursor<Vec<u8>>,
@@ -53,24 +60,36 @@ impl PacketPort {
         Self {
             port,
             protocol,
-            sent: Vec::new(),
+            unechoed: VecDeque::new(),
             received: Vec::new(),
             packet: io::Cursor::default(),
             echoes,
         }
     }
 
-    /// Takes the next complete packet that is not the echo of the request.
+    /// Discards bytes until none came for the timeout. The protocols have no sequence numbers: a
+    /// late reply would be taken for that of the next request.
+    pub(super) fn wait_until_quiet(&mut self) {
+        let mut chunk = [0; 256];
+        for _ in 0..READS_UNTIL_QUIET {
+            // A failure of the port is reported by the next exchange.
+            if !matches!(self.port.read(&mut chunk), Ok(1..)) {
+                break;
+            }
+        }
+    }
+
+    /// Takes the next complete packet that is not the echo of a request.
     fn take_packet(&mut self) -> Option<Vec<u8>> {
         while let Search::Packet(begin, end) = find(self.protocol, &self.received) {
             let packet = self.received[begin..end].to_vec();
             self.received.drain(..end);
-            if packet != self.sent {
+            let Some(echoed) = self.unechoed.iter().position(|sent| *sent == packet) else {
                 return Some(packet);
-            }
+            };
             self.echoes.store(true, Ordering::Relaxed);
-            // A second equal packet is a reply.
-            self.sent.clear();
+            // Echoes come in order. A second equal packet is a reply.
+            self.unechoed.drain(..=echoed);
         }
         None
     }
@@ -148,7 +167,13 @@ impl Write for PacketPort {
         self.port.clear(ClearBuffer::Input)?;
         self.received.clear();
         self.packet = io::Cursor::default();
-        self.sent = request.to_vec();
+        if !self.echoes.load(Ordering::Relaxed) {
+            self.unechoed.clear();
+        }
+        if self.unechoed.len() == UNECHOED_MAX {
+            self.unechoed.pop_front();
+        }
+        self.unechoed.push_back(request.to_vec());
         self.port.write_all(request)?;
         Ok(request.len())
     }

@@ -138,20 +138,21 @@ impl Wire {
         Ok(())
     }
 
-    /// Repeats an exchange whose reply is missing or damaged. Reads and writes of registers can be
-    /// repeated.
+    /// Repeats an exchange whose reply is missing or damaged, after the line is quiet. Reads and
+    /// writes of registers can be repeated.
     ///
     /// # Errors
     /// The error of the last attempt.
     pub fn repeat<T>(
         &mut self,
-        exchange: impl Fn(&mut Self) -> Result<T, WireError>,
+        mut exchange: impl FnMut(&mut Self) -> Result<T, WireError>,
     ) -> Result<T, WireError> {
         let mut result = exchange(self);
         for _ in 1..ATTEMPTS {
             if !matches!(result, Err(WireError::NoReply(_) | WireError::Damaged(_))) {
                 break;
             }
+            self.port.wait_until_quiet();
             result = exchange(self);
         }
         result

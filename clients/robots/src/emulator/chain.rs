@@ -44,6 +44,8 @@ struct ChainState {
     servos: BTreeMap<u8, Servo>,
     /// Duration of a byte on the wire, s; 0 for immediate replies.
     byte_s: f64,
+    /// Delay of everything that the adapter delivers.
+    latency: Duration,
     /// Mean number of bytes per damaged byte; 0 for no damage.
     noise_every: u32,
     /// Bytes before each reply: glitches of the line.
@@ -85,6 +87,7 @@ impl Chain {
             family,
             servos: made.collect::<io::Result<_>>()?,
             byte_s: baud.map_or(0.0, |baud| BITS_PER_BYTE / f64::from(baud)),
+            latency: Duration::ZERO,
             noise_every: 0,
             glitch: Vec::new(),
             echoes: false,
@@ -129,6 +132,11 @@ impl Chain {
     /// Sends requests back, as some adapters do.
     pub fn set_echo(&self, echoes: bool) {
         lock(&self.shared).echoes = echoes;
+    }
+
+    /// Delays echoes and replies, as adapters do that collect bytes.
+    pub fn set_latency(&self, latency: Duration) {
+        lock(&self.shared).latency = latency;
     }
 
     /// Damages one in `every` reply bytes at random; 0 for none.
@@ -210,7 +218,7 @@ impl ChainState {
             0.0
         };
         self.damage(&mut answer);
-        (answer, Duration::from_secs_f64(takes_s))
+        (answer, Duration::from_secs_f64(takes_s) + self.latency)
     }
 
     fn answer(&mut self, request: &Request) -> Vec<u8> {

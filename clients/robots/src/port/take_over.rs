@@ -111,7 +111,10 @@ fn check_position(
     mapped: &MappedServo,
     state: State,
 ) -> Result<(), String> {
-    let shaft_rad = position_rad(map, wire, mapped).map_err(|error| error_text(map, &error))?;
+    let shaft_rad = map
+        .driver
+        .position_rad(wire, &mapped.servo)
+        .map_err(|error| error_text(map, &error))?;
     let joint_rad = mapped.joint_rad(shaft_rad);
     let (lower_rad, upper_rad) = mapped.limits_rad;
     let within =
@@ -138,15 +141,6 @@ fn check_position(
     ))
 }
 
-fn position_rad(map: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<f64, WireError> {
-    let mut reading = Vec::new();
-    map.driver.read(wire, &[mapped.servo], &mut reading)?;
-    reading
-        .first()
-        .map(|reading| reading.position_rad)
-        .ok_or(WireError::NoReply(mapped.servo.id))
-}
-
 /// Makes a servo hold; returns the held shaft angle, rad.
 fn hold(
     map: &PortMap,
@@ -162,7 +156,7 @@ fn hold(
         }
         State::TorqueOff => {
             driver.configure(wire, servo)?;
-            let here_rad = driver.rounded(position_rad(map, wire, mapped)?);
+            let here_rad = driver.rounded(driver.position_rad(wire, servo)?);
             driver.write_goals(wire, &[*servo], &[here_rad])?;
             driver.set_torque(wire, servo.id, true)?;
             Ok(here_rad)

@@ -59,7 +59,7 @@ pub(crate) fn two_hands() -> MapFile {
         baud: 1_000_000,
         rate_hz: 500.0,
         // Long timeout: a busy machine may delay the emulated servos.
-        answer_within_ms: 300.0,
+        answer_within_ms: 500.0,
         servos: servos.to_vec(),
     };
     MapFile {

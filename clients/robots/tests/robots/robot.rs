@@ -76,6 +76,18 @@ fn state_requires_all_ports_and_has_oldest_time() {
 }
 
 #[test]
+fn port_that_fails_before_all_hold_is_no_failed_take_over() {
+    let mut robot = Robot::new(joints().to_vec(), 2, || 5);
+    let failure = || Report::Failure("a failure".to_owned());
+    let failed = || Change::Failed("a failure".to_owned());
+    assert_eq!(robot.report(0, holding(1, 0..11)), Change::None);
+    assert_eq!(robot.report(0, failure()), failed());
+    assert_eq!(robot.report(0, failure()), Change::None, "known failure");
+    assert_eq!(robot.report(1, holding(1, 11..22)), Change::None);
+    assert_eq!(robot.report(0, holding(2, 0..11)), Change::Ready);
+}
+
+#[test]
 fn failure_stops_states_until_next_session() {
     let mut robot = ready_robot();
     assert!(robot.command(&command(1), 0));
@@ -92,7 +104,7 @@ fn failure_stops_states_until_next_session() {
     );
     assert_eq!(
         robot.report(1, Report::Failure("another failure".to_owned())),
-        Change::FailedAgain("another failure".to_owned())
+        Change::TakeOverFailed("another failure".to_owned())
     );
     robot.report(0, read(1, 0..11));
     robot.report(1, read(1, 11..22));
