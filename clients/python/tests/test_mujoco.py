@@ -5,6 +5,8 @@ import os
 import struct
 import subprocess
 import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ import atas
 import numpy as np
 import pytest
 from conftest import PROGRAMS, Programs
+from numpy.typing import NDArray
 from test_daemon import daemon
 
 mujoco = pytest.importorskip("mujoco")
@@ -160,44 +163,66 @@ def test_shear_slips_partially_and_ends_at_the_friction_limit(tmp_path: Path) ->
     assert max(ratio) < 0.5 * 1.06
 
 
-def test_cap_turns_only_above_thread_friction(tmp_path: Path) -> None:
+@dataclass
+class ScrewWorld:
+    """World of a cap on its bottle, with the hands at rest."""
+
+    scene: dict[str, Any]
+    world: World
+
+    @property
+    def weight_n(self) -> float:
+        return float(self.scene["objects"][0]["mass_kg"] * self.scene["gravity_m_s2"])
+
+    def advance(self, force_n: float, ticks: int) -> Iterator[NDArray[np.float64]]:
+        """States of the ticks with this vertical force on the cap."""
+        joints = [joint["start_rad"] for hand in self.scene["hands"] for joint in hand["joints"]]
+        values = np.concatenate([joints, np.zeros(len(joints) + 2), [0, 0, force_n, 0, 0, 0], [np.inf, np.inf]])
+        for _ in range(ticks):
+            yield self.world.advance(values)
+
+
+@pytest.fixture
+def screw_world(tmp_path: Path) -> ScrewWorld:
     scene = scene_of(tmp_path, "--scene", "screw")
-    world = World(scene, QUIET)
-    joints = sum(len(hand["joints"]) for hand in scene["hands"])
-    start = [joint["start_rad"] for hand in scene["hands"] for joint in hand["joints"]]
-    rest = np.concatenate([start, np.zeros(joints + 2 + 6), [np.inf, np.inf]])
-    for _ in range(300):
-        # The bottle settles on the table, which can lift a cap that has not turned yet.
-        world.advance(rest)
-    angle = {}
+    return ScrewWorld(scene, World(scene, QUIET))
+
+
+def test_cap_turns_only_above_thread_friction(screw_world: ScrewWorld) -> None:
+    world, state, angle = screw_world.world, np.zeros(3), {}
+    # The bottle settles on the table, which can lift a cap that has not turned yet.
+    list(screw_world.advance(0.0, 300))
     for torque_n_m in (0.010, 0.016):
-        for _ in range(200):
+        for state in screw_world.advance(0.0, 200):
             world.data.xfrc_applied[world.model.body("object0-cap").id, 5] = -torque_n_m
-            state = world.advance(rest)
         angle[torque_n_m] = float(state[-2])
     assert state[-3] == 1.0
     assert abs(angle[0.010]) < 0.005 < 0.1 < angle[0.016]
     assert state[-1] == pytest.approx(0.015, rel=0.05), "the thread passes its friction to the bottle"
 
 
-def test_cap_that_falls_on_its_thread_engages_once(tmp_path: Path) -> None:
-    scene = scene_of(tmp_path, "--scene", "screw")
-    world = World(scene, QUIET)
-    joints = sum(len(hand["joints"]) for hand in scene["hands"])
-    start = [joint["start_rad"] for hand in scene["hands"] for joint in hand["joints"]]
+def test_cap_that_falls_on_its_thread_engages_once(screw_world: ScrewWorld) -> None:
+    def engaged(weights: float, ticks: int) -> list[float]:
+        """Whether the cap is engaged at the end of each tick with this vertical force, in weights of the cap."""
+        return [float(state[-3]) for state in screw_world.advance(weights * screw_world.weight_n, ticks)]
 
-    def engaged(force_n: float, ticks: int) -> list[float]:
-        """Whether the cap is engaged at the end of each tick with this vertical force."""
-        on_objects = [0, 0, force_n, 0, 0, 0]
-        values = np.concatenate([start, np.zeros(joints + 2), on_objects, [np.inf, np.inf]])
-        return [float(world.advance(values)[-3]) for _ in range(ticks)]
-
-    weight_n = scene["objects"][0]["mass_kg"] * scene["gravity_m_s2"]
     engaged(0.0, 300)
-    assert engaged(1.1 * weight_n, 100)[-1] == 1.0, "a pull of a tenth of the weight holds the cap"
-    assert engaged(2.0 * weight_n, 20)[-1] == 0.0, "a pull of the whole weight removes it"
+    assert engaged(1.1, 100)[-1] == 1.0, "a pull of a tenth of the weight holds the cap"
+    assert engaged(2.0, 20)[-1] == 0.0, "a pull of the whole weight removes it"
     states = engaged(0.0, 300)
-    assert min(states[states.index(1.0) :]) == 1.0, "the rim pushes it up, which is no pull"
+    assert min(states[states.index(1.0) :]) == 1.0, "a cap on its thread is not pulled"
+
+
+def test_engaged_cap_follows_its_thread_and_leaves_the_rim(screw_world: ScrewWorld) -> None:
+    cap = screw_world.world._cap
+    assert cap is not None
+    for weights in (0.0, -2.0, 1.1):
+        for _ in screw_world.advance(weights * screw_world.weight_n, 100):
+            parts = screw_world.world._cap_parts[screw_world.world.now.skins]
+            offset, per_rad = parts.model.eq_data[parts.thread][:2]
+            travel_m = offset + per_rad * parts.qpos[parts.turn_qpos]
+            assert parts.qpos[parts.travel_qpos] == pytest.approx(travel_m, abs=20e-6)
+            assert screw_world.world._support_n[0] == 0.0
 
 
 def exchange(messages: list[tuple[int, bytes]], *options: str) -> list[tuple[int, bytes]]:

@@ -6,6 +6,8 @@ the bottle; it turns with the thread's friction, and travels by the thread's pit
 
     loose: rests on the rim, centred and upright ─▶ engaged ─▶ loose: pulled before the first turn
 
+The rim touches a loose cap only: an engaged one travels down past it.
+
 Limits and friction law are those of the built-in engine (`sim-backend/src/threaded_cap.rs`).
 """
 
@@ -38,6 +40,9 @@ LOOSE_RAD = 0.02
 DAMPING_N_M_S_RAD = 0.004
 """Damping of the thread (built-in engine)."""
 STIFF = [0.001, 1.0]
+THREAD_IMPEDANCE = [0.9999, 0.9999, 0.001, 0.5, 2.0]
+"""Of turn and travel, the stiffest that MuJoCo has. It softens a coupling by the inverse inertia of both joints: with the default, that
+of the turn let the cap travel by 1 mm under its own weight."""
 
 
 def add_rim(bottle: Any, rim_m: float, cap_radius_m: float) -> None:
@@ -70,6 +75,7 @@ def add_joints(spec: Any, carrier: Any, bottle_name: str, thread: dict[str, Any]
         equality.name1, equality.solref = first, STIFF
         if second:
             equality.name2 = second
+            equality.solimp = THREAD_IMPEDANCE
             equality.data[1] = -thread["sign"] * thread["pitch_m"] / (2 * np.pi)
     weld = spec.add_equality(name="cap-weld", type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
     weld.name1, weld.name2, weld.solref, weld.active = bottle_name, carrier.name, STIFF, False
@@ -86,6 +92,7 @@ class CapParts:
         turn, travel = model.joint("cap-turn").id, model.joint("cap-travel").id
         self.turn_qpos, self.travel_qpos = int(model.jnt_qposadr[turn]), int(model.jnt_qposadr[travel])
         self.turn_dof = int(model.jnt_dofadr[turn])
+        self.rim = model.geom("rim").id
         self.lock, self.thread, self.weld = (model.equality(name).id for name in ("cap-lock", "cap-thread", "cap-weld"))
         self.bottle, self.carrier = model.body(f"object{bottle}").id, model.body(f"object{cap}").id
         self.qpos, self.qvel = data.qpos, data.qvel
@@ -118,16 +125,18 @@ class Cap:
             self._engage(parts)
 
     def update(self, parts: CapParts, rim_n: float) -> None:
-        """Engages or releases the cap, and follows the thread. `rim_n` is the upward force of the rim."""
-        if not self.engaged:
-            if rim_n >= CAPTURE_WEIGHT * self._weight_n and self._is_aligned(parts):
-                self._engage(parts)
-            return
-        angle = self.angle_rad(parts)
-        # A cap that the hand presses on the rim leans on the weld as well: that is no pull.
-        if angle < LOOSE_RAD and _pull_n(parts) - rim_n > PULL_SHARE * self._weight_n:
+        """Engages or releases the cap, and follows the thread. `rim_n` is the upward force of the rim on a loose cap."""
+        if not self.engaged and rim_n >= CAPTURE_WEIGHT * self._weight_n and self._is_aligned(parts):
+            self._engage(parts)
+        elif self.engaged and self.angle_rad(parts) < LOOSE_RAD and _pull_n(parts) > PULL_SHARE * self._weight_n:
             self._release(parts)
-            return
+        elif self.engaged:
+            self._follow(parts)
+        parts.model.geom_contype[parts.rim] = 0 if self.engaged else SUPPORT_TYPE
+
+    def _follow(self, parts: CapParts) -> None:
+        """Sets the weld and the thread's friction for the present angle."""
+        angle = self.angle_rad(parts)
         self._weld(parts, angle)
         beyond = max(angle - self._thread["closing_rad"], 0.0)
         limit_n_m = self._thread["friction_n_m"] + self._thread["rise_n_m_rad"] * beyond
