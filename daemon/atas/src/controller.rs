@@ -48,6 +48,8 @@ pub struct Controller {
     step_s: f64,
     /// Set by synchronisation: a hand that presses may already hold an object.
     checks_for_grip: bool,
+    /// Set by a recovery: HOLD continues until gate and hands have synchronised to the robot.
+    recovers: bool,
     /// Refusal of the gate in the previous tick, if it requires HOLD.
     gate_refusal: Reason,
     /// Last warning, so that a lasting cause is reported once.
@@ -76,6 +78,7 @@ impl Controller {
             // One period per tick: a late tick causes no jump, a missed one is not made up.
             step_s: wiring.tick_s,
             checks_for_grip: false,
+            recovers: false,
             gate_refusal: Reason::default(),
             last_warning: Cause::NONE,
             outputs: Outputs {
@@ -115,6 +118,7 @@ impl Controller {
             .stall_detector
             .command_expired(self.settings.safety.valid_s)
         {
+            self.gate.halt();
             self.hands.iter_mut().for_each(HandControl::halt);
         }
         if self.mode.mode() == Mode::RUN {
@@ -131,7 +135,11 @@ impl Controller {
                 tick: self.tick,
                 step_s: self.step_s,
                 mode: self.mode.mode(),
-                measured_rad: self.joints.fresh_rad(self.tick, &self.settings.intake),
+                // A robot that did not track its command is the reason of many recoveries.
+                measured_rad: self
+                    .joints
+                    .fresh_rad(self.tick, &self.settings.intake)
+                    .filter(|_| !self.recovers),
                 joint_sequence: self.joints.sequence(),
                 grip_limit_n: core::array::from_fn(|hand| self.hands[hand].force_limit_n()),
                 settings: &self.settings.safety,
@@ -260,16 +268,17 @@ impl Controller {
             hand.synchronise(HandVector::from_slice(&self.gate.position_rad()[range]));
         }
         self.checks_for_grip = true;
+        self.recovers = false;
     }
 
-    /// Returns the last command, as reported by the robot or stored in the gate; measured positions
-    /// for limbs that do not track it.
+    /// Returns the last command, of the gate or, before its first one, as the robot reports it, some
+    /// ticks late; measured positions for limbs that do not track it.
     fn start_position_rad(&self, measured_rad: &RobotVector) -> RobotVector {
         let remembered_rad = self
             .gate
             .is_synchronised()
             .then(|| self.gate.position_rad());
-        let Some(last_rad) = self.joints.commanded_rad().or(remembered_rad) else {
+        let Some(last_rad) = remembered_rad.or(self.joints.commanded_rad()) else {
             return *measured_rad;
         };
         let mut anchor_rad = *measured_rad;

@@ -92,6 +92,20 @@ impl Gate {
         self.following_error_ticks = 0;
     }
 
+    /// Continues from rest at the commanded positions: the last command expired, and the robot
+    /// stopped there.
+    pub fn halt(&mut self) {
+        let rest = RobotVector::zeros(self.position_rad.len());
+        self.velocity_rad_s = rest;
+        self.acceleration_rad_s2 = rest;
+    }
+
+    /// Returns true while no commanded joint moves.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.velocity_rad_s.iter().all(|&speed| speed == 0.0)
+    }
+
     /// Passes nothing until the next [`Gate::synchronise`].
     pub fn disarm(&mut self) {
         self.synchronised = false;

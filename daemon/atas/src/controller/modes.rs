@@ -11,19 +11,19 @@ impl Controller {
     /// Stops and latches; the goal fails.
     pub(super) fn stop(&mut self, reason: Reason) {
         self.change_mode(|mode| mode.stop(reason));
+        self.recovers = false;
         self.drop_goal(reason);
     }
 
-    /// Leaves SAFE_STOP and synchronises to the present joint positions.
+    /// Leaves SAFE_STOP for HOLD. With fresh joint states and the robot at rest, gate and hands
+    /// synchronise to it; READY follows.
     pub(super) fn recover(&mut self) {
-        // In other modes synchronisation would release grip and task.
+        // In other modes a recovery would release grip and task.
         if self.mode.mode() != Mode::SAFE_STOP {
             return;
         }
         self.change_mode(ModeMachine::recover);
-        if let Some(measured_rad) = self.joints.position_rad().copied() {
-            self.synchronise(&measured_rad);
-        }
+        self.recovers = true;
     }
 
     pub(super) fn update_mode(&mut self) {
@@ -51,6 +51,11 @@ impl Controller {
                 Reason::default()
             },
             self.requested_hold,
+            if self.recovers {
+                self.mode.reason()
+            } else {
+                Reason::default()
+            },
             self.hands[0].hold_reason(self.tick, &self.settings),
             self.hands[1].hold_reason(self.tick, &self.settings),
             self.joints.hold_reason(self.tick, &self.settings.intake),
@@ -83,15 +88,16 @@ impl Controller {
         }
     }
 
-    /// Updates the hands' measured poses; synchronises the gate when the robot is first ready.
+    /// Updates the hands' measured poses; synchronises to a robot that is first ready, or recovers.
     fn update_poses(&mut self) {
         let Some(measured_rad) = self.joints.position_rad().copied() else {
             return;
         };
-        if self.mode.mode() == Mode::READY && !self.gate.is_synchronised() {
+        let is_ready = self.mode.mode() == Mode::READY;
+        if is_ready && !self.gate.is_synchronised() || self.recovers && self.can_recover() {
             self.synchronise(&measured_rad);
         }
-        if self.mode.mode() == Mode::READY && self.checks_for_grip {
+        if is_ready && self.checks_for_grip {
             self.keep_existing_grips();
         }
         let ranges = self.joint_ranges();
@@ -102,6 +108,12 @@ impl Controller {
             let effort_n_m = effort_n_m.map(|all| HandVector::from_slice(&all[range]));
             hand.update_measured(&pose, effort_n_m.as_ref(), &self.settings, self.step_s);
         }
+    }
+
+    /// Returns true if the commanded joints rest and the measured positions are fresh.
+    fn can_recover(&self) -> bool {
+        let limits = &self.settings.intake;
+        self.gate.is_at_rest() && self.joints.fresh_rad(self.tick, limits).is_some()
     }
 
     fn change_mode(&mut self, change: impl FnOnce(&mut ModeMachine)) {

@@ -45,7 +45,7 @@ pub struct FrameCounts {
     pub mistimed: u64,
     /// Frames of another writer, hand or layout.
     pub foreign: u64,
-    /// Elements masked as not finite, out of range or stuck.
+    /// Elements masked as not finite, denormal, out of range or stuck.
     pub masked_elements: u64,
     /// Writer restarts.
     pub restarts: u64,
@@ -318,10 +318,11 @@ impl FrameIntake {
                 let trusted = frame.valid_mask[finger] & !self.were_stuck[finger];
                 let flagged = trusted >> element & 1 == 1;
                 let force = frame.force_n[finger][element];
-                // False for NaN, so NaN is masked before any arithmetic.
+                // False for NaN, so NaN is masked before any arithmetic. No sensor resolves a
+                // denormal force; a broken decoder reads it instead of a grip.
                 let believable = force
                     .iter()
-                    .all(|f| f64::from(f.abs()) <= limits.element_force_n);
+                    .all(|f| f64::from(f.abs()) <= limits.element_force_n && !f.is_subnormal());
                 if flagged && believable {
                     *mask |= 1 << element;
                 } else {

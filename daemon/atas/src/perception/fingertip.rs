@@ -204,7 +204,8 @@ impl FingertipPerception {
         self.noise.pause();
     }
 
-    /// Low-passes every element; a masked element decays. Returns the filter gain.
+    /// Low-passes every element. A masked element decays; it is zero while the valid ones feel no
+    /// contact. Returns the filter gain.
     fn filter(&mut self, finger: usize, frame: &ValidatedFrame<'_>, settings: &Perception) -> f64 {
         let step_s = frame.step_s();
         let share = if settings.filter_s > 0.0 {
@@ -212,10 +213,9 @@ impl FingertipPerception {
         } else {
             1.0
         };
+        let mut valid_n = 0.0;
         for element in 0..self.axes.count {
             let Some(force_n) = frame.element_n(finger, element) else {
-                let kept = MASKED_DECAY_S / (MASKED_DECAY_S + step_s);
-                self.filtered_n[element] = self.filtered_n[element].map(|n| n * kept);
                 continue;
             };
             let axes = self.filtered_n[element]
@@ -223,6 +223,17 @@ impl FingertipPerception {
                 .zip(self.bias_n[element]);
             for ((filtered, bias), force) in axes.zip(force_n) {
                 *filtered += (force - bias - *filtered) * share;
+            }
+            valid_n += self.filtered_n[element][0];
+        }
+        let kept = if valid_n > settings.touch_off_n {
+            MASKED_DECAY_S / (MASKED_DECAY_S + step_s)
+        } else {
+            0.0
+        };
+        for element in 0..self.axes.count {
+            if frame.element_n(finger, element).is_none() {
+                self.filtered_n[element] = self.filtered_n[element].map(|n| n * kept);
             }
         }
         share

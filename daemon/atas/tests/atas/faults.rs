@@ -116,8 +116,11 @@ fn following_error_stops_the_robot() {
     }
     assert_eq!(world.controller.mode().1.cause, Cause::FOLLOWING_ERROR);
     world.q_rad = stuck_rad;
-    world.request(OperatorRequest::Recover);
-    let outputs = world.run(30);
+    let mut outputs = world.request(OperatorRequest::Recover);
+    for _ in 0..100 {
+        world.q_rad = stuck_rad;
+        outputs = world.tick();
+    }
     assert_eq!(world.mode(), Mode::READY);
     // A limb that did not track its command restarts from its measured position; a limb that nearly
     // did keeps its command.

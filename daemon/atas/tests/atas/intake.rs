@@ -221,7 +221,7 @@ fn element_rows() -> Vec<Row> {
         masked("F12 infinite", f32::NEG_INFINITY, 1),
         masked("F14 1e9 N", 1e9, 1),
         masked("F14 −1e9 N", -1e9, 1),
-        masked("F13 denormal", f32::from_bits(1), 0),
+        masked("F13 denormal", f32::from_bits(1), 1),
         masked("large but valid", 49.0, 0),
         Row {
             counts: |c| c.masked_elements += 8,
