@@ -140,6 +140,23 @@ impl World {
         })
     }
 
+    /// Returns a copy in the present state, which continues with the same bits; `None` with an
+    /// external engine.
+    #[must_use]
+    pub fn copy(&self) -> Option<Self> {
+        let Physics::BuiltIn(built_in) = &self.physics else {
+            return None;
+        };
+        Some(Self {
+            electronics: self.electronics.clone(),
+            physics: Physics::BuiltIn(built_in.clone()),
+            objects: self.objects.clone(),
+            plates: self.plates.clone(),
+            base_motion: self.base_motion,
+            fault: self.fault.clone(),
+        })
+    }
+
     /// Samples all sensors due in this tick. Call once per tick, before [`World::advance`].
     pub fn sense(&mut self, out: &mut Sensed) {
         match &self.physics {

@@ -71,6 +71,7 @@ pub use gentleness::{
 };
 pub use held::{HeldPlan, HeldSummary, Outcomes};
 pub use markdown::{RobotResults, SkinResults, errors_table, robots_table, skins_table, table};
+pub use parallel::run_indexed;
 pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
 pub use plan::{Plan, Shard};
 pub use policy::GripPolicy;

@@ -7,9 +7,10 @@ use atas_core::tasks::Task;
 use atas_core::{Controller, Inputs, OperatorRequest, Outputs, SensorSetup, Settings, Tick};
 use robot_model::RobotModel;
 use shm_schemas::{
-    GoalRequest, GoalState, GoalUpdate, GraspTarget, HandFrame, JointCommand, Mode, Reason,
-    WorldTruth,
+    GoalRequest, GoalState, GoalUpdate, GraspTarget, HandFrame, JointCommand, JointState, Mode,
+    Reason, WorldTruth,
 };
+use sim_backend::faults::{Delivery, FaultPipeline};
 use sim_backend::{BaseMotion, BaseMotionError, Scene, SceneError, Sensed, TICK_NS, World};
 
 /// Time limit for the controller to become ready, ticks.
@@ -20,13 +21,26 @@ pub struct OfflineRun {
     robot: RobotModel,
     world: Box<World>,
     controller: Box<Controller>,
+    setup: SensorSetup,
+    settings: Settings,
     sensed: Sensed,
+    /// Faults between sensors and controller, with what they deliver.
+    faults: Option<(FaultPipeline, Delivered)>,
     command: JointCommand,
+    /// False: commands do not reach the robot.
+    obeys: bool,
     index: u64,
     task: Option<Task>,
     targets: Vec<GraspTarget>,
     /// False: the servos report zero torque.
     has_torques: bool,
+}
+
+/// Sensor data of a tick behind the faults.
+#[derive(Clone, Debug, Default)]
+struct Delivered {
+    frames: [Vec<HandFrame>; 2],
+    joints: Option<JointState>,
 }
 
 /// Result of one goal.
@@ -84,16 +98,20 @@ impl OfflineRun {
     /// Runs in a world of this scene, without running a tick.
     #[must_use]
     pub fn in_world(robot: &RobotModel, scene: &Scene, world: World, settings: Settings) -> Self {
-        let mut wiring = SensorSetup::from_robot(robot);
-        for (hand, rate_hz) in wiring.hands.iter_mut().zip(scene.sensor_rate_hz) {
+        let mut setup = SensorSetup::from_robot(robot);
+        for (hand, rate_hz) in setup.hands.iter_mut().zip(scene.sensor_rate_hz) {
             hand.rate_hz = f64::from(rate_hz);
         }
         Self {
             robot: robot.clone(),
             world: Box::new(world),
-            controller: Box::new(Controller::new(robot, wiring, settings)),
+            controller: Box::new(Controller::new(robot, setup, settings)),
+            setup,
+            settings,
             sensed: Sensed::default(),
+            faults: None,
             command: JointCommand::default(),
+            obeys: true,
             index: 0,
             task: None,
             targets: Vec::new(),
@@ -104,6 +122,59 @@ impl OfflineRun {
     /// Lets the servos report zero torque from the next tick on.
     pub(crate) fn hide_torques(&mut self) {
         self.has_torques = false;
+    }
+
+    /// Returns a copy in the present state, which continues with the same bits; `None` with an
+    /// external engine.
+    #[must_use]
+    pub fn copy(&self) -> Option<Self> {
+        Some(Self {
+            robot: self.robot.clone(),
+            world: Box::new(self.world.copy()?),
+            controller: self.controller.clone(),
+            setup: self.setup,
+            settings: self.settings,
+            sensed: self.sensed.clone(),
+            faults: self.faults.clone(),
+            command: self.command,
+            obeys: self.obeys,
+            index: self.index,
+            task: self.task,
+            targets: self.targets.clone(),
+            has_torques: self.has_torques,
+        })
+    }
+
+    /// Passes all sensor data through these faults from the next tick on.
+    pub fn inject(&mut self, faults: FaultPipeline) {
+        self.faults = Some((faults, Delivered::default()));
+    }
+
+    /// Commands do not reach the robot from the next tick on.
+    pub fn disconnect_robot(&mut self) {
+        self.obeys = false;
+    }
+
+    /// Advances the world without the controller, as while its process is stopped.
+    pub fn pause_controller(&mut self, ticks: u64) {
+        for _ in 0..ticks {
+            self.world.sense(&mut self.sensed);
+            self.world.advance(None);
+            self.index += 1;
+        }
+    }
+
+    /// Replaces the controller by a new one with another writer epoch, as after the death of its
+    /// process.
+    pub fn restart_controller(&mut self) {
+        self.setup.writer_epoch += 1;
+        *self.controller = Controller::new(&self.robot, self.setup, self.settings);
+    }
+
+    /// Returns the number of ticks so far.
+    #[must_use]
+    pub fn ticks(&self) -> u64 {
+        self.index
     }
 
     /// Sets an additional task for goals that name it.
@@ -157,24 +228,32 @@ impl OfflineRun {
             .iter_mut()
             .flatten()
             .for_each(&mut frame_filter);
-        let frames = [
-            as_slice(&self.sensed.frames[0]),
-            as_slice(&self.sensed.frames[1]),
-        ];
         let tick = Tick {
             index: self.index,
             now_ns: self.world.now_ns(),
         };
+        let (frames, joints) = match &mut self.faults {
+            None => (
+                self.sensed.frames.each_ref().map(Option::as_slice),
+                Some(&self.sensed.joints),
+            ),
+            Some((faults, delivered)) => {
+                delivered.receive(faults, self.index, &self.sensed);
+                let frames = delivered.frames.each_ref().map(Vec::as_slice);
+                (frames, delivered.joints.as_ref())
+            }
+        };
         let outputs = self.controller.step(&Inputs {
             tick,
             frames,
-            joints: Some(&self.sensed.joints),
+            joints,
             targets: &self.targets,
             request,
         });
         self.targets.clear();
         self.command = outputs.command;
-        self.world.advance(Some(&self.command));
+        self.world
+            .advance(Some(&self.command).filter(|_| self.obeys));
         self.index += 1;
         outputs
     }
@@ -262,6 +341,14 @@ impl OfflineRun {
     }
 }
 
-fn as_slice<T>(frame: &Option<T>) -> &[T] {
-    frame.as_slice()
+impl Delivered {
+    /// Takes the data of a tick behind the faults. Of several joint states, the newest counts.
+    fn receive(&mut self, faults: &mut FaultPipeline, tick: u64, sensed: &Sensed) {
+        self.frames.iter_mut().for_each(Vec::clear);
+        self.joints = None;
+        faults.pass(tick, sensed, |delivery| match delivery {
+            Delivery::Frame(side, frame) => self.frames[side.index()].push(*frame),
+            Delivery::Joints(joints) => self.joints = Some(*joints),
+        });
+    }
 }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 ///
 /// # Errors
 /// The first error of `run`, or the threads do not start.
-pub(crate) fn run_indexed<T: Send>(
+pub fn run_indexed<T: Send>(
     count: u64,
     threads: usize,
     stop: &AtomicBool,
