@@ -24,6 +24,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "robot-model",
         ],
     ),
+    ("atas-judge", &["shm-schemas"]),
     ("field", &[]),
     ("pinch", &[]),
     (
@@ -90,6 +91,17 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "atas-faults",
+        &[
+            "atas-core",
+            "atas-evaluation",
+            "atas-judge",
+            "robot-model",
+            "shm-schemas",
+            "sim-backend",
+        ],
+    ),
+    (
         "atas-learning",
         &["atas-core", "robot-model", "shm-schemas", "sim-backend"],
     ),
@@ -132,6 +144,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "atas-core",
             "atas-demo",
             "atas-evaluation",
+            "atas-faults",
             "atas-recording",
             "atas-sensors",
             "ebts",

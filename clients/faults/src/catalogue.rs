@@ -1,0 +1,173 @@
+//! The fault catalogue: each row names a fault, the required reaction, and what shows it.
+
+use shm_schemas::Mode;
+
+use crate::Injection;
+
+/// Row of the catalogue.
+#[derive(Clone, Copy, Debug)]
+pub struct Fault {
+    /// Number, for example `F01`. Variants of one fault have a letter.
+    pub id: &'static str,
+    /// Short name.
+    pub name: &'static str,
+    /// What happens.
+    pub about: &'static str,
+    /// What shows the reaction.
+    pub shown: Shown,
+}
+
+/// What shows the reaction to a fault.
+#[derive(Clone, Copy, Debug)]
+pub enum Shown {
+    /// `atas fault run`, in virtual time.
+    Injected(Injection, Reaction),
+    /// Test with real processes, `file::name`.
+    Test(&'static str),
+    /// Nothing yet, for this reason.
+    Nothing(&'static str),
+}
+
+/// Required reaction. In addition, each command keeps all limits, and no object is lost or harmed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reaction {
+    /// HOLD, or a more severe mode, within this number of ticks.
+    Hold(u64),
+    /// SAFE_STOP, or a more severe mode, within this number of ticks.
+    SafeStop(u64),
+    /// None: the goal continues.
+    Continue,
+    /// HOLD, SAFE_STOP or none.
+    Safe,
+}
+
+const HOLDING: &[Mode] = &[Mode::HOLD, Mode::SAFE_STOP, Mode::FAULT];
+const STOPPED: &[Mode] = &[Mode::SAFE_STOP, Mode::FAULT];
+
+impl Reaction {
+    /// Returns the required modes and the bound in ticks; `None` without a required mode.
+    #[must_use]
+    pub fn required(self) -> Option<(&'static [Mode], u64)> {
+        match self {
+            Self::Hold(ticks) => Some((HOLDING, ticks)),
+            Self::SafeStop(ticks) => Some((STOPPED, ticks)),
+            Self::Continue | Self::Safe => None,
+        }
+    }
+
+    /// Returns the modes that must not appear.
+    #[must_use]
+    pub fn forbidden(self) -> &'static [Mode] {
+        match self {
+            Self::Continue => HOLDING,
+            Self::Hold(_) | Self::SafeStop(_) => &[],
+            Self::Safe => &[Mode::FAULT],
+        }
+    }
+
+    /// Returns the reaction in words.
+    #[must_use]
+    pub fn text(self) -> String {
+        match self {
+            Self::Hold(ticks) => format!("HOLD within {ticks} ticks"),
+            Self::SafeStop(ticks) => format!("SAFE_STOP within {ticks} ticks"),
+            Self::Continue => "the goal continues".to_owned(),
+            Self::Safe => "a stop, or the goal continues".to_owned(),
+        }
+    }
+}
+
+/// Returns the rows with this number or name. A number without letter selects all its variants.
+pub fn find(text: &str) -> impl Iterator<Item = &'static Fault> {
+    CATALOGUE.iter().filter(move |fault| {
+        let variant = fault.id.strip_prefix(text);
+        let is_id = variant.is_some_and(|rest| rest.chars().all(|letter| letter.is_alphabetic()));
+        (is_id && text.len() >= 3) || fault.name == text
+    })
+}
+
+/// Detection of missing data: no frame for 5 ms, found by the tick after that.
+const SILENT: Reaction = Reaction::Hold(6);
+
+/// The first burst may arrive before the gap is noticed.
+const BURSTS: Reaction = Reaction::Hold(11);
+
+/// All rows, in the order of their numbers.
+#[rustfmt::skip]
+pub const CATALOGUE: &[Fault] = {
+    use Injection::{Disconnected, Frames, FramesWrap, Joints, Pause, Restart};
+    use Reaction::{Continue, Hold, Safe, SafeStop};
+    use Shown::{Injected, Nothing, Test};
+    const fn row(id: &'static str, name: &'static str, about: &'static str, shown: Shown) -> Fault {
+        Fault { id, name, about, shown }
+    }
+    &[
+        row("F01", "frames-lost", "the sensor of the acting hand stops", Injected(Frames("drop=1", None), SILENT)),
+        row("F02", "frames-frozen", "frames repeat one content, with new sequence numbers", Injected(Frames("freeze", None), Hold(50))),
+        row("F03", "frames-stale", "frames carry a time 50 ms in the past", Injected(Frames("stale=0.05", None), SILENT)),
+        row("F04", "frames-future", "frames carry a time 50 ms in the future", Injected(Frames("future=0.05", None), SILENT)),
+        row("F05", "short-gap", "three frames are missing", Injected(Frames("drop=1", Some(0.003)), Continue)),
+        row("F06", "long-gap", "eight frames are missing", Injected(Frames("drop=1", Some(0.008)), SILENT)),
+        row("F07", "frames-duplicated", "every frame arrives twice", Injected(Frames("duplicate", None), Continue)),
+        row("F08", "frames-reordered", "neighbouring frames swap their order", Injected(Frames("reorder", None), Continue)),
+        row("F09", "counter-wraps", "the sequence number wraps to zero", Injected(FramesWrap, Safe)),
+        row("F10a", "some-bits-flipped", "a bit flips in one of ten frames", Injected(Frames("corrupt=0.1", None), Continue)),
+        row("F10b", "all-bits-flipped", "a bit flips in every frame", Injected(Frames("corrupt=1", None), SILENT)),
+        row("F11", "wrong-hand", "frames carry the id of the other hand", Injected(Frames("foreign", None), SILENT)),
+        row("F12a", "one-nan", "one element reads NaN", Injected(Frames("nan=1", None), Continue)),
+        row("F12b", "many-nan", "twenty elements read NaN", Injected(Frames("nan=20", None), Hold(1))),
+        row("F13", "denormal", "every reading is a denormal number", Injected(Frames("denormal", None), Hold(1))),
+        row("F14", "huge-reading", "one element reads 1e9 N", Injected(Frames("huge", None), Continue)),
+        row("F15", "stuck-element", "one element repeats its reading", Injected(Frames("stick=0", None), Safe)),
+        row("F16", "drift", "normal forces drift by 10 mN/s", Injected(Frames("bias=0.01", None), Safe)),
+        row("F17", "saturated", "every element reads 25 N", Injected(Frames("saturate", None), Safe)),
+        row("F18", "slow-sensor", "the sensor delivers 100 frames per second", Test("sim-backend/tests/closed_loop/interrupted.rs::tasks_succeed_despite_repeated_holds")),
+        row("F19", "bursts", "frames arrive twenty at once", Injected(Frames("burst=20", None), BURSTS)),
+        row("F20", "sensor-restarted", "frames begin again with a new writer epoch", Injected(Frames("epoch", None), Safe)),
+        row("F21", "wall-clock", "the wall clock jumps by ten years", Nothing("no program reads the wall clock for control; no test sets it")),
+        row("F22", "clock-offset", "frames carry a time 1e6 s in the future", Injected(Frames("future=1000000", None), SILENT)),
+        row("F23", "all-frozen", "no process runs for 5 s", Injected(Pause(5000), Hold(0))),
+        row("F24", "daemon-stopped", "the daemon does not run for 100 ms", Injected(Pause(100), Hold(0))),
+        row("F25", "daemon-killed", "the daemon is killed and starts again after 100 ms", Injected(Restart(100), Safe)),
+        row("F26", "out-of-memory", "the kernel kills the daemon for its memory", Nothing("no test sets a memory limit; the reaction is that of F25")),
+        row("F27", "module-panics", "a module panics", Test("daemon/src/panic_guard.rs::panic_holds_from_the_same_tick_on")),
+        row("F28", "module-loops", "a module does not return", Nothing("no test runs a module without end; each_end_leaves_its_cause has the signal that ends it")),
+        row("F29", "module-slow", "a module takes 2 ms", Nothing("no test delays a module")),
+        row("F30", "overload", "the machine is overloaded", Nothing("`atas bench` measures it; no bound is tested")),
+        row("F31", "real-time-hog", "a process of highest priority takes a core", Nothing("needs real-time rights")),
+        row("F32", "second-daemon", "a second daemon starts", Test("daemon/tests/daemon/lifecycle.rs::second_daemon_is_rejected_naming_the_first")),
+        row("F33", "client-killed", "a client dies during its goal", Test("tests/tests/system/teleop.rs::grip_persists_after_client_dies_or_stop")),
+        row("F34", "client-hangs", "a client stops during its goal", Test("daemon/tests/daemon/goals.rs::busy_cancelled_and_abandoned_goals_end")),
+        row("F35", "goal-flood", "a client floods the daemon with goals", Test("daemon/tests/daemon/goals.rs::stop_works_during_a_flood_of_goals")),
+        row("F36", "goal-malformed", "a goal has invalid values", Test("daemon/atas/tests/atas/goal.rs::every_invalid_field_is_named")),
+        row("F37", "goal-oversized", "a goal has another size", Nothing("payloads of the bus have a fixed size")),
+        row("F38", "unknown-version", "a client has another ABI", Test("shm-schemas/bus/tests/versions.rs::client_and_daemon_of_other_abi_are_refused")),
+        row("F39", "conflicting-goals", "a goal comes during another", Test("daemon/atas/tests/atas/teleop.rs::second_goal_is_rejected_during_teleoperation")),
+        row("F40a", "joints-lost", "joint states stop", Injected(Joints("drop=1", None), SILENT)),
+        row("F40b", "joints-late", "joint states arrive 10 ms late", Injected(Joints("delay=10", None), SILENT)),
+        row("F41a", "joints-jump", "joint states jump by 0.5 rad", Injected(Joints("jump=0.5", None), SafeStop(1))),
+        row("F41b", "joints-nan", "a joint state is NaN", Injected(Joints("nan=1", None), SafeStop(1))),
+        row("F42", "joint-jammed", "a joint does not move", Test("daemon/atas/tests/atas/faults.rs::following_error_stops_the_robot")),
+        row("F43", "command-saturated", "a request exceeds the limits", Test("daemon/atas/tests/atas/gate.rs::arbitrary_commands_stay_within_limits")),
+        row("F44", "commands-ignored", "the robot ignores all commands", Injected(Disconnected, Safe)),
+        row("F45", "log-disk-full", "the disk of the log is full", Test("daemon/tests/daemon/log_output.rs::full_disk_log_does_not_end_the_daemon")),
+        row("F46", "recording-disk-full", "the disk of the recording is full", Test("tests/tests/system/recordings.rs::full_disk_ends_only_the_recorder")),
+        row("F47", "read-only-disk", "the file system is read-only", Nothing("no test mounts one")),
+        row("F48", "no-shared-memory", "shared memory is full at the start", Test("shm-schemas/bus/tests/stop.rs::stop_arrives_with_full_file_systems")),
+        row("F49", "shared-memory-full", "shared memory fills up later", Test("shm-schemas/bus/tests/stop.rs::stop_arrives_on_a_full_locked_bus")),
+        row("F50", "segment-truncated", "a shared-memory file is truncated", Test("tests/tests/system/restarts.rs::object_stays_in_hand_through_daemon_interruptions")),
+        row("F51", "half-created-bus", "a process is killed during start-up", Test("shm-schemas/bus/tests/crash.rs::start_up_survives_kills_on_an_empty_bus")),
+        row("F52", "foreign-user", "another user attaches", Test("shm-schemas/bus/tests/isolation.rs::other_users_get_the_owner_but_no_access")),
+        row("F53", "squatted-folder", "another user owns the folder of the bus", Test("shm-schemas/bus/tests/isolation.rs::foreign_folder_is_named_if_it_has_bus")),
+        row("F54", "rogue-publisher", "a second process publishes the same data", Test("shm-schemas/bus/tests/streams.rs::second_writer_is_rejected_naming_the_first")),
+        row("F55", "frame-rewritten", "a frame changes after its publication", Nothing("a reader copies each frame before it checks it; no test rewrites one")),
+        row("F56", "table-malformed", "a behaviour table is malformed", Test("tests/tests/system/swarm.rs::valid_tables_replace_running_ones_malformed_never")),
+        row("F57", "agents-killed", "the process of the swarm is killed", Test("tests/tests/system/swarm.rs::agents_stop_after_kill_and_resume_with_next")),
+        row("F58", "invalid-configuration", "the configuration has invalid values", Test("daemon/tests/daemon/config.rs::invalid_values_are_reported_with_location")),
+        row("F59", "reload-in-goal", "the configuration is read again during a goal", Test("daemon/tests/daemon/service.rs::reload_applies_or_keeps_the_configuration")),
+        row("F60", "terminated", "the daemon receives SIGTERM during a grasp", Test("tests/tests/system/faults.rs::sigterm_during_grasp_keeps_the_grip")),
+        row("F61", "no-descriptors", "no file descriptor is free", Test("shm-schemas/bus/tests/stop.rs::stop_arrives_without_free_descriptors")),
+        row("F62", "no-real-time", "real-time scheduling is refused", Nothing("all tests run without it; none checks the report")),
+        row("F63", "log-reader-hangs", "the reader of the log hangs", Test("daemon/process/src/log.rs::full_queue_drops_lines_without_blocking")),
+    ]
+};

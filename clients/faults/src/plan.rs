@@ -1,0 +1,118 @@
+//! Plan of the runs: faults, tasks, phases and seeds.
+
+use std::sync::atomic::AtomicBool;
+
+use atas_core::Settings;
+use atas_evaluation::{Task, run_indexed};
+use robot_model::{RobotFiles, RobotModel};
+use sim_backend::Object;
+
+use crate::catalogue::{Fault, Reaction, Shown};
+use crate::course::Course;
+use crate::injection::Injection;
+use crate::report::FaultReport;
+use crate::verdict::{Verdict, verdict};
+
+/// Faults that are injected into tasks.
+#[derive(Clone, Debug)]
+pub struct FaultPlan {
+    /// Faults; those without injection are reported with what shows them.
+    pub faults: Vec<&'static Fault>,
+    /// Tasks.
+    pub tasks: Vec<Task>,
+    /// Phase of the tasks; `None`: each one.
+    pub phase: Option<String>,
+    /// Object of grasp and pick and place.
+    pub object: Object,
+    /// Seeds per task.
+    pub seeds: u64,
+    /// First seed.
+    pub first_seed: u64,
+    /// Robot.
+    pub robot: RobotFiles,
+    /// Controller settings.
+    pub settings: Settings,
+    /// Threads; 0: one per core.
+    pub threads: usize,
+}
+
+impl FaultPlan {
+    /// Returns the number of runs of a task without fault, each with all faults in all its phases.
+    #[must_use]
+    pub fn courses(&self) -> u64 {
+        self.tasks.len() as u64 * self.seeds
+    }
+
+    /// Runs all; calls `done` after each course, from any thread; `None` if stopped.
+    ///
+    /// # Errors
+    /// The robot or a world cannot be created, a task fails without a fault, or no task has the
+    /// requested phase.
+    pub fn run(
+        &self,
+        stop: &AtomicBool,
+        done: impl Fn() + Sync,
+    ) -> anyhow::Result<Option<FaultReport>> {
+        let robot = self.robot.load()?;
+        for task in &self.tasks {
+            task.check(&robot)?;
+        }
+        let verdicts = run_indexed(self.courses(), self.threads, stop, |index| {
+            let task = self.tasks[(index / self.seeds) as usize];
+            let verdicts = self.course(&robot, task, self.first_seed + index % self.seeds)?;
+            done();
+            Ok(verdicts)
+        })?;
+        let Some(verdicts) = verdicts else {
+            return Ok(None);
+        };
+        let verdicts: Vec<Verdict> = verdicts.into_iter().flatten().collect();
+        let injects = self.faults.iter().any(|fault| injected(fault).is_some());
+        if let Some(phase) = self
+            .phase
+            .as_ref()
+            .filter(|_| injects && verdicts.is_empty())
+        {
+            anyhow::bail!("could not inject a fault: no requested task has the phase {phase:?}");
+        }
+        Ok(Some(FaultReport::new(self, &verdicts)))
+    }
+
+    /// Injects all faults into each requested phase of one task.
+    fn course(&self, robot: &RobotModel, task: Task, seed: u64) -> anyhow::Result<Vec<Verdict>> {
+        let faults: Vec<_> = self
+            .faults
+            .iter()
+            .filter_map(|&fault| injected(fault))
+            .collect();
+        if faults.is_empty() {
+            return Ok(Vec::new());
+        }
+        let cap = || Object::built_in("cap");
+        let object = match task {
+            Task::Grasp | Task::PickPlace => self.object.clone(),
+            Task::Screw | Task::Assembly => cap()?,
+        };
+        let course = Course::new(robot, task, &object, seed, self.settings)?;
+        let is_requested = |name: &str| self.phase.as_deref().is_none_or(|phase| phase == name);
+        let (mut verdicts, mut progress) = (Vec::new(), course.begin()?);
+        for phase in course.phases()? {
+            if !is_requested(&phase.name) {
+                continue;
+            }
+            course.advance_into(&phase, &mut progress);
+            for &fault in &faults {
+                verdicts.push(verdict(&course, &phase, &progress, fault)?);
+            }
+        }
+        Ok(verdicts)
+    }
+}
+
+/// Returns a fault with its injection; `None` if tests show it.
+fn injected(fault: &'static Fault) -> Option<(&'static Fault, Injection, Reaction)> {
+    match fault.shown {
+        Shown::Injected(injection, reaction) => Some((fault, injection, reaction)),
+        Shown::Test(_) | Shown::Nothing(_) => None,
+    }
+}

@@ -1,0 +1,122 @@
+//! Report: one row per fault.
+
+use serde::Serialize;
+
+use crate::catalogue::{CATALOGUE, Fault, Shown};
+use crate::plan::FaultPlan;
+use crate::verdict::Verdict;
+
+/// Failed runs of a fault that a report names; it counts all. Design choice: a screen.
+const FAILURES_SHOWN: usize = 8;
+
+/// Result of a plan.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FaultReport {
+    /// Name of the robot.
+    pub robot: String,
+    /// Names of the tasks.
+    pub tasks: Vec<&'static str>,
+    /// One row per fault, in the order of the catalogue.
+    pub faults: Vec<FaultRow>,
+    /// Numbers of the catalogue that an injection or a test shows.
+    pub automated: usize,
+    /// Numbers of the catalogue.
+    pub catalogue: usize,
+    /// Runs in which a command exceeded its limits, or an object was lost or harmed.
+    pub unsafe_outputs: usize,
+}
+
+/// Result of one fault.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FaultRow {
+    /// Number.
+    pub id: &'static str,
+    /// Name.
+    pub name: &'static str,
+    /// Required reaction; `None` if a test shows it.
+    pub reaction: Option<String>,
+    /// What shows it: `injection`, a test, or the reason why nothing does.
+    pub shown_by: String,
+    /// Seeds of each task.
+    pub seeds: u64,
+    /// Runs: one per seed, task and phase.
+    pub runs: usize,
+    /// Runs that passed.
+    pub passed: usize,
+    /// Slowest reaction, ticks.
+    pub worst_ticks: Option<u64>,
+    /// Bound of the reaction, ticks.
+    pub bound_ticks: Option<u64>,
+    /// Failed runs: the command that repeats it, and the cause.
+    pub failures: Vec<String>,
+}
+
+impl FaultReport {
+    pub(crate) fn new(plan: &FaultPlan, verdicts: &[Verdict]) -> Self {
+        let rows = plan.faults.iter().map(|fault| row(plan, fault, verdicts));
+        Self {
+            robot: plan.robot.name.to_string(),
+            tasks: plan.tasks.iter().map(|task| task.name()).collect(),
+            faults: rows.collect(),
+            automated: numbers(|shown| !matches!(shown, Shown::Nothing(_))),
+            catalogue: numbers(|_| true),
+            unsafe_outputs: verdicts.iter().filter(|verdict| verdict.is_unsafe).count(),
+        }
+    }
+
+    /// Returns true if every run passed.
+    #[must_use]
+    pub fn has_passed(&self) -> bool {
+        self.faults.iter().all(|fault| fault.passed == fault.runs)
+    }
+}
+
+fn row(plan: &FaultPlan, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
+    let own: Vec<_> = verdicts
+        .iter()
+        .filter(|verdict| verdict.fault == fault.id)
+        .collect();
+    let failed = own
+        .iter()
+        .filter_map(|verdict| failure(plan, fault, verdict));
+    let (shown_by, reaction) = match fault.shown {
+        Shown::Injected(_, reaction) => ("injection".to_owned(), Some(reaction)),
+        Shown::Test(test) => (test.to_owned(), None),
+        Shown::Nothing(why) => (why.to_owned(), None),
+    };
+    FaultRow {
+        id: fault.id,
+        name: fault.name,
+        reaction: reaction.map(|reaction| reaction.text()),
+        shown_by,
+        seeds: if own.is_empty() { 0 } else { plan.seeds },
+        runs: own.len(),
+        passed: own
+            .iter()
+            .filter(|verdict| verdict.failure.is_none())
+            .count(),
+        worst_ticks: own.iter().filter_map(|verdict| verdict.ticks).max(),
+        bound_ticks: reaction
+            .and_then(|reaction| reaction.required())
+            .map(|(_, ticks)| ticks),
+        failures: failed.take(FAILURES_SHOWN).collect(),
+    }
+}
+
+fn failure(plan: &FaultPlan, fault: &Fault, verdict: &Verdict) -> Option<String> {
+    let why = verdict.failure.as_ref()?;
+    let (task, phase, seed) = (verdict.task, &verdict.phase, verdict.seed);
+    let robot = &plan.robot.name;
+    Some(format!(
+        "atas fault run {} --robot {robot} --task {task} --at {phase} --seed {seed}: {why}",
+        fault.id
+    ))
+}
+
+/// Counts the numbers of the catalogue of which a variant is shown in this way.
+fn numbers(is_counted: impl Fn(&Shown) -> bool) -> usize {
+    let counted = CATALOGUE.iter().filter(|fault| is_counted(&fault.shown));
+    let mut numbers: Vec<&str> = counted.map(|fault| &fault.id[..3]).collect();
+    numbers.dedup();
+    numbers.len()
+}

@@ -1,0 +1,123 @@
+//! Tests of the fault catalogue and of the injection.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use atas_core::Settings;
+use atas_evaluation::{Task, seeds};
+use atas_faults::{CATALOGUE, Fault, FaultPlan, FaultReport, Injection, Reaction, Shown, find};
+use sim_backend::Object;
+
+fn plan(faults: Vec<&'static Fault>, threads: usize) -> FaultPlan {
+    FaultPlan {
+        faults,
+        tasks: vec![Task::Grasp],
+        phase: Some("lift".to_owned()),
+        object: Object::built_in("wood").expect("built in"),
+        seeds: 2,
+        first_seed: seeds::EVALUATION_START,
+        robot: robot_model::TWO_HAND_ARM,
+        settings: Settings::default(),
+        threads,
+    }
+}
+
+fn run(plan: &FaultPlan) -> FaultReport {
+    let report = plan.run(&AtomicBool::new(false), || ());
+    report.expect("it runs").expect("not stopped")
+}
+
+#[test]
+fn numbers_are_complete_and_in_order() {
+    let ids: Vec<&str> = CATALOGUE.iter().map(|fault| fault.id).collect();
+    assert!(ids.is_sorted(), "{ids:?}");
+    for number in 1..=63 {
+        let number = format!("F{number:02}");
+        assert!(find(&number).next().is_some(), "{number} is missing");
+    }
+    let mut names: Vec<&str> = CATALOGUE.iter().map(|fault| fault.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), CATALOGUE.len(), "a name appears twice");
+}
+
+#[test]
+fn every_named_test_exists() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    for fault in CATALOGUE {
+        let Shown::Test(test) = fault.shown else {
+            continue;
+        };
+        let (file, name) = test.split_once("::").expect("file::name");
+        let text = std::fs::read_to_string(top.join(file)).expect(file);
+        assert!(
+            text.contains(&format!("fn {name}(")),
+            "{}: {test}",
+            fault.id
+        );
+    }
+}
+
+#[test]
+fn faults_are_found_by_number_and_name() {
+    let check = |text: &str, expected: &[&str]| {
+        let ids: Vec<&str> = find(text).map(|fault| fault.id).collect();
+        assert_eq!(ids, expected, "{text}");
+    };
+    check("F01", &["F01"]);
+    check("F12", &["F12a", "F12b"]);
+    check("F12b", &["F12b"]);
+    check("frames-lost", &["F01"]);
+    check("F", &[]);
+    check("F99", &[]);
+    check("", &[]);
+}
+
+#[test]
+fn grip_survives_lost_frames_and_a_restart() {
+    let faults: Vec<_> = ["F01", "F05", "F25"].into_iter().flat_map(find).collect();
+    let report = run(&plan(faults, 0));
+    assert!(report.has_passed(), "{report:#?}");
+    assert_eq!(report.unsafe_outputs, 0);
+    let runs: Vec<usize> = report.faults.iter().map(|row| row.runs).collect();
+    assert_eq!(runs, [2, 2, 2], "one phase with two seeds");
+    assert!(report.faults[0].worst_ticks.is_some_and(|ticks| ticks <= 6));
+}
+
+/// Regression: the masked element kept its force when the fingertips let go, which caused HOLD.
+#[test]
+fn masked_element_does_not_hold_the_hand_that_lets_go() {
+    let mut plan = plan(["F12a", "F14"].into_iter().flat_map(find).collect(), 0);
+    plan.tasks = vec![Task::PickPlace];
+    plan.phase = Some("let go".to_owned());
+    let report = run(&plan);
+    assert!(report.has_passed(), "{report:#?}");
+}
+
+#[test]
+fn late_reaction_fails_with_the_command_that_repeats_it() {
+    static TOO_STRICT: Fault = Fault {
+        id: "F01",
+        name: "frames-lost",
+        about: "the sensor stops",
+        shown: Shown::Injected(Injection::Frames("drop=1", None), Reaction::Hold(1)),
+    };
+    let report = run(&plan(vec![&TOO_STRICT], 0));
+    let row = &report.faults[0];
+    assert_eq!((row.passed, report.unsafe_outputs), (0, 0), "{row:?}");
+    let command = "atas fault run F01 --robot two-hand-arm --task grasp --at lift --seed 20001";
+    assert!(row.failures[0].starts_with(command), "{row:?}");
+    assert_eq!(
+        report,
+        run(&plan(vec![&TOO_STRICT], 1)),
+        "independent of threads"
+    );
+}
+
+#[test]
+fn unknown_phase_is_an_error() {
+    let mut plan = plan(find("F01").collect(), 0);
+    plan.phase = Some("fly".to_owned());
+    let error = plan.run(&AtomicBool::new(false), || ()).unwrap_err();
+    assert!(error.to_string().contains("\"fly\""), "{error}");
+}
