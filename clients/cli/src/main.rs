@@ -69,6 +69,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Man { folder } => manual::write(folder),
         Command::Demo { .. }
         | Command::Eval { .. }
+        | Command::Fault { .. }
         | Command::Plot { .. }
         | Command::Bench { .. }
         | Command::Calibrate { .. }

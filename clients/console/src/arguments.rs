@@ -22,6 +22,7 @@ mod demos;
 mod evals;
 mod examples;
 mod exports;
+mod faults;
 mod goals;
 mod holds;
 mod plots;
@@ -44,6 +45,7 @@ pub use evals::{
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
+pub use faults::{FaultAction, FaultRun};
 pub use goals::{
     Assemble, Grasp, HandName, ObjectProperties, PickPlace, Release, Screw, SendOptions, TurnName,
     UserTask, Zero,
@@ -169,6 +171,12 @@ pub enum Command {
         #[command(subcommand)]
         action: Calibrate,
     },
+    /// Inject faults into simulated tasks and judge the reaction
+    Fault {
+        /// Action
+        #[command(subcommand)]
+        action: FaultAction,
+    },
     /// Measure this computer: timing, stop, observers
     Bench {
         /// Measurement
@@ -236,6 +244,7 @@ impl Command {
                 task: Demo::Swarm(_) | Demo::Hybrid(_),
             }
             | Self::Eval { .. }
+            | Self::Fault { .. }
             | Self::Plot { .. }
             | Self::Bench { .. }
             | Self::Calibrate { .. }

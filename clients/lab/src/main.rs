@@ -1,9 +1,10 @@
 //! `atas-lab`: laboratory commands of `atas`, those that need the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|plot|robot|explain|calibrate|bench|record|replay|diff|export ─▶ atas-lab
+//!  atas demo|eval|fault|plot|robot|explain|calibrate|bench|record|replay|diff|export ─▶ atas-lab
 //!   ├─ demo ────▶ runs a robot team, or with atas-demo one robot, and evaluates the result
 //!   ├─ eval ────▶ runs atas-evaluation on all cores
+//!   ├─ fault ───▶ lists and injects faults with atas-faults
 //!   ├─ plot ────▶ draws recorded runs or an offline run
 //!   ├─ robot ───▶ prints model, workspace and capabilities of a robot
 //!   ├─ explain ─▶ explains the end of a goal, from a recording or a running daemon
@@ -26,6 +27,7 @@ mod calibrate;
 mod demo;
 mod eval;
 mod explain;
+mod fault;
 mod picture;
 mod plot;
 mod record;
@@ -46,6 +48,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
     match command {
         Command::Demo { task } => demo::demo(task, interrupt, output),
         Command::Eval { task } => eval::evaluate(task, interrupt, output),
+        Command::Fault { action } => fault::fault(action, interrupt, output),
         Command::Plot { offline, recorded } => {
             plot::plot(offline.as_ref(), recorded.as_ref(), output)
         }

@@ -56,6 +56,7 @@ impl Command {
         match self {
             Self::Demo { .. }
             | Self::Eval { .. }
+            | Self::Fault { .. }
             | Self::Plot { .. }
             | Self::Robot { .. }
             | Self::Calibrate { .. }

@@ -222,6 +222,28 @@ const HELPS: &[Help] = &[
         "one object: name, joints, fingers, tasks, hands[{side, joints[], fingertips[], home_m, home_opening_m, workspace, capabilities}]",
     ),
     Help(
+        "fault",
+        &[
+            "atas fault list",
+            "atas fault run F01 --task grasp --at lift",
+        ],
+        SUBCOMMANDS,
+    ),
+    Help(
+        "fault list",
+        &["atas fault list"],
+        "one object: faults[{id, name, about, reaction, shown_by}]",
+    ),
+    Help(
+        "fault run",
+        &[
+            "atas fault run frames-lost",
+            "atas fault run F12 --task pick-place --at move --seed 20007",
+            "atas fault run --all --seeds 2 --robot arm7-gripper",
+        ],
+        "one object: robot, tasks, faults[{id, name, reaction, shown_by, seeds, runs, passed, worst_ticks, bound_ticks, failures[]}], automated, catalogue, unsafe_outputs",
+    ),
+    Help(
         "calibrate guide",
         &["atas calibrate guide --normal 0.5,1,2 --seconds 2 --out steps.csv"],
         "one object: file, steps",
@@ -494,7 +516,10 @@ const HELPS: &[Help] = &[
 
 /// Groups of commands in `atas --help`.
 const GROUPS: &[(&str, &[&str])] = &[
-    ("Demonstrate and evaluate", &["demo", "eval", "plot"]),
+    (
+        "Demonstrate and evaluate",
+        &["demo", "eval", "fault", "plot"],
+    ),
     (
         "Run a task",
         &[

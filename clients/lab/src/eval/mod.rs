@@ -79,7 +79,7 @@ fn run(plan: &Plan, interrupt: &Interrupt) -> anyhow::Result<Evaluated> {
 
 /// Runs trials with a progress bar. `run` receives a callback for each finished trial and returns
 /// `None` if it was interrupted.
-fn with_progress_bar<T>(
+pub(crate) fn with_progress_bar<T>(
     trials: u64,
     run: impl FnOnce(&(dyn Fn() + Sync)) -> anyhow::Result<Option<T>>,
 ) -> anyhow::Result<T> {
@@ -186,7 +186,7 @@ fn sensor_model(arguments: &Evaluation) -> anyhow::Result<Option<NamedSensorMode
     })
 }
 
-fn task(name: TaskName) -> Task {
+pub(crate) fn task(name: TaskName) -> Task {
     match name {
         TaskName::Grasp => Task::Grasp,
         TaskName::PickPlace => Task::PickPlace,

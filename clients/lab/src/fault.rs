@@ -1,0 +1,154 @@
+//! `atas fault`: lists the fault catalogue, and injects faults into simulated tasks.
+
+use atas_console::arguments::{FaultAction, FaultRun};
+use atas_console::{Exit, ExitError, Interrupt, Output, table};
+use atas_evaluation::Task;
+use atas_faults::{CATALOGUE, Fault, FaultPlan, FaultReport, FaultRow, Shown, find};
+use robot_model::{RobotFiles, RobotModel};
+use serde_json::{Value, json};
+use sim_backend::Object;
+
+use crate::eval;
+
+pub(crate) fn fault(
+    action: &FaultAction,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    match action {
+        FaultAction::List => list(output),
+        FaultAction::Run(arguments) => run(arguments, interrupt, output),
+    }
+}
+
+fn list(output: &mut Output) -> anyhow::Result<()> {
+    if output.is_json() {
+        let faults: Vec<Value> = CATALOGUE.iter().map(as_json).collect();
+        return output.json(&json!({ "faults": faults }));
+    }
+    let mut rows = table(&[
+        "fault",
+        "what happens",
+        "required reaction, or what shows it",
+    ]);
+    for fault in CATALOGUE {
+        let name = format!("{} {}", fault.id, fault.name);
+        rows.add_row([name, fault.about.to_owned(), reaction(fault)]);
+    }
+    output.table(rows)
+}
+
+fn as_json(fault: &Fault) -> Value {
+    let shown_by = match fault.shown {
+        Shown::Injected(..) => "injection",
+        Shown::Test(test) => test,
+        Shown::Nothing(why) => why,
+    };
+    let required = match fault.shown {
+        Shown::Injected(_, reaction) => Some(reaction.text()),
+        Shown::Test(_) | Shown::Nothing(_) => None,
+    };
+    json!({
+        "id": fault.id, "name": fault.name, "about": fault.about, "reaction": required,
+        "shown_by": shown_by,
+    })
+}
+
+fn reaction(fault: &Fault) -> String {
+    match fault.shown {
+        Shown::Injected(_, reaction) => reaction.text(),
+        Shown::Test(test) => {
+            let (_, name) = test.rsplit_once("::").unwrap_or(("", test));
+            format!("test {name}")
+        }
+        Shown::Nothing(why) => format!("not shown: {why}"),
+    }
+}
+
+fn run(arguments: &FaultRun, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
+    let plan = plan(arguments)?;
+    let report = eval::with_progress_bar(plan.courses(), |done| plan.run(interrupt.flag(), done))?;
+    if output.is_json() {
+        output.json(&report)?;
+    } else {
+        print(&report, output)?;
+    }
+    if report.has_passed() {
+        return Ok(());
+    }
+    let failed: usize = report.faults.iter().map(|row| row.runs - row.passed).sum();
+    let sentence = format!("{failed} runs failed; each failure above has its command");
+    Err(ExitError::with_code(Exit::Failed, sentence))
+}
+
+fn plan(arguments: &FaultRun) -> anyhow::Result<FaultPlan> {
+    let usage = |text: String| ExitError::with_code(Exit::Usage, text);
+    let robot = RobotFiles::find(&arguments.robot).map_err(|error| usage(error.to_string()))?;
+    let tasks = match arguments.task {
+        Some(task) => vec![eval::task(task)],
+        None => supported_tasks(&robot.load()?),
+    };
+    let object = Object::from_name_or_file(&arguments.object);
+    let mut faults: Vec<&'static Fault> = Vec::new();
+    for text in &arguments.faults {
+        let before = faults.len();
+        faults.extend(find(text));
+        if faults.len() == before {
+            return Err(usage(format!(
+                "could not find the fault {text:?}; `atas fault list` prints all"
+            )));
+        }
+    }
+    if arguments.all {
+        faults.extend(CATALOGUE);
+    }
+    Ok(FaultPlan {
+        faults,
+        tasks,
+        phase: arguments.phase.clone(),
+        object: object.map_err(|error| usage(error.to_string()))?,
+        seeds: arguments.seeds,
+        first_seed: arguments.first_seed,
+        robot,
+        settings: atas_core::Settings::default(),
+        threads: arguments.threads,
+    })
+}
+
+fn supported_tasks(robot: &RobotModel) -> Vec<Task> {
+    let tasks = Task::ALL.into_iter();
+    tasks.filter(|task| task.is_supported_by(robot)).collect()
+}
+
+fn print(report: &FaultReport, output: &mut Output) -> anyhow::Result<()> {
+    let mut rows = table(&["fault", "required reaction", "passed", "slowest", "bound"]);
+    for row in report.faults.iter().filter(|row| row.runs > 0) {
+        let ticks = |ticks: Option<u64>| ticks.map_or(String::new(), |ticks| ticks.to_string());
+        rows.add_row([
+            format!("{} {}", row.id, row.name),
+            row.reaction.clone().unwrap_or_default(),
+            format!("{} of {}", row.passed, row.runs),
+            ticks(row.worst_ticks),
+            ticks(row.bound_ticks),
+        ]);
+    }
+    output.table(rows)?;
+    for row in &report.faults {
+        print_row(row, output)?;
+    }
+    output.line(format_args!(
+        "{} of {} faults of the catalogue are shown by injections or tests; {} unsafe runs",
+        report.automated, report.catalogue, report.unsafe_outputs
+    ))
+}
+
+/// Prints the failures of a fault, or what shows it instead of a run.
+fn print_row(row: &FaultRow, output: &mut Output) -> anyhow::Result<()> {
+    if row.runs == 0 {
+        return output.line(format_args!("{} {}: {}", row.id, row.name, row.shown_by));
+    }
+    for failure in &row.failures {
+        output.line(format_args!("failed: {failure}"))?;
+    }
+    Ok(())
+}
