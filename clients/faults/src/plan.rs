@@ -10,7 +10,7 @@ use sim_backend::Object;
 use crate::catalogue::{Fault, Reaction, Shown};
 use crate::course::Course;
 use crate::injection::Injection;
-use crate::report::FaultReport;
+use crate::report::{Extent, FaultReport};
 use crate::verdict::{Verdict, verdict};
 
 /// Faults that are injected into tasks.
@@ -75,7 +75,13 @@ impl FaultPlan {
         {
             anyhow::bail!("could not inject a fault: no requested task has the phase {phase:?}");
         }
-        Ok(Some(FaultReport::new(self, &verdicts)))
+        let extent = Extent {
+            robot: &self.robot.name,
+            tasks: self.tasks.iter().map(|task| task.name()).collect(),
+            faults: &self.faults,
+            seeds: self.seeds,
+        };
+        Ok(Some(FaultReport::new(&extent, &verdicts)))
     }
 
     /// Injects all faults into each requested phase of one task.

@@ -3,11 +3,20 @@
 use serde::Serialize;
 
 use crate::catalogue::{CATALOGUE, Fault, Shown};
-use crate::plan::FaultPlan;
 use crate::verdict::Verdict;
 
 /// Failed runs of a fault that a report names; it counts all. Design choice: a screen.
 const FAILURES_SHOWN: usize = 8;
+
+/// What was run.
+pub(crate) struct Extent<'a> {
+    /// Name of the robot.
+    pub(crate) robot: &'a str,
+    pub(crate) tasks: Vec<&'static str>,
+    pub(crate) faults: &'a [&'static Fault],
+    /// Seeds per task.
+    pub(crate) seeds: u64,
+}
 
 /// Result of a plan.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -52,11 +61,12 @@ pub struct FaultRow {
 }
 
 impl FaultReport {
-    pub(crate) fn new(plan: &FaultPlan, verdicts: &[Verdict]) -> Self {
-        let rows = plan.faults.iter().map(|fault| row(plan, fault, verdicts));
+    pub(crate) fn new(extent: &Extent<'_>, verdicts: &[Verdict]) -> Self {
+        let faults = extent.faults.iter();
+        let rows = faults.map(|fault| row(extent, fault, verdicts));
         Self {
-            robot: plan.robot.name.to_string(),
-            tasks: plan.tasks.iter().map(|task| task.name()).collect(),
+            robot: extent.robot.to_owned(),
+            tasks: extent.tasks.clone(),
             faults: rows.collect(),
             automated: numbers(|shown| !matches!(shown, Shown::Nothing(_))),
             catalogue: numbers(|_| true),
@@ -71,14 +81,14 @@ impl FaultReport {
     }
 }
 
-fn row(plan: &FaultPlan, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
+fn row(extent: &Extent<'_>, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
     let own: Vec<_> = verdicts
         .iter()
         .filter(|verdict| verdict.fault == fault.id)
         .collect();
     let failed = own
         .iter()
-        .filter_map(|verdict| failure(plan, fault, verdict));
+        .filter_map(|verdict| failure(extent, fault, verdict));
     let (shown_by, reaction) = match fault.shown {
         Shown::Injected(_, reaction) => ("injection".to_owned(), Some(reaction)),
         Shown::Test(test) => (test.to_owned(), None),
@@ -89,7 +99,7 @@ fn row(plan: &FaultPlan, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
         name: fault.name,
         reaction: reaction.map(|reaction| reaction.text()),
         shown_by,
-        seeds: if own.is_empty() { 0 } else { plan.seeds },
+        seeds: if own.is_empty() { 0 } else { extent.seeds },
         runs: own.len(),
         passed: own
             .iter()
@@ -103,10 +113,10 @@ fn row(plan: &FaultPlan, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
     }
 }
 
-fn failure(plan: &FaultPlan, fault: &Fault, verdict: &Verdict) -> Option<String> {
+fn failure(extent: &Extent<'_>, fault: &Fault, verdict: &Verdict) -> Option<String> {
     let why = verdict.failure.as_ref()?;
     let (task, phase, seed) = (verdict.task, &verdict.phase, verdict.seed);
-    let robot = &plan.robot.name;
+    let robot = extent.robot;
     Some(format!(
         "atas fault run {} --robot {robot} --task {task} --at {phase} --seed {seed}: {why}",
         fault.id
