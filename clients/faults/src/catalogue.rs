@@ -1,4 +1,4 @@
-//! The fault catalogue: each row names a fault, the required reaction, and what shows it.
+//! Rows of the fault catalogue: fault, required reaction, evidence.
 
 use shm_schemas::Mode;
 
@@ -11,15 +11,15 @@ pub struct Fault {
     pub id: &'static str,
     /// Short name.
     pub name: &'static str,
-    /// What happens.
+    /// Description of the event.
     pub about: &'static str,
-    /// What shows the reaction.
-    pub shown: Shown,
+    /// Evidence of the reaction.
+    pub evidence: Evidence,
 }
 
-/// What shows the reaction to a fault.
+/// Evidence of the reaction to a fault.
 #[derive(Clone, Copy, Debug)]
-pub enum Shown {
+pub enum Evidence {
     /// `atas fault run`, in virtual time.
     Injected(Injection, Reaction),
     /// Test with real processes, `file::name`.
@@ -97,9 +97,9 @@ const BURSTS: Reaction = Reaction::Hold(11);
 pub const CATALOGUE: &[Fault] = {
     use Injection::{Disconnected, Frames, FramesWrap, Joints, Pause, Restart};
     use Reaction::{Continue, Hold, Safe, SafeStop};
-    use Shown::{Injected, Nothing, Test};
-    const fn row(id: &'static str, name: &'static str, about: &'static str, shown: Shown) -> Fault {
-        Fault { id, name, about, shown }
+    use Evidence::{Injected, Nothing, Test};
+    const fn row(id: &'static str, name: &'static str, about: &'static str, evidence: Evidence) -> Fault {
+        Fault { id, name, about, evidence }
     }
     &[
         row("F01", "frames-lost", "the sensor of the acting hand stops", Injected(Frames("drop=1", None), SILENT)),

@@ -9,7 +9,7 @@ use sim_backend::faults::{Fault, FaultError, FaultPipeline};
 pub enum Injection {
     /// Fault of the acting hand's frames, as for `atas-sim --fault`: kind and value, duration, s.
     Frames(&'static str, Option<f64>),
-    /// The same for the joint states.
+    /// Fault of the joint states: kind and value, duration, s.
     Joints(&'static str, Option<f64>),
     /// The sequence numbers of the acting hand's frames wrap to zero.
     FramesWrap,

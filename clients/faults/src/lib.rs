@@ -1,4 +1,4 @@
-//! Fault catalogue: what can fail, how the controller must react, and what shows it.
+//! Fault catalogue: faults, the reactions that they require, and the evidence of each.
 //!
 //! ```text
 //!  catalogue ─▶ FaultPlan ─▶ task without fault ─▶ copy at a random tick of each phase
@@ -21,7 +21,7 @@ mod plan;
 mod report;
 mod verdict;
 
-pub use catalogue::{CATALOGUE, Fault, Reaction, Shown, find};
+pub use catalogue::{CATALOGUE, Evidence, Fault, Reaction, find};
 pub use course::joint_bounds;
 pub use injection::Injection;
 pub use plan::FaultPlan;

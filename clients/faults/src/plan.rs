@@ -7,7 +7,7 @@ use atas_evaluation::{Task, run_indexed};
 use robot_model::{RobotFiles, RobotModel};
 use sim_backend::Object;
 
-use crate::catalogue::{Fault, Reaction, Shown};
+use crate::catalogue::{Evidence, Fault, Reaction};
 use crate::course::Course;
 use crate::injection::Injection;
 use crate::report::{Extent, FaultReport};
@@ -117,8 +117,8 @@ impl FaultPlan {
 
 /// Returns a fault with its injection; `None` if tests show it.
 fn injected(fault: &'static Fault) -> Option<(&'static Fault, Injection, Reaction)> {
-    match fault.shown {
-        Shown::Injected(injection, reaction) => Some((fault, injection, reaction)),
-        Shown::Test(_) | Shown::Nothing(_) => None,
+    match fault.evidence {
+        Evidence::Injected(injection, reaction) => Some((fault, injection, reaction)),
+        Evidence::Test(_) | Evidence::Nothing(_) => None,
     }
 }

@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
-use crate::catalogue::{CATALOGUE, Fault, Shown};
+use crate::catalogue::{CATALOGUE, Evidence, Fault};
 use crate::verdict::Verdict;
 
 /// Failed runs of a fault that a report names; it counts all. Design choice: a screen.
 const FAILURES_SHOWN: usize = 8;
 
-/// What was run.
+/// Robot, tasks, faults and seeds of a run.
 pub(crate) struct Extent<'a> {
     /// Name of the robot.
     pub(crate) robot: &'a str,
@@ -44,7 +44,7 @@ pub struct FaultRow {
     pub name: &'static str,
     /// Required reaction; `None` if a test shows it.
     pub reaction: Option<String>,
-    /// What shows it: `injection`, a test, or the reason why nothing does.
+    /// Evidence: `injection`, a test, or the reason why there is none.
     pub shown_by: String,
     /// Seeds of each task.
     pub seeds: u64,
@@ -68,7 +68,7 @@ impl FaultReport {
             robot: extent.robot.to_owned(),
             tasks: extent.tasks.clone(),
             faults: rows.collect(),
-            automated: numbers(|shown| !matches!(shown, Shown::Nothing(_))),
+            automated: numbers(|evidence| !matches!(evidence, Evidence::Nothing(_))),
             catalogue: numbers(|_| true),
             unsafe_outputs: verdicts.iter().filter(|verdict| verdict.is_unsafe).count(),
         }
@@ -89,10 +89,10 @@ fn row(extent: &Extent<'_>, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
     let failed = own
         .iter()
         .filter_map(|verdict| failure(extent, fault, verdict));
-    let (shown_by, reaction) = match fault.shown {
-        Shown::Injected(_, reaction) => ("injection".to_owned(), Some(reaction)),
-        Shown::Test(test) => (test.to_owned(), None),
-        Shown::Nothing(why) => (why.to_owned(), None),
+    let (shown_by, reaction) = match fault.evidence {
+        Evidence::Injected(_, reaction) => ("injection".to_owned(), Some(reaction)),
+        Evidence::Test(test) => (test.to_owned(), None),
+        Evidence::Nothing(why) => (why.to_owned(), None),
     };
     FaultRow {
         id: fault.id,
@@ -123,9 +123,9 @@ fn failure(extent: &Extent<'_>, fault: &Fault, verdict: &Verdict) -> Option<Stri
     ))
 }
 
-/// Counts the numbers of the catalogue of which a variant is shown in this way.
-fn numbers(is_counted: impl Fn(&Shown) -> bool) -> usize {
-    let counted = CATALOGUE.iter().filter(|fault| is_counted(&fault.shown));
+/// Counts the numbers of the catalogue of which a variant has such evidence.
+fn numbers(is_counted: impl Fn(&Evidence) -> bool) -> usize {
+    let counted = CATALOGUE.iter().filter(|fault| is_counted(&fault.evidence));
     let mut numbers: Vec<&str> = counted.map(|fault| &fault.id[..3]).collect();
     numbers.dedup();
     numbers.len()

@@ -79,7 +79,7 @@ fn failure(progress: &Progress, reaction: Reaction) -> Option<String> {
     Some(format!("{violation}{}", reason.unwrap_or_default()))
 }
 
-/// Tells the judge what it must expect.
+/// Prepares the judge for the fault and the required reaction.
 fn prepare(progress: &mut Progress, injection: Injection, reaction: Reaction) {
     let judge = &mut progress.judge;
     if injection.pause_ticks() > 0 {

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use atas_core::Settings;
 use atas_evaluation::{Task, seeds};
-use atas_faults::{CATALOGUE, Fault, FaultPlan, FaultReport, Injection, Reaction, Shown, find};
+use atas_faults::{CATALOGUE, Evidence, Fault, FaultPlan, FaultReport, Injection, Reaction, find};
 use sim_backend::Object;
 
 fn plan(faults: Vec<&'static Fault>, threads: usize) -> FaultPlan {
@@ -45,7 +45,7 @@ fn numbers_are_complete_and_in_order() {
 fn every_named_test_exists() {
     let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     for fault in CATALOGUE {
-        let Shown::Test(test) = fault.shown else {
+        let Evidence::Test(test) = fault.evidence else {
             continue;
         };
         let (file, name) = test.split_once("::").expect("file::name");
@@ -100,7 +100,7 @@ fn late_reaction_fails_with_the_command_that_repeats_it() {
         id: "F01",
         name: "frames-lost",
         about: "the sensor stops",
-        shown: Shown::Injected(Injection::Frames("drop=1", None), Reaction::Hold(1)),
+        evidence: Evidence::Injected(Injection::Frames("drop=1", None), Reaction::Hold(1)),
     };
     let report = run(&plan(vec![&TOO_STRICT], 0));
     let row = &report.faults[0];

@@ -3,7 +3,7 @@
 use atas_console::arguments::{FaultAction, FaultRun};
 use atas_console::{Exit, ExitError, Interrupt, Output, table};
 use atas_evaluation::Task;
-use atas_faults::{CATALOGUE, Fault, FaultPlan, FaultReport, FaultRow, Shown, find};
+use atas_faults::{CATALOGUE, Evidence, Fault, FaultPlan, FaultReport, FaultRow, find};
 use robot_model::{RobotFiles, RobotModel};
 use serde_json::{Value, json};
 use sim_backend::Object;
@@ -26,11 +26,7 @@ fn list(output: &mut Output) -> anyhow::Result<()> {
         let faults: Vec<Value> = CATALOGUE.iter().map(as_json).collect();
         return output.json(&json!({ "faults": faults }));
     }
-    let mut rows = table(&[
-        "fault",
-        "what happens",
-        "required reaction, or what shows it",
-    ]);
+    let mut rows = table(&["fault", "what happens", "required reaction, or evidence"]);
     for fault in CATALOGUE {
         let name = format!("{} {}", fault.id, fault.name);
         rows.add_row([name, fault.about.to_owned(), reaction(fault)]);
@@ -39,14 +35,14 @@ fn list(output: &mut Output) -> anyhow::Result<()> {
 }
 
 fn as_json(fault: &Fault) -> Value {
-    let shown_by = match fault.shown {
-        Shown::Injected(..) => "injection",
-        Shown::Test(test) => test,
-        Shown::Nothing(why) => why,
+    let shown_by = match fault.evidence {
+        Evidence::Injected(..) => "injection",
+        Evidence::Test(test) => test,
+        Evidence::Nothing(why) => why,
     };
-    let required = match fault.shown {
-        Shown::Injected(_, reaction) => Some(reaction.text()),
-        Shown::Test(_) | Shown::Nothing(_) => None,
+    let required = match fault.evidence {
+        Evidence::Injected(_, reaction) => Some(reaction.text()),
+        Evidence::Test(_) | Evidence::Nothing(_) => None,
     };
     json!({
         "id": fault.id, "name": fault.name, "about": fault.about, "reaction": required,
@@ -55,13 +51,13 @@ fn as_json(fault: &Fault) -> Value {
 }
 
 fn reaction(fault: &Fault) -> String {
-    match fault.shown {
-        Shown::Injected(_, reaction) => reaction.text(),
-        Shown::Test(test) => {
+    match fault.evidence {
+        Evidence::Injected(_, reaction) => reaction.text(),
+        Evidence::Test(test) => {
             let (_, name) = test.rsplit_once("::").unwrap_or(("", test));
             format!("test {name}")
         }
-        Shown::Nothing(why) => format!("not shown: {why}"),
+        Evidence::Nothing(why) => format!("no evidence: {why}"),
     }
 }
 
@@ -137,12 +133,12 @@ fn print(report: &FaultReport, output: &mut Output) -> anyhow::Result<()> {
         print_row(row, output)?;
     }
     output.line(format_args!(
-        "{} of {} faults of the catalogue are shown by injections or tests; {} unsafe runs",
+        "{} of {} faults of the catalogue have an injection or a test; {} unsafe runs",
         report.automated, report.catalogue, report.unsafe_outputs
     ))
 }
 
-/// Prints the failures of a fault, or what shows it instead of a run.
+/// Prints the failures of a fault, or its evidence if it was not run.
 fn print_row(row: &FaultRow, output: &mut Output) -> anyhow::Result<()> {
     if row.runs == 0 {
         return output.line(format_args!("{} {}: {}", row.id, row.name, row.shown_by));

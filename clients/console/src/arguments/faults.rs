@@ -7,7 +7,7 @@ use super::evals::TaskName;
 /// `atas fault`.
 #[derive(Debug, Subcommand)]
 pub enum FaultAction {
-    /// List the fault catalogue: each fault, the required reaction, and what shows it
+    /// List the fault catalogue: each fault, the required reaction, and its evidence
     List,
     /// Inject faults into tasks in virtual time and judge the reaction
     ///
