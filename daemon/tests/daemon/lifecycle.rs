@@ -92,8 +92,10 @@ fn each_end_leaves_its_cause() {
         (Signal::QUIT, "ended by SIGQUIT"),
         (Signal::KILL, "ended without a recorded cause"),
     ];
+    // A test in the background of a shell ignores SIGQUIT, and so would the daemon.
+    let usual_signals = ["env", "--default-signal"];
     for (signal, words) in ends {
-        let mut daemon = Daemon::start_with(&bus, TOLERANT, &[], |_| ());
+        let mut daemon = Daemon::start_under(&usual_signals, &bus, TOLERANT, &[], |_| ());
         ready(&mut world, &daemon);
         daemon.signal(signal);
         assert_eq!(daemon.wait().signal(), Some(signal.as_raw()), "{words}");
