@@ -1,5 +1,6 @@
 //! Plan of the runs: faults, tasks, phases and seeds.
 
+use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
 use atas_core::Settings;
@@ -57,23 +58,23 @@ impl FaultPlan {
         for task in &self.tasks {
             task.check(&robot)?;
         }
-        let verdicts = run_indexed(self.courses(), self.threads, stop, |index| {
+        let judged = run_indexed(self.courses(), self.threads, stop, |index| {
             let task = self.tasks[(index / self.seeds) as usize];
-            let verdicts = self.course(&robot, task, self.first_seed + index % self.seeds)?;
+            let judged = self.course(&robot, task, self.first_seed + index % self.seeds)?;
             done();
-            Ok(verdicts)
+            Ok(judged)
         })?;
-        let Some(verdicts) = verdicts else {
+        let Some(judged) = judged else {
             return Ok(None);
         };
+        let (phases, verdicts): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
+        let phases: BTreeSet<String> = phases.into_iter().flatten().collect();
         let verdicts: Vec<Verdict> = verdicts.into_iter().flatten().collect();
-        let injects = self.faults.iter().any(|fault| injected(fault).is_some());
-        if let Some(phase) = self
-            .phase
-            .as_ref()
-            .filter(|_| injects && verdicts.is_empty())
+        if let Some(phase) = self.phase.as_ref().filter(|&phase| !phases.contains(phase))
+            && !phases.is_empty()
         {
-            anyhow::bail!("could not inject a fault: no requested task has the phase {phase:?}");
+            let known = Vec::from_iter(phases).join(", ");
+            anyhow::bail!("could not inject at {phase:?}: no such phase, needs one of {known}");
         }
         let extent = Extent {
             robot: &self.robot.name,
@@ -84,15 +85,21 @@ impl FaultPlan {
         Ok(Some(FaultReport::new(&extent, &verdicts)))
     }
 
-    /// Injects all faults into each requested phase of one task.
-    fn course(&self, robot: &RobotModel, task: Task, seed: u64) -> anyhow::Result<Vec<Verdict>> {
+    /// Injects all faults into each requested phase of one task. Returns the names of all phases,
+    /// and the verdicts.
+    fn course(
+        &self,
+        robot: &RobotModel,
+        task: Task,
+        seed: u64,
+    ) -> anyhow::Result<(Vec<String>, Vec<Verdict>)> {
         let faults: Vec<_> = self
             .faults
             .iter()
             .filter_map(|&fault| injected(fault))
             .collect();
         if faults.is_empty() {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), Vec::new()));
         }
         let cap = || Object::built_in("cap");
         let object = match task {
@@ -102,16 +109,18 @@ impl FaultPlan {
         let course = Course::new(robot, task, &object, seed, self.settings)?;
         let is_requested = |name: &str| self.phase.as_deref().is_none_or(|phase| phase == name);
         let (mut verdicts, mut progress) = (Vec::new(), course.begin()?);
-        for phase in course.phases()? {
+        let phases = course.phases()?;
+        for phase in &phases {
             if !is_requested(&phase.name) {
                 continue;
             }
-            course.advance_into(&phase, &mut progress);
+            course.advance_into(phase, &mut progress);
             for &fault in &faults {
-                verdicts.push(verdict(&course, &phase, &progress, fault)?);
+                verdicts.push(verdict(&course, phase, &progress, fault)?);
             }
         }
-        Ok(verdicts)
+        let names = phases.into_iter().map(|phase| phase.name);
+        Ok((names.collect(), verdicts))
     }
 }
 

@@ -119,5 +119,9 @@ fn unknown_phase_is_an_error() {
     let mut plan = plan(find("F01").collect(), 0);
     plan.phase = Some("fly".to_owned());
     let error = plan.run(&AtomicBool::new(false), || ()).unwrap_err();
-    assert!(error.to_string().contains("\"fly\""), "{error}");
+    let text = error.to_string();
+    assert!(
+        text.contains("\"fly\"") && text.contains("lift, probe, reach"),
+        "{text}"
+    );
 }

@@ -128,7 +128,9 @@ fn print(report: &FaultReport, output: &mut Output) -> anyhow::Result<()> {
             ticks(row.bound_ticks),
         ]);
     }
-    output.table(rows)?;
+    if report.faults.iter().any(|row| row.runs > 0) {
+        output.table(rows)?;
+    }
     for row in &report.faults {
         print_row(row, output)?;
     }
@@ -141,7 +143,8 @@ fn print(report: &FaultReport, output: &mut Output) -> anyhow::Result<()> {
 /// Prints the failures of a fault, or its evidence if it was not run.
 fn print_row(row: &FaultRow, output: &mut Output) -> anyhow::Result<()> {
     if row.runs == 0 {
-        return output.line(format_args!("{} {}: {}", row.id, row.name, row.shown_by));
+        let (id, name, evidence) = (row.id, row.name, &row.shown_by);
+        return output.line(format_args!("{id} {name} is not injected: {evidence}"));
     }
     for failure in &row.failures {
         output.line(format_args!("failed: {failure}"))?;
