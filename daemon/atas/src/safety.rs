@@ -85,8 +85,7 @@ impl Gate {
         self.position_rad = RobotVector::from_fn(rest.len(), |i| {
             measured_rad[i].clamp(self.joints[i].lower_rad, self.joints[i].upper_rad)
         });
-        self.velocity_rad_s = rest;
-        self.acceleration_rad_s2 = rest;
+        self.halt();
         self.requested_rad = self.position_rad;
         self.synchronised = true;
         self.following_error_ticks = 0;

@@ -226,6 +226,10 @@ impl FingertipPerception {
             }
             valid_n += self.filtered_n[element][0];
         }
+        let (_, valid) = frame.readings_n(finger);
+        if valid.count_ones() as usize == self.axes.count {
+            return share;
+        }
         let kept = if valid_n > settings.touch_off_n {
             MASKED_DECAY_S / (MASKED_DECAY_S + step_s)
         } else {
