@@ -28,6 +28,26 @@ pub enum Evidence {
     Nothing(&'static str),
 }
 
+impl Evidence {
+    /// Returns the required reaction to an injection; `None` without one.
+    #[must_use]
+    pub fn reaction(self) -> Option<Reaction> {
+        match self {
+            Self::Injected(_, reaction) => Some(reaction),
+            Self::Test(_) | Self::Nothing(_) => None,
+        }
+    }
+
+    /// Returns `injection`, the test, or the reason why there is none.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Injected(..) => "injection",
+            Self::Test(text) | Self::Nothing(text) => text,
+        }
+    }
+}
+
 /// Required reaction. In addition, each command keeps all limits, and no object is lost or harmed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
@@ -41,7 +61,8 @@ pub enum Reaction {
     Safe,
 }
 
-const HOLDING: &[Mode] = &[Mode::HOLD, Mode::SAFE_STOP, Mode::FAULT];
+/// HOLD and the more severe modes.
+pub(crate) const HOLDING: &[Mode] = &[Mode::HOLD, Mode::SAFE_STOP, Mode::FAULT];
 const STOPPED: &[Mode] = &[Mode::SAFE_STOP, Mode::FAULT];
 
 impl Reaction {

@@ -7,9 +7,11 @@ use atas_evaluation::Task;
 use atas_evaluation::offline::OfflineRun;
 use atas_judge::{JointBounds, JointUnit, Judge};
 use robot_model::{JointKind, RobotModel};
-use shm_schemas::{GoalRequest, GoalState, GoalUpdate, Mode, Reason, WorldTruth};
+use shm_schemas::{GoalRequest, GoalState, GoalUpdate, Reason, WorldTruth};
 use sim_backend::random::{split_mix, trial_seed};
 use sim_backend::{Object, Scene, TICK_NS};
+
+use crate::catalogue::HOLDING;
 
 /// Longest validity of a command that the judge accepts, ns: the daemon's default of 5 ms.
 const VALIDITY_MAX_NS: u64 = 5_000_000;
@@ -152,7 +154,7 @@ impl Progress {
         let (command, update) = (outputs.command, outputs.goal_update);
         self.judge.observe(&command, &self.truth());
         let (mode, reason) = self.run.controller().mode();
-        if matches!(mode, Mode::HOLD | Mode::SAFE_STOP | Mode::FAULT) {
+        if HOLDING.contains(&mode) {
             self.reason.get_or_insert(reason);
         }
         if let Some(update) = update.filter(|update| update.goal_id == self.goal_id) {

@@ -25,6 +25,8 @@ pub struct FaultPlan {
     pub phase: Option<String>,
     /// Object of grasp and pick and place.
     pub object: Object,
+    /// Its name or file, as the user gave it.
+    pub object_name: String,
     /// Seeds per task.
     pub seeds: u64,
     /// First seed.
@@ -80,6 +82,7 @@ impl FaultPlan {
             robot: &self.robot.name,
             tasks: self.tasks.iter().map(|task| task.name()).collect(),
             faults: &self.faults,
+            object: &self.object_name,
             seeds: self.seeds,
         };
         Ok(Some(FaultReport::new(&extent, &verdicts)))
@@ -101,10 +104,9 @@ impl FaultPlan {
         if faults.is_empty() {
             return Ok((Vec::new(), Vec::new()));
         }
-        let cap = || Object::built_in("cap");
         let object = match task {
             Task::Grasp | Task::PickPlace => self.object.clone(),
-            Task::Screw | Task::Assembly => cap()?,
+            Task::Screw | Task::Assembly => Object::built_in("cap")?,
         };
         let course = Course::new(robot, task, &object, seed, self.settings)?;
         let is_requested = |name: &str| self.phase.as_deref().is_none_or(|phase| phase == name);

@@ -14,6 +14,8 @@ pub(crate) struct Extent<'a> {
     pub(crate) robot: &'a str,
     pub(crate) tasks: Vec<&'static str>,
     pub(crate) faults: &'a [&'static Fault],
+    /// Name or file of the object of grasp and pick and place.
+    pub(crate) object: &'a str,
     /// Seeds per task.
     pub(crate) seeds: u64,
 }
@@ -89,16 +91,12 @@ fn row(extent: &Extent<'_>, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
     let failed = own
         .iter()
         .filter_map(|verdict| failure(extent, fault, verdict));
-    let (shown_by, reaction) = match fault.evidence {
-        Evidence::Injected(_, reaction) => ("injection".to_owned(), Some(reaction)),
-        Evidence::Test(test) => (test.to_owned(), None),
-        Evidence::Nothing(why) => (why.to_owned(), None),
-    };
+    let reaction = fault.evidence.reaction();
     FaultRow {
         id: fault.id,
         name: fault.name,
         reaction: reaction.map(|reaction| reaction.text()),
-        shown_by,
+        shown_by: fault.evidence.text().to_owned(),
         seeds: if own.is_empty() { 0 } else { extent.seeds },
         runs: own.len(),
         passed: own
@@ -116,11 +114,21 @@ fn row(extent: &Extent<'_>, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
 fn failure(extent: &Extent<'_>, fault: &Fault, verdict: &Verdict) -> Option<String> {
     let why = verdict.failure.as_ref()?;
     let (task, phase, seed) = (verdict.task, &verdict.phase, verdict.seed);
-    let robot = extent.robot;
+    let (id, robot) = (fault.id, quoted(extent.robot));
+    let (object, phase) = (quoted(extent.object), quoted(phase));
     Some(format!(
-        "atas fault run {} --robot {robot} --task {task} --at {phase} --seed {seed}: {why}",
-        fault.id
+        "atas fault run {id} --robot {robot} --task {task} --at {phase} --seed {seed} --object \
+         {object}: {why}"
     ))
+}
+
+/// Returns a word for a shell; phases and files may have spaces.
+fn quoted(word: &str) -> String {
+    if word.contains(char::is_whitespace) {
+        format!("'{word}'")
+    } else {
+        word.to_owned()
+    }
 }
 
 /// Counts the numbers of the catalogue of which a variant has such evidence.

@@ -1,7 +1,7 @@
 //! Verdict on the reaction to one fault.
 
 use anyhow::Context;
-use atas_judge::{Allowance, Promise, ViolationKind};
+use atas_judge::{Allowance, GripError, Promise, ViolationKind};
 use shm_schemas::{GoalState, ObjectTruth};
 
 use crate::catalogue::{Fault, Reaction};
@@ -11,7 +11,7 @@ use crate::injection::Injection;
 /// Ticks that a run continues after the last required one. Design choice: an object that the hand
 /// no longer holds falls by 5 m in this time.
 const WATCH_TICKS: u64 = 1000;
-/// Height above which an object counts as lifted, m: that of the judge of a grip.
+/// Height above which an object counts as lifted, m. Design choice: above the vibration of the arm.
 const LIFTED_M: f64 = 0.003;
 
 /// Verdict on one run.
@@ -43,7 +43,7 @@ pub(crate) fn verdict(
     let mut progress = progress
         .copy()
         .context("an external engine cannot be copied")?;
-    prepare(&mut progress, injection, reaction);
+    prepare(&mut progress, injection, reaction)?;
     let side = course.robot.acting_side();
     injection.inject(&mut progress.run, side, course.fault_seed())?;
     let bound = reaction.required().map_or(0, |(_, ticks)| ticks);
@@ -80,7 +80,12 @@ fn failure(progress: &Progress, reaction: Reaction) -> Option<String> {
 }
 
 /// Prepares the judge for the fault and the required reaction.
-fn prepare(progress: &mut Progress, injection: Injection, reaction: Reaction) {
+fn prepare(
+    progress: &mut Progress,
+    injection: Injection,
+    reaction: Reaction,
+) -> Result<(), GripError> {
+    let is_held = is_lifted(&progress.truth().objects[0]);
     let judge = &mut progress.judge;
     if injection.pause_ticks() > 0 {
         *judge = judge.clone().allowing(Allowance::MissedTicks);
@@ -94,11 +99,10 @@ fn prepare(progress: &mut Progress, injection: Injection, reaction: Reaction) {
     if !reaction.forbidden().is_empty() {
         judge.promise(Promise::avoid(reaction.forbidden(), WATCH_TICKS));
     }
-    if must_stay_in_hand(injection, reaction) && is_lifted(&progress.run.world().truth().objects[0])
-    {
-        // An object that lies on the other hand's fingertips is not in a grip.
-        let _ = progress.judge.expect_grip_kept(0);
+    if is_held && must_stay_in_hand(injection, reaction) {
+        judge.expect_grip_kept(0)?;
     }
+    Ok(())
 }
 
 /// Returns true if the goal cannot continue after the fault and set the object down.

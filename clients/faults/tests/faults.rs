@@ -14,6 +14,7 @@ fn plan(faults: Vec<&'static Fault>, threads: usize) -> FaultPlan {
         tasks: vec![Task::Grasp],
         phase: Some("lift".to_owned()),
         object: Object::built_in("wood").expect("built in"),
+        object_name: "wood".to_owned(),
         seeds: 2,
         first_seed: seeds::EVALUATION_START,
         robot: robot_model::TWO_HAND_ARM,
@@ -112,6 +113,22 @@ fn late_reaction_fails_with_the_command_that_repeats_it() {
         run(&plan(vec![&TOO_STRICT], 1)),
         "independent of threads"
     );
+}
+
+#[test]
+fn repeating_command_quotes_phase_and_names_the_object() {
+    static TOO_STRICT: Fault = Fault {
+        id: "F05",
+        name: "short-gap",
+        about: "three frames are missing",
+        evidence: Evidence::Injected(Injection::Frames("drop=1", Some(0.003)), Reaction::Hold(0)),
+    };
+    let mut plan = plan(vec![&TOO_STRICT], 0);
+    plan.tasks = vec![Task::PickPlace];
+    plan.phase = Some("let go".to_owned());
+    let report = run(&plan);
+    let words = "--at 'let go' --seed 20001 --object wood: ";
+    assert!(report.faults[0].failures[0].contains(words), "{report:#?}");
 }
 
 #[test]

@@ -35,21 +35,14 @@ fn list(output: &mut Output) -> anyhow::Result<()> {
 }
 
 fn as_json(fault: &Fault) -> Value {
-    let shown_by = match fault.evidence {
-        Evidence::Injected(..) => "injection",
-        Evidence::Test(test) => test,
-        Evidence::Nothing(why) => why,
-    };
-    let required = match fault.evidence {
-        Evidence::Injected(_, reaction) => Some(reaction.text()),
-        Evidence::Test(_) | Evidence::Nothing(_) => None,
-    };
     json!({
-        "id": fault.id, "name": fault.name, "about": fault.about, "reaction": required,
-        "shown_by": shown_by,
+        "id": fault.id, "name": fault.name, "about": fault.about,
+        "reaction": fault.evidence.reaction().map(|reaction| reaction.text()),
+        "shown_by": fault.evidence.text(),
     })
 }
 
+/// Returns the required reaction, or the evidence in words.
 fn reaction(fault: &Fault) -> String {
     match fault.evidence {
         Evidence::Injected(_, reaction) => reaction.text(),
@@ -103,6 +96,7 @@ fn plan(arguments: &FaultRun) -> anyhow::Result<FaultPlan> {
         tasks,
         phase: arguments.phase.clone(),
         object: object.map_err(|error| usage(error.to_string()))?,
+        object_name: arguments.object.clone(),
         seeds: arguments.seeds,
         first_seed: arguments.first_seed,
         robot,

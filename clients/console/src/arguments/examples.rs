@@ -238,7 +238,7 @@ const HELPS: &[Help] = &[
         "fault run",
         &[
             "atas fault run frames-lost",
-            "atas fault run F12 --task pick-place --at move --seed 20007",
+            "atas fault run F12 --task pick-place --at lift --seed 20007",
             "atas fault run --all --seeds 2 --robot arm7-gripper",
         ],
         "one object: robot, tasks, faults[{id, name, reaction, shown_by, seeds, runs, passed, worst_ticks, bound_ticks, failures[]}], automated, catalogue, unsafe_outputs",
