@@ -1,6 +1,7 @@
 """Fixtures: private buses and the programs of the workspace."""
 
 import os
+import signal
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,9 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAMS = Path(os.environ.get("ATAS_PROGRAMS", ROOT / "target" / "debug"))
 _count = 0
+
+# A shell starts background jobs with SIGINT ignored, and children inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
