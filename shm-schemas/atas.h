@@ -308,7 +308,7 @@ enum atas_cause {
     ATAS_CAUSE_NOTHING_TOUCHED = 10,
     // The object needs more force than the configured maximum (grasp.f2_max_n).
     ATAS_CAUSE_TOO_HEAVY = 11,
-    // The object slipped out of the hand.
+    // The hand no longer feels the object, or no longer its load.
     ATAS_CAUSE_LOST_OBJECT = 12,
     // The object slips although the grip force has reached its limit.
     ATAS_CAUSE_OUT_OF_FORCE = 13,

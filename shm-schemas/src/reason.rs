@@ -33,7 +33,7 @@ code! {
         NOTHING_TOUCHED = 10, "nothing-touched";
         /// The object needs more force than the configured maximum (`grasp.f2_max_n`).
         TOO_HEAVY = 11, "too-heavy";
-        /// The object slipped out of the hand.
+        /// The hand no longer feels the object, or no longer its load.
         LOST_OBJECT = 12, "lost-object";
         /// The object slips although the grip force has reached its limit.
         OUT_OF_FORCE = 13, "out-of-force";

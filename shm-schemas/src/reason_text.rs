@@ -204,7 +204,7 @@ impl Reason {
             }
             Cause::LOST_OBJECT => write!(
                 f,
-                "the object slipped out: normal force {value:.2} N, needs {limit:.2} N"
+                "the hand no longer feels the object: force {value:.2} N, needs {limit:.2} N"
             ),
             Cause::TURNED_IN_HAND => write!(
                 f,

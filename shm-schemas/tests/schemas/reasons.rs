@@ -187,7 +187,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::LOST_OBJECT, 0.01, 0.03, 0),
-            "the object slipped out: normal force 0.01 N, needs 0.03 N",
+            "the hand no longer feels the object: force 0.01 N, needs 0.03 N",
         ),
         (
             limit(Cause::TURNED_IN_HAND, 0.0021, 0.0038, 0),
