@@ -189,6 +189,7 @@ impl PolicyHand {
             suspended: false,
             minimises_grip: false,
             verified: false,
+            verified_load: None,
             table: None,
             teleop_target: None,
         };

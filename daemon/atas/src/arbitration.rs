@@ -9,7 +9,9 @@
 //!
 //! Speeds are slew-limited against jerks: slow increase, fast decrease.
 
-use crate::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
+use crate::limits::{
+    CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2, CLOSING_SPEED_UP_S,
+};
 use crate::modules::{Finding, PoseCommand, Proposal, Verdict};
 use robot_model::GRASP_SIDES;
 
@@ -117,7 +119,9 @@ impl Arbiter {
 
 fn slew_closing(before: f64, target: f64, step_s: f64) -> f64 {
     if target > before && target > 0.0 {
-        approach(before, target, CLOSING_SPEED_UP_M_S2 * step_s)
+        let speed_up_m_s2 =
+            (target / CLOSING_SPEED_UP_S).clamp(CLOSING_SPEED_UP_M_S2, CLOSING_SLOW_DOWN_M_S2);
+        approach(before, target, speed_up_m_s2 * step_s)
     } else {
         approach(before, target, CLOSING_SLOW_DOWN_M_S2 * step_s)
     }

@@ -19,10 +19,12 @@ pub const FEEDBACK_JUMP_FACTOR: f64 = 5.0;
 /// at the end stop.
 pub const FEEDBACK_MARGIN_RAD: f64 = 0.05;
 
-/// Largest increase of a closing speed, m/s². Design choice: 2 mm/s within 20 ms; keeps finger jerk
-/// low.
+/// Time in which a closing speed rises from rest, s. Design choice: keeps finger jerk low.
+pub const CLOSING_SPEED_UP_S: f64 = 0.02;
+/// Largest increase of a closing speed of 2 mm/s and less, m/s²: as follows from that time.
 pub const CLOSING_SPEED_UP_M_S2: f64 = 0.1;
-/// Largest decrease of a closing speed, m/s². Design choice: Module 3 stops 2 mm/s within 2 ms.
+/// Largest decrease and increase of a closing speed, m/s². Design choice: Module 3 stops 2 mm/s
+/// within 2 ms.
 pub const CLOSING_SLOW_DOWN_M_S2: f64 = 1.0;
 /// Acceleration of lowering, m/s². Design choice: 10 mm/s within 0.1 s; changes the load by 1 %.
 pub const LOWERING_ACCELERATION_M_S2: f64 = 0.1;

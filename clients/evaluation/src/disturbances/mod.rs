@@ -118,6 +118,28 @@ mod tests {
         check(&["moon"], 0);
     }
 
+    /// Regression: a grip that closed by 2 mm/s lost the first object, and an upward load counted as
+    /// a drop, for which the hand closed to F_2 and put the object back.
+    #[test]
+    fn sudden_load_of_the_whole_weight_leaves_the_object_in_the_hand() {
+        for (object, case) in [
+            ("slippery-50", "step 1 × weight down"),
+            ("wood", "step 1 × weight up"),
+            ("paper-box", "step 1 × weight up"),
+        ] {
+            let mut plan = DisturbancePlan {
+                cases: vec![case.to_owned()],
+                baselines: false,
+                ..plan(0)
+            };
+            plan.held.objects = vec![Object::built_in(object).expect("built in")];
+            plan.held.seeds = 2;
+            let report = plan.run(&AtomicBool::new(false), || ());
+            let report = report.expect("it runs").expect("not stopped");
+            assert_eq!(report.rows[0].kept, 2, "{object}: {:?}", report.rows[0]);
+        }
+    }
+
     /// One rigid object: it is kept without a disturbance; the rows count cases and policies.
     #[test]
     fn report_counts_cases_and_policies() {

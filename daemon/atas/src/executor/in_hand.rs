@@ -5,7 +5,8 @@
 //! * **Rotation**: an off-centre mass loads the fingertips with a moment about the closing axis.
 //!   The lever (moment over weight) shrinks when the object rotates and its centre of mass swings
 //!   below the grip.
-//! * **Loss**: a lost object has no weight, even if a drifting sensor still reports grip force.
+//! * **Loss**: a lost object loads no finger, in neither direction, even if a drifting sensor still
+//!   reports grip force.
 
 use crate::filter::low_pass;
 use crate::modules::{Finding, load_n};
@@ -58,6 +59,8 @@ pub(super) struct InHandMonitor {
     /// Carried distance at which the object was last verified as supported, m.
     supported_at_m: f64,
     loss_s: f64,
+    /// Magnitude of the present vertical load, N.
+    load_n: f64,
 }
 
 impl InHandMonitor {
@@ -133,7 +136,8 @@ impl InHandMonitor {
             self.weight_max_n * WEIGHT_MAX_S / (WEIGHT_MAX_S + step_s),
             self.weight_n,
         );
-        self.loss_s = if down_n < LOSS_SHARE * self.weight_max_n {
+        self.load_n = down_n.abs();
+        self.loss_s = if self.load_n < LOSS_SHARE * self.weight_max_n {
             self.loss_s + step_s
         } else {
             0.0
@@ -145,10 +149,10 @@ impl InHandMonitor {
         libm::copysign(self.lever_max_m, self.signed_lever_m)
     }
 
-    /// Returns the reason if the object is lost.
+    /// Returns the reason if the object no longer loads the hand.
     pub(super) fn loss(&self) -> Option<Reason> {
-        (self.loss_s > LOSS_S)
-            .then(|| Reason::with_limit(Cause::LOST_OBJECT, 0.0, LOSS_SHARE * self.weight_max_n))
+        let least_n = LOSS_SHARE * self.weight_max_n;
+        (self.loss_s > LOSS_S).then(|| Reason::with_limit(Cause::LOST_OBJECT, self.load_n, least_n))
     }
 
     /// Returns the reason if the completed task failed by slip or rotation.

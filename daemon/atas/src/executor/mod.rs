@@ -30,6 +30,9 @@ const LOST_AFTER_S: f64 = 0.05;
 /// Slip duration on one side before a warning, s (design choice: several times the response time of
 /// Module 2).
 const SLIP_WARNING_S: f64 = 0.1;
+/// Duration of overload and slip before a warning, s (design choice: an object that the grip
+/// catches within this time slides by about three millimetres).
+const OVERLOAD_WARNING_S: f64 = 0.05;
 /// Slip duration on both sides, or drop duration, at F_2 before the object is put back, s (design
 /// choice).
 const OUT_OF_FORCE_S: f64 = 0.03;
@@ -336,6 +339,7 @@ impl TaskExecutor {
             suspended: self.suspended || !self.step().modules.contains(ModuleId::LIFT_VERIFICATION),
             minimises_grip: self.minimises_grip,
             verified: self.verification.is_verified(),
+            verified_load: self.verification.verified_load(),
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: motion.carry_scale,
@@ -371,9 +375,15 @@ impl TaskExecutor {
         }
     }
 
-    /// Processes the module findings; `down_n` is the vertical load on the fingers, N.
-    pub fn update_findings(&mut self, percept: &Percept, down_n: f64, finding: Finding) {
-        self.verification.update(percept);
+    /// Processes the module findings; `down_n` is the vertical load on the fingers, N, and `load_n`
+    /// the net load across the closing axis.
+    pub fn update_findings(
+        &mut self,
+        percept: &Percept,
+        [down_n, load_n]: [f64; 2],
+        finding: Finding,
+    ) {
+        self.verification.update(percept, load_n);
         if finding.suspended && !self.suspended {
             self.verification.set_verified();
         }
@@ -431,16 +441,22 @@ impl TaskExecutor {
 
     /// Returns the warning reason if a held object slips.
     fn check_slip(&self, percept: &Percept) -> Option<Reason> {
-        let held = self.step().transition == Transition::Held && self.grips();
-        let slid_s = percept
-            .sides
-            .iter()
-            .filter(|finger| finger.utilisation > SLIP_UTILISATION)
-            .map(|finger| finger.gross_slip_s)
-            .fold(0.0, |most, s| if s > most { s } else { most })
-            .min(self.verification.unverified_s());
-        (held && slid_s > SLIP_WARNING_S)
-            .then(|| Reason::with_limit(Cause::SLIDING, slid_s, SLIP_WARNING_S))
+        let (slip_s, limit_s) = if self.verification.overload_s() > OVERLOAD_WARNING_S {
+            (slip_s(percept), OVERLOAD_WARNING_S)
+        } else {
+            (self.unverified_slip_s(percept), SLIP_WARNING_S)
+        };
+        (self.holds_object() && slip_s > limit_s)
+            .then(|| Reason::with_limit(Cause::SLIDING, slip_s, limit_s))
+    }
+
+    /// Returns the duration of a slip beyond the verified grip, s.
+    fn unverified_slip_s(&self, percept: &Percept) -> f64 {
+        slip_s(percept).min(self.verification.unverified_s())
+    }
+
+    fn holds_object(&self) -> bool {
+        self.step().transition == Transition::Held && self.grips()
     }
 
     /// Returns the reason to put back an object that slips despite F_2.
@@ -451,7 +467,8 @@ impl TaskExecutor {
             .sides
             .iter()
             .all(|finger| finger.gross_slip_s > OUT_OF_FORCE_S);
-        let slides = (self.slip_warning.is_some() && everywhere) || self.drop_s > OUT_OF_FORCE_S;
+        let slips = self.holds_object() && self.unverified_slip_s(percept) > SLIP_WARNING_S;
+        let slides = (slips && everywhere) || self.drop_s > OUT_OF_FORCE_S;
         let spent = slides && strongest_n > RELEASE_SHARE * f2_n;
         let reason = Reason::with_limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
         (spent && self.recovery.is_none() && !self.found_in_hand)
@@ -491,4 +508,14 @@ impl TaskExecutor {
         }
         self.recovery = None;
     }
+}
+
+/// Returns the longest slip of a side whose friction is nearly used up, s.
+fn slip_s(percept: &Percept) -> f64 {
+    percept
+        .sides
+        .iter()
+        .filter(|finger| finger.utilisation > SLIP_UTILISATION)
+        .map(|finger| finger.gross_slip_s)
+        .fold(0.0, |most, s| if s > most { s } else { most })
 }

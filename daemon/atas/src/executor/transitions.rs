@@ -46,7 +46,11 @@ impl TaskExecutor {
             return Outcome::NextStep;
         }
         if let Some(reason) = self.failure(percept, now, settings) {
-            self.holds &= reason.cause != Cause::LOST_OBJECT;
+            if reason.cause == Cause::LOST_OBJECT {
+                // Without load the fingers may still hold an object that something else carries.
+                self.holds &= self.no_contact_s <= LOST_AFTER_S;
+                self.in_hand = InHandMonitor::default();
+            }
             return Outcome::Failed(reason);
         }
         let done = verdict == Verdict::Done;

@@ -5,15 +5,30 @@
 //! and more so at higher grip force. While no side exceeds the verified ratio, pattern-based slip
 //! triggers no pressing, warning or rejection. Dropping is detected by weight ([`crate::modules`],
 //! Module 2, cause (e)) and is never suppressed.
+//!
+//! Friction is proportional to the grip force. The ratio of net load to grip force at the
+//! verification therefore gives the load that another grip force holds. Shear between misaligned
+//! faces is not part of the net load. Module 2, cause (f), follows a larger load.
 
 use crate::filter::low_pass;
 use crate::limits::NORMAL_MIN_N;
+use crate::modules::VerifiedLoad;
 use crate::perception::Percept;
 
 /// Filter time constant of F_t/F_n, s (design choice: suppresses frame noise).
 const FILTER_S: f64 = 0.03;
 /// Permitted multiple of the verified F_t/F_n (design choice: covers hand tremor).
 const MARGIN: f64 = 1.05;
+
+/// Filter time constant of the net load, s, and load below which noise requires a slower filter, N
+/// (design choice).
+const LOAD_FILTER_S: f64 = 0.004;
+const LIGHT_LOAD_N: f64 = 0.3;
+/// Ratio to the load that the grip can hold above which it is overloaded (design choice: above hand
+/// tremor).
+const OVERLOAD_RATIO: f64 = 1.05;
+/// Time constant of the mean load and of its scatter, s (design choice: many periods of tremor).
+const SCATTER_S: f64 = 0.7;
 
 /// Verification state of one grip, from first touch.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +40,16 @@ pub(super) struct GripVerification {
     verified_ratio: Option<f64>,
     /// Time since the ratio exceeded the limit, s; infinite without verification.
     unverified_s: f64,
+    /// Filtered net load and total normal force, N.
+    load_n: f64,
+    normal_n: f64,
+    /// Mean of the filtered load, N, and variance around it, N².
+    mean_load_n: f64,
+    scatter_n2: f64,
+    /// Ratio of load to normal force at the verification.
+    verified_load_ratio: Option<f64>,
+    /// Time for which a load that has grown exceeds the load that the grip can hold, s.
+    overload_s: f64,
 }
 
 impl Default for GripVerification {
@@ -33,13 +58,31 @@ impl Default for GripVerification {
             force_ratio: 0.0,
             verified_ratio: None,
             unverified_s: f64::INFINITY,
+            load_n: 0.0,
+            normal_n: 0.0,
+            mean_load_n: 0.0,
+            scatter_n2: 0.0,
+            verified_load_ratio: None,
+            overload_s: 0.0,
         }
     }
 }
 
 impl GripVerification {
-    /// Updates the ratio from one tick.
-    pub(super) fn update(&mut self, percept: &Percept) {
+    /// Updates the ratios from one tick; `load_n` is the net load across the closing axis, N.
+    pub(super) fn update(&mut self, percept: &Percept, load_n: f64) {
+        let normal_n: f64 = percept.sides.iter().map(|side| side.normal_n).sum();
+        let filter_s = LOAD_FILTER_S * (1.0 + LIGHT_LOAD_N / load_n.max(NORMAL_MIN_N));
+        self.load_n = low_pass(self.load_n, load_n, percept.step_s, filter_s);
+        self.normal_n = low_pass(self.normal_n, normal_n, percept.step_s, filter_s);
+        self.mean_load_n = low_pass(self.mean_load_n, self.load_n, percept.step_s, SCATTER_S);
+        let off_n = self.load_n - self.mean_load_n;
+        self.scatter_n2 = low_pass(self.scatter_n2, off_n * off_n, percept.step_s, SCATTER_S);
+        self.overload_s = if self.is_overloaded() {
+            self.overload_s + percept.step_s
+        } else {
+            0.0
+        };
         let fingers = percept.sides.iter();
         let used = fingers
             .map(|finger| finger.tangential_n / finger.normal_n.max(NORMAL_MIN_N))
@@ -55,6 +98,29 @@ impl GripVerification {
     /// Marks the object as suspended at the present ratio.
     pub(super) fn set_verified(&mut self) {
         self.verified_ratio = Some(self.force_ratio);
+        self.verified_load_ratio = Some(self.load_n / self.normal_n.max(NORMAL_MIN_N));
+    }
+
+    /// Returns the present load and the load that the present grip holds; `None` without
+    /// verification.
+    pub(super) fn verified_load(&self) -> Option<VerifiedLoad> {
+        let ratio = self.verified_load_ratio?;
+        Some(VerifiedLoad {
+            load_n: self.load_n,
+            held_n: ratio * self.normal_n,
+            mean_n: self.mean_load_n,
+            scatter_n: libm::sqrt(self.scatter_n2),
+        })
+    }
+
+    fn is_overloaded(&self) -> bool {
+        self.verified_load()
+            .is_some_and(|it| it.load_n > OVERLOAD_RATIO * it.held_n.max(it.mean_n))
+    }
+
+    /// Time for which a sudden load exceeds the load that the grip can hold, s.
+    pub(super) fn overload_s(&self) -> f64 {
+        self.overload_s
     }
 
     /// Returns true while the ratio is within the verified limit.
@@ -85,11 +151,12 @@ mod tests {
                 ..ContactPercept::default()
             };
             for _ in 0..1000 {
-                proof.update(&Percept {
+                let percept = Percept {
                     sides: [finger; 2],
                     step_s: 1e-3,
                     ..Percept::default()
-                });
+                };
+                proof.update(&percept, 2.0);
             }
         };
         hold(&mut proof, from_n);

@@ -10,7 +10,7 @@ use crate::goal::Goal;
 use crate::intake::FrameIntake;
 use crate::io::Events;
 use crate::kinematics::{HandCommand, HandServo, gap_m};
-use crate::modules::{self, Modules, Proposal, Selection, force_up_n};
+use crate::modules::{self, Modules, Proposal, Selection, across_axis_n, net_force_n};
 use crate::perception::{self, ObjectPose, Percept, Perception};
 use crate::planning::Waypoints;
 use crate::sensor_setup::{HandSensorSetup, SensorSetup};
@@ -237,8 +237,9 @@ impl HandControl {
             .modules
             .evaluate(runner.step().modules, percept, &context);
         let intent = self.arbiter.merge(&proposals, step_s);
-        let down_n = -force_up_n(percept, motion.base_from_tip);
-        runner.update_findings(percept, down_n, intent.finding);
+        let net_n = net_force_n(percept, motion.base_from_tip);
+        let loads_n = [-net_n.z, across_axis_n(&net_n, &motion.closing_axis)];
+        runner.update_findings(percept, loads_n, intent.finding);
         self.slips = intent.finding.slips;
         let arrived = intent.pose.is_some_and(|c| c.arrived);
         let now = *servo.pose();

@@ -1,10 +1,16 @@
 //! Drop detector: detects a sudden decrease of the load of a suspended object, without a friction
 //! coefficient.
+//!
+//! Sliding friction is lower than static friction, so the load of an object that slides falls, but
+//! not by half. A load that falls by more is carried by something else, such as a person's hand.
 
 /// Decrease that counts as dropping: share, and minimum in N (design choice: well above hand
 /// vibration).
 const DROP_SHARE: f64 = 0.04;
 const DROP_MIN_N: f64 = 0.02;
+/// Decrease beyond which the object does not slide but is carried: share (design choice: kinetic
+/// friction is more than half of static friction).
+const CARRIED_SHARE: f64 = 0.5;
 /// Standard deviations of its scatter that the decrease must exceed (design choice: at 3.5, light
 /// objects give a false alarm in one of ten holds).
 const SCATTER_MARGIN: f64 = 4.5;
@@ -77,7 +83,9 @@ impl Load {
         let limit_n = DROP_MIN_N
             .max(DROP_SHARE * self.reference_n)
             .max(SCATTER_MARGIN * libm::sqrt(self.scatter_n2));
-        self.suspended_s > SETTLING_S && self.reference_n - self.filtered_n > limit_n
+        let decrease_n = self.reference_n - self.filtered_n;
+        let slides = decrease_n > limit_n && decrease_n < CARRIED_SHARE * self.reference_n;
+        self.suspended_s > SETTLING_S && slides
     }
 }
 
@@ -110,6 +118,8 @@ mod tests {
         );
         assert_eq!(dropping_ticks(false, |_| 1.97), 0, "vibration");
         assert_eq!(dropping_ticks(true, |_| 1.8), 0, "load shaken by the hand");
+        let lifted_off = dropping_ticks(false, |_| 0.0);
+        assert!(lifted_off < 20, "carried by something else: {lifted_off}");
         assert!(!DropDetector::default().update(None, false, 1e-3));
     }
 

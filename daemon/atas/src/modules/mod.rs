@@ -36,6 +36,7 @@ mod first_touch;
 mod force_limit;
 mod lift_verification;
 mod list;
+mod load_growth;
 mod load_response;
 mod probe;
 mod proposal;
@@ -50,9 +51,10 @@ mod trajectory;
 mod transfer;
 
 pub(crate) use force_limit::RELEASE_SHARE;
+pub(crate) use proposal::across_axis_n;
 pub use proposal::{
-    Context, Finding, Module, PoseCommand, Proposal, Roles, Verdict, force_range_n, force_up_n,
-    load_n,
+    Context, Finding, Module, PoseCommand, Proposal, Roles, Verdict, VerifiedLoad, force_range_n,
+    force_up_n, load_n, net_force_n,
 };
 pub use selection::Selection;
 

@@ -36,6 +36,8 @@ pub struct Context<'a> {
     /// The present ratio of grip force to load has passed lift verification. The force pattern is
     /// then no evidence of slip.
     pub verified: bool,
+    /// Present load, and load that the present grip holds; `None` without lift verification.
+    pub verified_load: Option<VerifiedLoad>,
     /// Behaviour table of the task.
     pub table: Option<&'a BehaviourTable>,
     /// Path of the present step.
@@ -66,6 +68,19 @@ pub struct Context<'a> {
     /// Ratio of joint-estimated to tactile force, ≥ 1. Limits closing when the skin reports too
     /// little.
     pub torque_over_tactile: f64,
+}
+
+/// Load of an object and the load that lift verification has shown its grip to hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VerifiedLoad {
+    /// Filtered net load across the closing axis, N.
+    pub load_n: f64,
+    /// Load that the present grip force holds, N.
+    pub held_n: f64,
+    /// Mean load of the last second, N.
+    pub mean_n: f64,
+    /// Standard deviation of the load, N.
+    pub scatter_n: f64,
 }
 
 /// Output of one module in one tick.
@@ -207,10 +222,22 @@ pub fn load_n(percept: &Percept) -> f64 {
 /// a suspended object.
 #[must_use]
 pub fn force_up_n(percept: &Percept, base_from_tip: &[Transform]) -> f64 {
+    net_force_n(percept, base_from_tip).z
+}
+
+/// Returns the part of a net force across the closing axis, N. Friction carries it.
+pub(crate) fn across_axis_n(net_n: &Vector3<f64>, closing_axis: &Vector3<f64>) -> f64 {
+    let across_n = net_n - closing_axis * net_n.dot(closing_axis);
+    libm::sqrt(across_n.norm_squared())
+}
+
+/// Returns the sum of the forces of the object on all gripping fingertips, base frame, N.
+#[must_use]
+pub fn net_force_n(percept: &Percept, base_from_tip: &[Transform]) -> Vector3<f64> {
     percept
         .fingertips
         .iter()
         .zip(base_from_tip)
-        .map(|(finger, base_from_tip)| (base_from_tip.rotation * finger.force_tip_n).z)
+        .map(|(finger, base_from_tip)| base_from_tip.rotation * finger.force_tip_n)
         .sum()
 }

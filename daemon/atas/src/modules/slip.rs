@@ -11,17 +11,19 @@
 //! * (c) S exceeds `slip_loading` and dF_t > dr (the paper's rule, gated by S where friction is
 //!   known),
 //! * (d) the torsion ratio exceeds one half: an object held off-centre turns before it slips out,
-//!   or
-//! * (e) the load of a suspended object drops; this needs no friction coefficient.
+//! * (e) the load of a suspended object drops; this needs no friction coefficient, or
+//! * (f) a suspended object suddenly loads the grip more than lift verification has shown it to
+//!   hold. The closing speed then follows from the missing force.
 //!
 //! Grip minimisation disables (a) and (c), because a slip is harmless there. A verified grip
 //! disables (a) to (c): misaligned faces cause uniform shear, and a poor sensor misreads friction.
 //! Before verification, a missing load response disables the same three.
 //!
-//! The module stays active for `slip_latch_s` after the last cause. It slows the hand while closing
-//! can still help.
+//! The module stays active for `slip_latch_s` after the last of the causes (a) to (e). Meanwhile it
+//! slows the hand if closing can still help.
 
 use super::drop_detector::DropDetector;
+use super::load_growth::LoadGrowth;
 use super::load_response::LoadResponse;
 use super::{Context, Finding, Module, Proposal, Roles, force_range_n, force_up_n};
 use crate::perception::{ContactPercept, Percept};
@@ -65,6 +67,7 @@ pub(super) struct Slip {
     /// Load while the object is suspended and not being set down.
     drop_detector: DropDetector,
     load_response: LoadResponse,
+    load_growth: LoadGrowth,
     /// Remaining latch time, s.
     latch_s: f64,
     /// Factor on the hand speed in the previous tick, and remaining swing time, s.
@@ -97,26 +100,34 @@ impl Module for Slip {
             let slips = slips_grossly(side, context) || (nears && !context.minimises_grip);
             cause |= slips && !context.verified && !in_vain;
         }
+        let (weakest_n, strongest_n) = force_range_n(percept);
+        let following_m_s = self.load_growth.closing_m_s(
+            context.verified_load.filter(|_| is_suspended(context)),
+            (weakest_n, strongest_n),
+            context.thresholds.f2_n,
+            &context.compression,
+            percept.step_s,
+        );
         self.latch_s = if cause {
             settings.slip_latch_s
         } else {
             self.latch_s - context.step_s
         };
-        let active = cause || self.latch_s > 0.0;
-        let (_, strongest_n) = force_range_n(percept);
+        let slips = cause || self.latch_s > 0.0;
         // Setting down ends the slip sooner than braking. The load of a lifted object does not
         // depend on speed, so braking only makes it swing.
         let loads = !is_suspended(context) || is_conveying(context);
         let helps = loads && strongest_n < context.thresholds.f2_n && context.lowering_m.is_none();
-        let closing_m_s = match (active, falls) {
+        let closing_m_s = match (slips, falls) {
             (_, true) => DROP_SPEED_FACTOR * settings.enhance_m_s,
             (true, false) => settings.enhance_m_s,
             (false, false) => 0.0,
-        };
+        }
+        .max(following_m_s);
         Proposal {
-            active,
+            active: slips || self.load_growth.is_active(),
             closing_m_s: [closing_m_s; GRASP_SIDES],
-            carry_ceiling: if active && helps {
+            carry_ceiling: if slips && helps {
                 settings.slip_carry_scale
             } else {
                 1.0

@@ -1,7 +1,9 @@
 //! Arbitration: merge rules and independence of module order.
 
 use atas_core::arbitration::{Arbiter, Intent};
-use atas_core::limits::{CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2};
+use atas_core::limits::{
+    CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2, CLOSING_SPEED_UP_S,
+};
 use atas_core::modules::{PoseCommand, Proposal, Verdict};
 use atas_core::perception::StiffnessFit;
 use nalgebra::Vector3;
@@ -274,11 +276,14 @@ proptest! {
         let mut arbiter = Arbiter::default();
         let (mut before_m_s, mut before_scale) = ([0.0; 2], 1.0);
         for proposals in series {
+            let fastest_m_s = proposals.iter().flat_map(|p| p.closing_m_s).fold(0.0, f64::max);
+            let speed_up_m_s2 = (fastest_m_s / CLOSING_SPEED_UP_S)
+                .clamp(CLOSING_SPEED_UP_M_S2, CLOSING_SLOW_DOWN_M_S2);
             let intent = arbiter.merge(&proposals, STEP_S);
             for (now, before) in intent.closing_m_s.into_iter().zip(before_m_s) {
                 prop_assert!(now.is_finite());
                 let closes_more = now > before && now > 0.0;
-                let most = if closes_more { CLOSING_SPEED_UP_M_S2 } else { CLOSING_SLOW_DOWN_M_S2 } * STEP_S;
+                let most = if closes_more { speed_up_m_s2 } else { CLOSING_SLOW_DOWN_M_S2 } * STEP_S;
                 prop_assert!((now - before).abs() <= most + 1e-15, "{before} to {now}");
             }
             prop_assert!((arbiter.carry_scale() - before_scale).abs() <= CARRY_SCALE_PER_S * STEP_S + 1e-15);

@@ -118,6 +118,7 @@ impl Bench {
             suspended: self.hangs,
             minimises_grip: false,
             verified: self.proved,
+            verified_load: None,
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: self.carry_scale,
