@@ -199,7 +199,7 @@ mod tests {
         let check = |modes: &[Mode], stop: bool, expected: Mode| {
             assert_eq!(waited(modes, stop), expected, "{modes:?}, stop {stop}");
         };
-        const BEGINS: [Mode; 60] = [Mode::INIT; 60];
+        const BEGINS: [Mode; 10] = [Mode::INIT; 10];
         let then = |mode| [&BEGINS[..], &[Mode::HOLD, mode]].concat();
         check(&then(Mode::READY), false, Mode::READY);
         check(&then(Mode::RUN), false, Mode::RUN);
