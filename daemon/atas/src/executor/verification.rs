@@ -17,16 +17,14 @@ use crate::perception::Percept;
 
 /// Filter time constant of F_t/F_n, s (design choice: suppresses frame noise).
 const FILTER_S: f64 = 0.03;
-/// Permitted multiple of the verified F_t/F_n (design choice: covers hand tremor).
+/// Permitted multiple of the verified F_t/F_n, and of the load that the grip can hold (design
+/// choice: covers hand tremor).
 const MARGIN: f64 = 1.05;
 
 /// Filter time constant of the net load, s, and load below which noise requires a slower filter, N
 /// (design choice).
 const LOAD_FILTER_S: f64 = 0.004;
 const LIGHT_LOAD_N: f64 = 0.3;
-/// Ratio to the load that the grip can hold above which it is overloaded (design choice: above hand
-/// tremor).
-const OVERLOAD_RATIO: f64 = 1.05;
 /// Time constant of the mean load and of its scatter, s (design choice: many periods of tremor).
 const SCATTER_S: f64 = 0.7;
 
@@ -115,7 +113,7 @@ impl GripVerification {
 
     fn is_overloaded(&self) -> bool {
         self.verified_load()
-            .is_some_and(|it| it.load_n > OVERLOAD_RATIO * it.held_n.max(it.mean_n))
+            .is_some_and(|it| it.load_n > MARGIN * it.held_n.max(it.mean_n))
     }
 
     /// Time for which a sudden load exceeds the load that the grip can hold, s.
