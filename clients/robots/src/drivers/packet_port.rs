@@ -11,6 +11,9 @@
 //!
 //! The reader of the protocol checks id and checksum.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
@@ -102,11 +105,11 @@ fn find(protocol: Protocol, bytes: &[u8]) -> Search {
         let length = match (protocol, rest) {
             // An id of 0xFF does not exist: the header begins later.
             (Protocol::One, [0xFF, 0xFF, id, length, ..]) if *id != 0xFF && *length >= 2 => {
-                4 + usize::from(*length)
+                usize::from(*length).saturating_add(4)
             }
             (Protocol::Two, [0xFF, 0xFF, 0xFD, 0x00, _, low, high, ..]) => {
                 match usize::from(u16::from_le_bytes([*low, *high])) {
-                    length @ 3..=LENGTH_MAX => 7 + length,
+                    length @ 3..=LENGTH_MAX => length.saturating_add(7),
                     _ => continue,
                 }
             }
@@ -114,8 +117,9 @@ fn find(protocol: Protocol, bytes: &[u8]) -> Search {
             _ if is_begin(protocol, rest) => return Search::Incomplete,
             _ => continue,
         };
-        return match bytes.get(begin..begin + length) {
-            Some(_) => Search::Packet(begin, begin + length),
+        let end = begin.saturating_add(length);
+        return match bytes.get(begin..end) {
+            Some(_) => Search::Packet(begin, end),
             None => Search::Incomplete,
         };
     }
@@ -235,6 +239,7 @@ impl SerialPort for PacketPort {
 }
 
 #[cfg(test)]
+#[allow(clippy::arithmetic_side_effects, reason = "numbers of the tests only")]
 mod tests {
     use super::*;
 

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use rustypot::{CommunicationErrorKind, DynamixelProtocolHandler, SyncReadError};
+use serialport::SerialPort;
 
 use super::packet_port::PacketPort;
 use super::protocol::Protocol;
@@ -77,17 +78,23 @@ impl Wire {
             .timeout(answer_within)
             .open()
             .map_err(|error| format!("could not open {device}: {error}; {}", advice(&error)))?;
+        Ok(Self::with_port(port, protocol))
+    }
+
+    /// Uses an open port.
+    #[must_use]
+    pub fn with_port(port: Box<dyn SerialPort>, protocol: Protocol) -> Self {
         let handler = match protocol {
             Protocol::One => DynamixelProtocolHandler::v1(),
             Protocol::Two => DynamixelProtocolHandler::v2(),
         };
         let echoes = Arc::default();
-        Ok(Self {
+        Self {
             port: PacketPort::new(port, protocol, Arc::clone(&echoes)),
             handler,
             protocol,
             echoes,
-        })
+        }
     }
 
     /// Returns true if the adapter has echoed a request. Echoes are ignored.

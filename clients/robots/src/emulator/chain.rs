@@ -69,31 +69,7 @@ impl Chain {
     /// # Errors
     /// If no pseudo-terminal is available, or the family or a model is unknown.
     pub fn start(family: &str, servos: &[PlannedServo], baud: Option<u32>) -> io::Result<Self> {
-        let unknown = |what: &str| {
-            let why = format!("the emulator does not support {what}");
-            io::Error::new(io::ErrorKind::InvalidInput, why)
-        };
-        let family: &'static dyn Family = match family {
-            "dynamixel" => &Dynamixel,
-            "feetech" => &Feetech,
-            other => return Err(unknown(other)),
-        };
-        let made = servos.iter().map(|planned| {
-            let table = family.registers(&planned.model, planned.id);
-            let table = table.ok_or_else(|| unknown(&planned.model))?;
-            Ok((planned.id, Servo::new(family, table, planned.position_rad)))
-        });
-        let inside = ChainState {
-            family,
-            servos: made.collect::<io::Result<_>>()?,
-            byte_s: baud.map_or(0.0, |baud| BITS_PER_BYTE / f64::from(baud)),
-            latency: Duration::ZERO,
-            noise_every: 0,
-            glitch: Vec::new(),
-            echoes: false,
-            random: 1,
-            advanced: Instant::now(),
-        };
+        let inside = ChainState::new(family, servos, baud)?;
         let terminal = Terminal::open()?;
         let (path, stop) = (terminal.path().to_owned(), Arc::new(AtomicBool::new(false)));
         let shared = Arc::new(Mutex::new(inside));
@@ -192,7 +168,72 @@ fn run_emulation(terminal: &Terminal, shared: &Mutex<ChainState>, stop: &AtomicB
     }
 }
 
+/// Time that a [`Responder`] passes per request, s. Design choice: about a cycle of a port.
+const REQUEST_S: f64 = 1e-3;
+
+/// Servos that reply at once, without terminal and clock: bytes of requests in, bytes of replies
+/// out.
+#[derive(Debug)]
+pub struct Responder {
+    state: ChainState,
+    received: Vec<u8>,
+}
+
+impl Responder {
+    /// Creates servos of one family.
+    ///
+    /// # Errors
+    /// If the family or a model is unknown.
+    pub fn new(family: &str, servos: &[PlannedServo]) -> io::Result<Self> {
+        Ok(Self {
+            state: ChainState::new(family, servos, None)?,
+            received: Vec::new(),
+        })
+    }
+
+    /// Returns the replies to all requests that these bytes complete.
+    pub fn respond(&mut self, bytes: &[u8]) -> Vec<u8> {
+        self.received.extend_from_slice(bytes);
+        let mut replies = Vec::new();
+        while let Some(request) = self.state.family.take_request(&mut self.received) {
+            for servo in self.state.servos.values_mut() {
+                servo.advance(REQUEST_S);
+            }
+            replies.extend(self.state.answer(&request));
+        }
+        replies
+    }
+}
+
 impl ChainState {
+    fn new(family: &str, servos: &[PlannedServo], baud: Option<u32>) -> io::Result<Self> {
+        let unknown = |what: &str| {
+            let why = format!("the emulator does not support {what}");
+            io::Error::new(io::ErrorKind::InvalidInput, why)
+        };
+        let family: &'static dyn Family = match family {
+            "dynamixel" => &Dynamixel,
+            "feetech" => &Feetech,
+            other => return Err(unknown(other)),
+        };
+        let made = servos.iter().map(|planned| {
+            let table = family.registers(&planned.model, planned.id);
+            let table = table.ok_or_else(|| unknown(&planned.model))?;
+            Ok((planned.id, Servo::new(family, table, planned.position_rad)))
+        });
+        Ok(Self {
+            family,
+            servos: made.collect::<io::Result<_>>()?,
+            byte_s: baud.map_or(0.0, |baud| BITS_PER_BYTE / f64::from(baud)),
+            latency: Duration::ZERO,
+            noise_every: 0,
+            glitch: Vec::new(),
+            echoes: false,
+            random: 1,
+            advanced: Instant::now(),
+        })
+    }
+
     fn advance(&mut self) {
         let now = Instant::now();
         let elapsed_s = (now - self.advanced).as_secs_f64();
@@ -308,5 +349,51 @@ impl ChainState {
                 *byte ^= 1 << (self.random >> 29);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn responder(family: &str, model: &str) -> Responder {
+        let servos = [PlannedServo {
+            id: 1,
+            model: model.to_owned(),
+            position_rad: 0.0,
+        }];
+        Responder::new(family, &servos).expect("a known family")
+    }
+
+    /// Regression: a write without data to the torque register panicked.
+    #[test]
+    fn empty_write_is_answered_without_panic() {
+        let mut servos = responder("dynamixel", "xl330-m288");
+        let write = [0xFF, 0xFF, 0xFD, 0, 1, 5, 0, 3, 64, 0];
+        let sum = |bytes: &[u8]| {
+            bytes.iter().fold(0, |sum: u16, byte| {
+                (0..8).fold(sum ^ u16::from(*byte) << 8, |sum, _| match sum & 0x8000 {
+                    0 => sum << 1,
+                    _ => sum << 1 ^ 0x8005,
+                })
+            })
+        };
+        let request = [&write[..], &sum(&write).to_le_bytes()].concat();
+        let reply = servos.respond(&request);
+        assert!(reply.starts_with(&[0xFF, 0xFF, 0xFD, 0, 1]), "{reply:x?}");
+    }
+
+    /// Regression: the length of a reply with all registers overflowed.
+    #[test]
+    fn read_of_all_registers_has_no_reply() {
+        let mut servos = responder("feetech", "sts3215");
+        let read = |length: u8| {
+            let body = [1, 4, 2, 0, length];
+            let sum = body.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
+            [&[0xFF, 0xFF][..], &body, &[!sum]].concat()
+        };
+        assert!(servos.respond(&read(254)).is_empty());
+        assert!(servos.respond(&read(255)).is_empty());
+        assert_eq!(servos.respond(&read(253)).len(), 259);
     }
 }

@@ -213,11 +213,12 @@ impl Family for Dynamixel {
         if end > table.len() || end > PRESENT_CURRENT && address < 168 || locked {
             return Err(ACCESS);
         }
-        if address == TORQUE_ENABLE && bytes[0] > 1 {
-            return Err(DATA_RANGE);
-        }
-        if address == TORQUE_ENABLE && bytes[0] == 1 && table[HARDWARE_ERROR] != 0 {
-            return Err(ACCESS);
+        match bytes.first() {
+            Some(2..) if address == TORQUE_ENABLE => return Err(DATA_RANGE),
+            Some(1) if address == TORQUE_ENABLE && table[HARDWARE_ERROR] != 0 => {
+                return Err(ACCESS);
+            }
+            _ => {}
         }
         put(table, address, bytes);
         Ok(())
@@ -284,10 +285,14 @@ impl Family for Dynamixel {
         let Some((.., first)) = blocks.first() else {
             return Vec::new();
         };
-        let length = asked * (first.len() + 4);
+        let length = asked * (first.len() + 4) + 1;
+        // Servos cannot reply with a packet that is longer than its length field permits.
+        let Ok(length) = u16::try_from(length) else {
+            return Vec::new();
+        };
         let mut packet = HEADER.to_vec();
         packet.push(ALL);
-        packet.extend((length as u16 + 1).to_le_bytes());
+        packet.extend(length.to_le_bytes());
         packet.push(0x55);
         for (id, status, bytes) in blocks {
             packet.extend([*status, *id]);

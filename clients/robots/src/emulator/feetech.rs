@@ -175,7 +175,11 @@ impl Family for Feetech {
     }
 
     fn answer(&self, id: u8, status: u8, parameters: &[u8]) -> Vec<u8> {
-        let mut packet = vec![0xFF, 0xFF, id, parameters.len() as u8 + 2, status];
+        // A servo cannot reply with a packet that is longer than its length field permits.
+        let Ok(length) = u8::try_from(parameters.len() + 2) else {
+            return Vec::new();
+        };
+        let mut packet = vec![0xFF, 0xFF, id, length, status];
         packet.extend(parameters);
         packet.push(checksum(&packet[2..]));
         packet

@@ -23,5 +23,5 @@ mod servo;
 mod shaft;
 mod terminal;
 
-pub use chain::{Chain, PlannedServo};
+pub use chain::{Chain, PlannedServo, Responder};
 pub use servo::Servo;

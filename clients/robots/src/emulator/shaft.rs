@@ -76,8 +76,9 @@ impl Shaft {
             (self.position_steps, self.speed_steps_s) = (wall, 0.0);
         }
         self.fastest_steps_s = self.fastest_steps_s.max(self.speed_steps_s.abs());
+        // A register can hold a negative limit, which permits no current.
         let most_a = if orders.torque_on {
-            orders.current_max_a
+            orders.current_max_a.max(0.0)
         } else {
             0.0
         };
@@ -117,6 +118,18 @@ mod tests {
         (0..20).for_each(|_| shaft.advance(&ORDERS, 1.0));
         assert_eq!((shaft.position_steps, shaft.current_a), (500.0, 0.5));
         assert!(shaft.temperature_c > 28.0, "{shaft:?}");
+    }
+
+    /// Regression: a negative current limit panicked.
+    #[test]
+    fn negative_current_limit_permits_no_current() {
+        let mut shaft = Shaft::new(0.0);
+        let orders = ShaftSetpoints {
+            current_max_a: -0.1,
+            ..ORDERS
+        };
+        shaft.advance(&orders, 0.1);
+        assert_eq!(shaft.current_a, 0.0);
     }
 
     #[test]
