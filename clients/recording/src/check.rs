@@ -1,5 +1,8 @@
 //! Check and repair of recordings.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::path::{Path, PathBuf};
 
 use shm_schemas::{Payload, TickInputs};
@@ -52,11 +55,11 @@ impl Contents {
             return Ok(());
         };
         let part = payload::<TickInputs>(message)?;
-        self.messages += 1;
+        self.messages = self.messages.saturating_add(1);
         let Some(part) = part else {
             return Ok(());
         };
-        self.parts += 1;
+        self.parts = self.parts.saturating_add(1);
         let sequence = part.stamp.sequence;
         self.first.get_or_insert(sequence);
         let gap = self.next.map_or(0, |next| sequence.saturating_sub(next));
@@ -117,4 +120,5 @@ fn repaired(path: &Path) -> PathBuf {
 }
 
 #[cfg(test)]
+#[allow(clippy::arithmetic_side_effects, reason = "numbers of the tests only")]
 mod tests;

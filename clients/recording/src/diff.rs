@@ -2,6 +2,9 @@
 //!
 //! Times, writers, sequences and checksums are not compared: they differ between any two runs.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::path::Path;
 
 use shm_schemas::{HandFrame, JointCommand, JointState, OrderRecord, Status, TickInputs};
@@ -41,7 +44,7 @@ pub fn diff(a: &Path, b: &Path) -> anyhow::Result<Difference> {
         match (first.next()?, second.next()?) {
             (Some(a), Some(b)) => match part_difference(&a, &b) {
                 Some(field) => break Some((a.tick, field)),
-                None => equal_ticks += u64::from(a.part == 0),
+                None => equal_ticks = equal_ticks.saturating_add(u64::from(a.part == 0)),
             },
             (None, None) => break None,
             (Some(longer), None) => {
@@ -168,7 +171,9 @@ fn field<T: IntoBytes + Immutable>(
     except: &[&str],
 ) -> Option<&'static str> {
     let (a, b) = (a.as_bytes(), b.as_bytes());
-    let differs = |offset: usize, size: usize| a[offset..offset + size] != b[offset..offset + size];
+    // Offsets and sizes of a layout that the compiler checked.
+    let range = |offset: usize, size: usize| offset..offset.saturating_add(size);
+    let differs = |offset: usize, size: usize| a[range(offset, size)] != b[range(offset, size)];
     let mut compared = fields.iter().filter(|(name, ..)| !except.contains(name));
     compared
         .find(|(_, offset, size)| differs(*offset, *size))

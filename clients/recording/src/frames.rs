@@ -1,5 +1,8 @@
 //! Tactile frames of a recorded run, of both hands, in the order in which the daemon received them.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::collections::VecDeque;
 use std::path::PathBuf;
 

@@ -1,6 +1,9 @@
 //! Reader of one MCAP file, from its beginning, in bounded memory. A truncated or damaged file is
 //! read up to the damage; then follows an error.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -9,14 +12,17 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use mcap::Message;
 use mcap::read::ChannelAccumulator;
-use mcap::records::{Metadata, Record};
+use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::payloads::Recorded;
 
-/// Longest accepted record, bytes: a hundred times a chunk. A damaged length must not exhaust
-/// memory.
-const RECORD_MAX_BYTES: usize = 128 << 20;
+/// Longest accepted record or chunk in a large file, bytes: a hundred times a chunk. A damaged
+/// length must not exhaust memory.
+const RECORD_MAX_BYTES: u64 = 128 << 20;
+/// Longest accepted record or chunk in a small file, bytes: sixteen chunks, which may be compressed
+/// to little. A damaged length in a small file must not cost the memory of a large one.
+const SMALL_RECORD_MAX_BYTES: u64 = 16 << 20;
 
 /// First bytes of every MCAP file.
 const MAGIC: &[u8] = b"\x89MCAP";
@@ -45,6 +51,9 @@ pub enum Entry {
 pub struct Reader {
     file: BufReader<File>,
     records: LinearReader,
+    /// Parser of the chunks.
+    chunk_records: LinearReader,
+    chunk: Option<Chunk>,
     channels: ChannelAccumulator<'static>,
     path: PathBuf,
     has_ended: bool,
@@ -58,15 +67,22 @@ impl Reader {
     pub fn open(path: &Path) -> anyhow::Result<Self> {
         let file =
             File::open(path).with_context(|| format!("could not open {}", path.display()))?;
+        let length = file.metadata().map_or(RECORD_MAX_BYTES, |file| file.len());
+        let length = length.clamp(SMALL_RECORD_MAX_BYTES, RECORD_MAX_BYTES);
         let options = LinearReaderOptions::default()
             .with_validate_chunk_crcs(true)
             .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(usize::try_from(length).unwrap_or(usize::MAX));
+        let chunks = options.clone().with_skip_start_magic(true);
+        let records = options
+            .with_emit_chunks(true)
             .with_validate_data_section_crc(true)
-            .with_validate_summary_section_crc(true)
-            .with_record_length_limit(RECORD_MAX_BYTES);
+            .with_validate_summary_section_crc(true);
         Ok(Self {
             file: BufReader::new(file),
-            records: LinearReader::new_with_options(options),
+            records: LinearReader::new_with_options(records),
+            chunk_records: LinearReader::new_with_options(chunks),
+            chunk: None,
             channels: ChannelAccumulator::default(),
             path: path.to_owned(),
             has_ended: false,
@@ -92,15 +108,79 @@ impl Reader {
     }
 
     fn next_entry(&mut self) -> anyhow::Result<Option<Entry>> {
-        while let Some(event) = self.records.next_event() {
+        loop {
+            if let Some(chunk) = &mut self.chunk {
+                match chunk.next_entry(&mut self.chunk_records, &mut self.channels)? {
+                    Some(entry) => return Ok(Some(entry)),
+                    None => self.chunk = None,
+                }
+            }
+            let Some(event) = self.records.next_event() else {
+                return Ok(None);
+            };
             match event? {
                 LinearReadEvent::ReadRequest(bytes) => {
                     let read = self.file.read(self.records.insert(bytes))?;
                     self.records.notify_read(read);
                 }
                 LinearReadEvent::Record { data, opcode } => {
-                    let record = mcap::parse_record(opcode, data)?;
-                    if let Some(entry) = entry_of(&mut self.channels, record)? {
+                    if opcode == op::CHUNK {
+                        self.chunk = Some(Chunk::new(data)?);
+                    } else if let Some(entry) = entry_of(&mut self.channels, opcode, data)? {
+                        return Ok(Some(entry));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Chunk of a file. It is examined before the parser receives it: the parser panics if a record is
+/// longer than its chunk.
+struct Chunk {
+    record: Vec<u8>,
+    /// Number of bytes that the parser has received.
+    read: usize,
+}
+
+impl Chunk {
+    fn new(data: &[u8]) -> anyhow::Result<Self> {
+        anyhow::ensure!(texts_fit(op::CHUNK, data), "a chunk is too short");
+        if let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, data)? {
+            let is_plain = header.compression.is_empty();
+            anyhow::ensure!(
+                !is_plain || records_fit(&data),
+                "a record is longer than its chunk"
+            );
+        }
+        let length = data.len() as u64;
+        Ok(Self {
+            record: [&[op::CHUNK], &length.to_le_bytes()[..], data].concat(),
+            read: 0,
+        })
+    }
+
+    /// Returns the next entry; `None` at the end of the chunk.
+    fn next_entry(
+        &mut self,
+        records: &mut LinearReader,
+        channels: &mut ChannelAccumulator<'static>,
+    ) -> anyhow::Result<Option<Entry>> {
+        while let Some(event) = records.next_event() {
+            match event? {
+                LinearReadEvent::ReadRequest(bytes) => {
+                    let rest = self.record.get(self.read..).unwrap_or_default();
+                    // The parser requests the next chunk.
+                    if rest.is_empty() {
+                        return Ok(None);
+                    }
+                    let given = rest.get(..bytes).unwrap_or(rest);
+                    records.insert(bytes)[..given.len()].copy_from_slice(given);
+                    records.notify_read(given.len());
+                    self.read = self.read.saturating_add(given.len());
+                }
+                LinearReadEvent::Record { data, opcode } => {
+                    if let Some(entry) = entry_of(channels, opcode, data)? {
                         return Ok(Some(entry));
                     }
                 }
@@ -110,11 +190,78 @@ impl Reader {
     }
 }
 
+/// Returns true if every record of an uncompressed chunk ends inside it.
+fn records_fit(mut records: &[u8]) -> bool {
+    while let Some((_, rest)) = records.split_first() {
+        let rest = rest.split_first_chunk().and_then(|(length, rest)| {
+            let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+            rest.get(length..)
+        });
+        let Some(rest) = rest else {
+            return false;
+        };
+        records = rest;
+    }
+    true
+}
+
+/// Returns true for records with entries. The parser is not called for others: it panics on a short
+/// attachment.
+fn is_read(opcode: u8) -> bool {
+    matches!(
+        opcode,
+        op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA
+    )
+}
+
+/// Returns true if every text fits into its record. The parser allocates a text before it reads it,
+/// up to 4 GiB for a damaged length.
+fn texts_fit(opcode: u8, record: &[u8]) -> bool {
+    let rest = match opcode {
+        op::SCHEMA => record.get(2..).and_then(skip_text).and_then(skip_text),
+        op::CHANNEL => record
+            .get(4..)
+            .and_then(skip_text)
+            .and_then(skip_text)
+            .and_then(skip_table),
+        op::METADATA => skip_text(record).and_then(skip_table),
+        op::CHUNK => record.get(28..).and_then(skip_text),
+        _ => Some(record),
+    };
+    rest.is_some()
+}
+
+/// Returns the bytes after a text; `None` if it is longer.
+fn skip_text(bytes: &[u8]) -> Option<&[u8]> {
+    let (length, rest) = bytes.split_first_chunk()?;
+    rest.get(usize::try_from(u32::from_le_bytes(*length)).ok()?..)
+}
+
+/// Returns the bytes after a table of texts; `None` if it is longer.
+fn skip_table(bytes: &[u8]) -> Option<&[u8]> {
+    let after = skip_text(bytes)?;
+    let table = bytes.get(..bytes.len().checked_sub(after.len())?)?;
+    let mut texts = table.get(4..)?;
+    while !texts.is_empty() {
+        texts = skip_text(texts)?;
+    }
+    Some(after)
+}
+
+/// Parses a record; returns its entry, if it has one.
 fn entry_of(
     channels: &mut ChannelAccumulator<'static>,
-    record: Record<'_>,
-) -> mcap::McapResult<Option<Entry>> {
-    match record {
+    opcode: u8,
+    data: &[u8],
+) -> anyhow::Result<Option<Entry>> {
+    if !is_read(opcode) {
+        return Ok(None);
+    }
+    anyhow::ensure!(
+        texts_fit(opcode, data),
+        "a text is longer than its record {opcode:#04x}"
+    );
+    match mcap::parse_record(opcode, data)? {
         Record::Schema { header, data } => {
             channels.add_schema(header, Cow::Owned(data.into_owned()))?;
         }
@@ -239,6 +386,84 @@ mod tests {
         check(&MAGIC[..3], false);
         check(&[MAGIC, b"0\r\n"].concat(), true);
         check(&[MAGIC, b"0\r\n and then something else"].concat(), true);
+    }
+
+    /// Returns a file of one record.
+    fn file_of(opcode: u8, length: u64, content: &[u8]) -> Vec<u8> {
+        let mut file = [MAGIC, b"0\r\n", &[opcode]].concat();
+        file.extend(length.to_le_bytes());
+        file.extend(content);
+        file
+    }
+
+    fn errors_of(file: &[u8]) -> Vec<String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("some.mcap");
+        std::fs::write(&path, file).expect("written");
+        let entries = Reader::open(&path).expect("opened");
+        entries
+            .filter_map(|entry| Some(format!("{:#}", entry.err()?)))
+            .collect()
+    }
+
+    /// Regression: the parser allocated up to 4 GiB for a text with a damaged length.
+    #[test]
+    fn text_longer_than_its_record_is_rejected() {
+        let long = u32::MAX.to_le_bytes();
+        let check = |opcode: u8, before: &[u8]| {
+            let content = [before, &long, b"abc"].concat();
+            let errors = errors_of(&file_of(opcode, content.len() as u64, &content));
+            let is_rejected = matches!(&errors[..], [error] if error.contains("a text is longer"));
+            assert!(is_rejected, "{opcode:#x} {before:?}: {errors:?}");
+        };
+        let text = [1, 0, 0, 0, b'x'];
+        check(op::SCHEMA, &[1, 0]);
+        check(op::SCHEMA, &[&[1, 0][..], &text].concat());
+        check(op::CHANNEL, &[1, 0, 1, 0]);
+        check(op::CHANNEL, &[&[1, 0, 1, 0][..], &text, &text].concat());
+        check(op::METADATA, &[]);
+        check(op::METADATA, &text);
+        // A text within a table of eight bytes.
+        let table = [&text[..], &[8, 0, 0, 0]].concat();
+        let content = [&table[..], &long, b"abcd"].concat();
+        let errors = errors_of(&file_of(op::METADATA, content.len() as u64, &content));
+        assert!(errors[0].contains("a text is longer"), "{errors:?}");
+    }
+
+    /// Regression: the parser panicked on an attachment without its checksum.
+    #[test]
+    fn short_attachment_is_skipped_without_panic() {
+        let mut content = vec![0; 16];
+        content.extend([0; 8]);
+        content.extend(0_u64.to_le_bytes());
+        let errors = errors_of(&file_of(op::ATTACHMENT, content.len() as u64, &content));
+        // The file ends after the attachment.
+        assert_eq!(errors.len(), 1, "{errors:?}");
+    }
+
+    /// Regression: the parser panicked on a record that is longer than its chunk.
+    #[test]
+    fn record_longer_than_its_chunk_is_rejected() {
+        let mut record = vec![op::METADATA];
+        record.extend(100_u64.to_le_bytes());
+        record.extend([0; 20]);
+        let mut chunk = vec![0; 16];
+        chunk.extend((record.len() as u64).to_le_bytes());
+        // Neither a checksum nor a compression.
+        chunk.extend([0; 8]);
+        chunk.extend((record.len() as u64).to_le_bytes());
+        chunk.extend(&record);
+        let mut file = file_of(op::CHUNK, chunk.len() as u64, &chunk);
+        file.extend([0; 200]);
+        let errors = errors_of(&file);
+        assert!(errors[0].contains("longer than its chunk"), "{errors:?}");
+    }
+
+    /// Regression: a damaged length in a small file cost 128 MiB.
+    #[test]
+    fn length_beyond_a_small_file_is_rejected() {
+        let errors = errors_of(&file_of(op::MESSAGE, 100 << 20, b"abc"));
+        assert!(errors[0].contains("exceeds limit"), "{errors:?}");
     }
 
     #[test]

@@ -1,5 +1,8 @@
 //! Rotation of recordings: one file per run and part, flushed by time, bounded in size.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -131,7 +134,7 @@ impl Recording {
             }
         }
         self.next_sequence = Some(sequence.saturating_add(1));
-        self.tally.parts += 1;
+        self.tally.parts = self.tally.parts.saturating_add(1);
         self.last = part.stamp;
         if self.is_followed {
             self.update_follower(|follower| follower.update(part));
@@ -166,7 +169,8 @@ impl Recording {
             self.next_file()?;
             self.write_state()?;
         }
-        let total = self.closed.iter().map(|(_, size)| size).sum::<u64>() + self.size;
+        let sizes = self.closed.iter().map(|(_, size)| *size);
+        let total = sizes.fold(self.size, u64::saturating_add);
         Ok(self.bounds.total_bytes.is_none_or(|bytes| total < bytes))
     }
 
@@ -186,13 +190,16 @@ impl Recording {
         } = self;
         let path = writer.path().to_owned();
         closed.push_back((path, writer.finish()?));
-        tally.bytes = closed.iter().map(|(_, size)| size).sum();
+        tally.bytes = closed
+            .iter()
+            .map(|(_, size)| *size)
+            .fold(0, u64::saturating_add);
         tally.files = closed.into_iter().map(|(path, _)| path).collect();
         Ok(tally)
     }
 
     fn next_file(&mut self) -> anyhow::Result<()> {
-        self.parts += 1;
+        self.parts = self.parts.saturating_add(1);
         let next = Writer::create(&part(&self.out, self.parts))?;
         let full = std::mem::replace(&mut self.writer, next);
         let path = full.path().to_owned();
@@ -279,4 +286,5 @@ fn origin(run: &RunHeader, part: u32) -> Metadata {
 }
 
 #[cfg(test)]
+#[allow(clippy::arithmetic_side_effects, reason = "numbers of the tests only")]
 mod tests;

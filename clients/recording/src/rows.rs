@@ -5,6 +5,9 @@
 //! * **Invariants:** memory is bounded. A row contains only data recorded in its tick: a hand
 //!   without a new frame has none.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 

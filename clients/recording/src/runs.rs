@@ -1,5 +1,8 @@
 //! Assignment of files to runs of the daemon.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use std::path::PathBuf;
 
 use crate::rows::Rows;
