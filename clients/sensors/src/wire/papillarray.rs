@@ -16,6 +16,9 @@
 //! start marks. Source: PTSCOM_2.0_SPEC_SEP22 of the vendor, and a public third-party decoder for
 //! the block layouts.
 
+// Numbers of a file or a device reach this arithmetic.
+#![warn(clippy::arithmetic_side_effects)]
+
 use clap::{ArgMatches, Args, FromArgMatches};
 
 use crate::reading::{ByteCounts, Condition, Frame, Quantity, Shape};
@@ -118,7 +121,8 @@ impl Wire for Format {
             if u16_at(body, covered) == Some(sum)
                 && let Some(packet) = parse(&body[..covered], byte_offset)
             {
-                return Candidate::Valid(packet, START.len() + end + END.len());
+                let length = const { START.len() + END.len() }.saturating_add(end);
+                return Candidate::Valid(packet, length);
             }
         }
         if bytes.len() < PACKET_MAX && may_be_packet(body) {
@@ -140,7 +144,7 @@ fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
 
 /// Returns an offset of `size` bytes.
 fn offset_at(bytes: &[u8], at: usize, size: usize) -> Option<usize> {
-    let bytes = bytes.get(at..at + size)?;
+    let bytes = bytes.get(at..)?.get(..size)?;
     Some(
         bytes
             .iter()
@@ -155,19 +159,29 @@ fn table(body: &[u8]) -> Option<(usize, usize)> {
     if !(1..=4).contains(&size) {
         return None;
     }
-    let (mut at, mut first) = (1, body.len());
+    let (mut at, mut first) = (1_usize, body.len());
     let (mut hub, mut pillars) = (None, None);
-    while at + 2 + size <= first {
-        let offset = offset_at(body, at + 2, size)?;
+    loop {
+        let number = at.saturating_add(2);
+        let next = number.saturating_add(size);
+        if next > first {
+            break;
+        }
+        let offset = offset_at(body, number, size)?;
         match u16_at(body, at)? {
             1 => hub = Some(offset),
             3 => pillars = Some(offset),
             _ => {}
         }
         first = first.min(offset);
-        at += 2 + size;
+        at = next;
     }
     Some((hub?, pillars?))
+}
+
+/// Returns the offset after a count and that many offsets.
+fn skip(at: usize, count: usize, size: usize) -> Option<usize> {
+    count.checked_mul(size)?.checked_add(2)?.checked_add(at)
 }
 
 /// Returns the packet if its blocks lie inside it and have the expected structure.
@@ -179,20 +193,20 @@ fn parse(body: &[u8], byte_offset: u64) -> Option<Packet> {
     if !(1..=MAX_SENSORS).contains(&sensors) {
         return None;
     }
-    at += 2 + sensors * size;
+    at = skip(at, sensors, size)?;
     let mut forces_n = [0.0; 3 * PILLARS * MAX_SENSORS];
     for sensor in forces_n.chunks_exact_mut(3 * PILLARS).take(sensors) {
         if usize::from(u16_at(body, at)?) != PILLARS {
             return None;
         }
-        at += 2 + PILLARS * size;
+        at = skip(at, PILLARS, size)?;
         for pillar in sensor.chunks_exact_mut(3) {
-            let entry = body.get(at..at + PILLAR_BYTES)?;
+            let entry = body.get(at..)?.first_chunk::<PILLAR_BYTES>()?;
             let (words, _) = entry[2..14].as_chunks::<4>();
             for (force_n, &word) in pillar.iter_mut().zip(words) {
                 *force_n = f32::from_le_bytes(word).into();
             }
-            at += PILLAR_BYTES;
+            at = at.checked_add(PILLAR_BYTES)?;
         }
     }
     Some(Packet {
@@ -270,6 +284,6 @@ fn report_packet(packet: &Packet, expected: usize, report: &mut dyn FnMut(Event<
         status: 0,
         temperature_c: None,
         condition: Condition::Normal,
-        values: &packet.forces_n[..3 * PILLARS * packet.sensors],
+        values: &packet.forces_n[..(3 * PILLARS).saturating_mul(packet.sensors)],
     }));
 }
