@@ -64,7 +64,7 @@ async fn read_head(viewer: &mut Connection) -> io::Result<Vec<u8>> {
 }
 
 /// Returns the headers of a request; `None` if one is not a header.
-fn headers(head: &[u8]) -> Option<HeaderMap> {
+pub(crate) fn headers(head: &[u8]) -> Option<HeaderMap> {
     let text = std::str::from_utf8(head).ok()?;
     let (head, _) = text.split_once("\r\n\r\n")?;
     let mut headers = HeaderMap::new();

@@ -63,6 +63,30 @@ struct Server {
     shelf: Option<LoadedRecording>,
 }
 
+impl Server {
+    fn new(
+        port: u16,
+        bus: BusName,
+        feed: Arc<Feed>,
+        shelf: Option<LoadedRecording>,
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            places: Arc::new(Semaphore::new(PAGES_MAX)),
+            guard: Guard::new(port).context("could not draw a token")?,
+            bus,
+            feed,
+            shelf,
+        })
+    }
+}
+
+/// Makes the router of a dashboard on this port without a daemon. Its changes reach no bus.
+pub(crate) fn unconnected_router(port: u16) -> anyhow::Result<Router> {
+    let bus = "unconnected".parse()?;
+    let server = Server::new(port, bus, Arc::default(), None)?;
+    Ok(router(Arc::new(server)))
+}
+
 pub(crate) fn dashboard(
     arguments: &Dashboard,
     interrupt: &Interrupt,
@@ -80,13 +104,8 @@ pub(crate) fn dashboard(
     let runtime = runtime()?;
     let listener = runtime.block_on(listen(arguments.port))?;
     let address = listener.local_addr()?;
-    let server = Arc::new(Server {
-        places: Arc::new(Semaphore::new(PAGES_MAX)),
-        guard: Guard::new(address.port()).context("could not draw a token")?,
-        bus: arguments.bus.bus.clone(),
-        feed,
-        shelf,
-    });
+    let bus = arguments.bus.bus.clone();
+    let server = Arc::new(Server::new(address.port(), bus, feed, shelf)?);
     announce(&server, address.port(), output)?;
     std::thread::scope(|threads| {
         if server.shelf.is_none() {

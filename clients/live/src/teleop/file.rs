@@ -49,7 +49,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<Vec<TimedTarget>> {
 }
 
 /// Returns the targets, or all errors.
-fn parse(text: &str) -> Result<Vec<TimedTarget>, Vec<String>> {
+pub(super) fn parse(text: &str) -> Result<Vec<TimedTarget>, Vec<String>> {
     let lines = || {
         text.lines()
             .enumerate()

@@ -148,3 +148,8 @@ impl Stream {
         output.line(sentence)
     }
 }
+
+/// Returns the number of targets in the text of a file, or all findings.
+pub(crate) fn count_targets(text: &str) -> Result<usize, Vec<String>> {
+    file::parse(text).map(|targets| targets.len())
+}
