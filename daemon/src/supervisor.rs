@@ -19,6 +19,7 @@ mod service;
 mod state;
 mod telemetry;
 
+pub use controls::execute_control;
 pub use service::Signals;
 pub use state::SupervisorState;
 

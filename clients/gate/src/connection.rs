@@ -8,9 +8,8 @@ use std::path::PathBuf;
 use std::process::{Child, Command};
 
 use anyhow::{Context, anyhow};
-use atas_console::arguments::{Access, Arguments, Right, command};
+use atas_console::arguments::Right;
 use atas_gate::message::{self, Reply, Request, SIGNALS, STREAMS};
-use clap::FromArgMatches;
 use nix::sys::socket::{UnixCredentials, getsockopt, sockopt::PeerCredentials};
 use nix::unistd::{Uid, User};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -70,7 +69,7 @@ fn prepare(
 ) -> Result<Command, Reply> {
     let refused = |why: String| Reply::Refused(format!("rejected by the gate: {why}"));
     let (request, streams) = message::receive_request(visitor).map_err(refused)?;
-    let right = right(&request).map_err(refused)?;
+    let right = request.right().map_err(refused)?;
     if full && right != Right::Stop {
         return Err(Reply::Busy(CONNECTIONS_PER_USER));
     }
@@ -99,25 +98,6 @@ fn prepare(
     );
     let command = command_of(request, streams);
     command.map_err(|error| refused(format!("of: {error}")))
-}
-
-/// Returns the permission that the command needs, from the definition of the command line.
-fn right(request: &Request) -> Result<Right, String> {
-    if request.arguments.iter().any(|word| word.contains('\0')) {
-        return Err("a word of the command line contains a zero byte".into());
-    }
-    let words = std::iter::once("atas").chain(request.arguments.iter().map(String::as_str));
-    let parsed = command()
-        .try_get_matches_from(words)
-        .and_then(|matches| Arguments::from_arg_matches(&matches));
-    let arguments = parsed.map_err(|_| "the command line is invalid".to_owned())?;
-    match arguments.command.access() {
-        Access::Right(right, _) => Ok(right),
-        Access::Owner(_, why) => Err(format!("this command {why}; run it as the bus's user")),
-        Access::Caller => {
-            Err("this command does not need another user's bus; run it as yourself".into())
-        }
-    }
 }
 
 /// Returns true if the client needs no gate: the bus's user, and root.

@@ -7,6 +7,8 @@ use std::io::{self, IoSlice, IoSliceMut};
 use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 
+use atas_console::arguments::{Access, Arguments, Right, command};
+use clap::FromArgMatches;
 use rustix::net::{
     RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, ReturnFlags, SendAncillaryBuffer,
     SendAncillaryMessage, SendFlags, recvmsg, send, sendmsg,
@@ -67,6 +69,38 @@ pub enum Reply {
 }
 
 impl Request {
+    /// Parses a packet.
+    ///
+    /// # Errors
+    /// The reason as text.
+    pub fn parse(packet: &[u8]) -> Result<Self, String> {
+        serde_json::from_slice(packet).map_err(|error| {
+            format!("the request is invalid ({error}); `atas` may have another version")
+        })
+    }
+
+    /// Returns the permission that the command needs, from the definition of the command line.
+    ///
+    /// # Errors
+    /// The reason as text: an invalid command line, or a command that needs no gate.
+    pub fn right(&self) -> Result<Right, String> {
+        if self.arguments.iter().any(|word| word.contains('\0')) {
+            return Err("a word of the command line contains a zero byte".into());
+        }
+        let words = std::iter::once("atas").chain(self.arguments.iter().map(String::as_str));
+        let parsed = command()
+            .try_get_matches_from(words)
+            .and_then(|matches| Arguments::from_arg_matches(&matches));
+        let arguments = parsed.map_err(|_| "the command line is invalid".to_owned())?;
+        match arguments.command.access() {
+            Access::Right(right, _) => Ok(right),
+            Access::Owner(_, why) => Err(format!("this command {why}; run it as the bus's user")),
+            Access::Caller => {
+                Err("this command does not need another user's bus; run it as yourself".into())
+            }
+        }
+    }
+
     /// Returns true if an environment variable may be forwarded: listed in [`VARIABLES`], short, and
     /// not a path, which a library could follow.
     #[must_use]
@@ -133,9 +167,7 @@ pub fn receive_request(socket: impl AsFd) -> Result<(Request, [OwnedFd; STREAMS]
     if received.flags.intersects(ReturnFlags::CTRUNC) {
         return Err(format!("the request has more than {STREAMS} descriptors"));
     }
-    let request = serde_json::from_slice(&packet[..received.bytes]).map_err(|error| {
-        format!("the request is invalid ({error}); `atas` may have another version")
-    })?;
+    let request = Request::parse(&packet[..received.bytes])?;
     let streams = streams.try_into().map_err(|streams: Vec<_>| {
         format!(
             "the request has {} descriptors, needs {STREAMS}",

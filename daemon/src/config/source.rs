@@ -47,20 +47,8 @@ impl Source {
     /// [`ConfigError`] with all findings.
     pub fn load(&self) -> Result<Config, ConfigError> {
         let mut problems = Vec::new();
-        let mut merged = BTreeMap::new();
-        for leaf in self.entries(&mut problems) {
-            if problems.len() >= PROBLEMS_MAX {
-                break;
-            }
-            check_entry(&leaf, &mut problems);
-            merged.insert(leaf.key.clone(), leaf);
-        }
-        if !problems.is_empty() {
-            return Err(ConfigError(problems));
-        }
-        let config = document::assemble(merged.values()).ok_or(ConfigError(problems))?;
-        check_conflicts(&config, &merged)?;
-        Ok(config)
+        let entries = self.entries(&mut problems);
+        merge(entries, problems)
     }
 
     fn entries(&self, problems: &mut Vec<Problem>) -> Vec<Entry> {
@@ -85,7 +73,36 @@ impl Source {
     }
 }
 
+/// Merges entries, later ones win, and checks them.
+fn merge(entries: Vec<Entry>, mut problems: Vec<Problem>) -> Result<Config, ConfigError> {
+    let mut merged = BTreeMap::new();
+    for leaf in entries {
+        if problems.len() >= PROBLEMS_MAX {
+            break;
+        }
+        check_entry(&leaf, &mut problems);
+        merged.insert(leaf.key.clone(), leaf);
+    }
+    if !problems.is_empty() {
+        return Err(ConfigError(problems));
+    }
+    let config = document::assemble(merged.values()).ok_or(ConfigError(problems))?;
+    check_conflicts(&config, &merged)?;
+    Ok(config)
+}
+
 impl Config {
+    /// Reads and checks the text of one file; errors name its path.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with all findings.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        match document::read_text(path, text) {
+            Ok(entries) => merge(entries, Vec::new()),
+            Err(problem) => Err(ConfigError(vec![problem])),
+        }
+    }
+
     /// Checks values that were changed individually.
     ///
     /// # Errors

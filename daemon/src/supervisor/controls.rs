@@ -99,6 +99,18 @@ fn send(call: ControlCall, mut reply: ControlReply) {
     let _heard = call.reply(&reply);
 }
 
+/// Executes a control request without a bus; returns its reply if it is known before the next tick.
+pub fn execute_control(
+    request: &ControlRequest,
+    state: &mut SupervisorState,
+    link: &mut SupervisorSide,
+) -> Option<ControlReply> {
+    match answer(request, state, link) {
+        Answer::Now(reply) => Some(reply),
+        Answer::After(..) => None,
+    }
+}
+
 fn answer(
     request: &ControlRequest,
     state: &mut SupervisorState,

@@ -141,12 +141,19 @@ impl Calibration {
             path: name(),
             error,
         })?;
-        let refuse = |reason: String| CalibrationError::Content {
+        Self::parse(&text).map_err(|reason| CalibrationError::Content {
             path: name(),
             reason,
-        };
-        let read: Self = toml::from_str(&text).map_err(|error| refuse(error.to_string()))?;
-        read.check().map_err(refuse)?;
+        })
+    }
+
+    /// Parses the text of a calibration file.
+    ///
+    /// # Errors
+    /// The cause as text.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let read: Self = toml::from_str(text).map_err(|error| error.to_string())?;
+        read.check()?;
         Ok(read)
     }
 

@@ -106,7 +106,11 @@ impl CourseFile {
         Ok((file, table, rows_read))
     }
 
-    fn parse(text: &str, path: &Path) -> Result<(Self, Responses)> {
+    /// Parses the text of a file; errors name its path.
+    ///
+    /// # Errors
+    /// The rows are invalid, or the hash does not match.
+    pub fn parse(text: &str, path: &Path) -> Result<(Self, Responses)> {
         let file: Self = toml::from_str(text).map_err(|error| refuse(path, &error.to_string()))?;
         let table = file.table().map_err(|was| refuse(path, &was))?;
         let named = file.kind == KIND && file.hash == hash(table);

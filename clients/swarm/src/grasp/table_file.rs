@@ -90,15 +90,7 @@ impl GraspFile {
                 "evolve it again",
             )
         };
-        let text = read_text(path)?;
-        let file: Self = toml::from_str(&text).map_err(|error| refuse(error.to_string()))?;
-        let table = file.table().map_err(&refuse)?;
-        if file.kind != KIND || file.hash != format!("{:016x}", table.hash()) {
-            return Err(refuse(format!(
-                "its hash does not match its rows, {:016x}",
-                table.hash()
-            )));
-        }
+        let (file, table) = Self::parse(&read_text(path)?).map_err(&refuse)?;
         let genome = course::genome(&table)
             .ok_or_else(|| refuse("its bits or levels are not those of the course".to_owned()))?;
         let (points, ..) = evaluate_table(families, &genome, file.force_limit);
@@ -107,6 +99,22 @@ impl GraspFile {
                 "its table earns {points:?}, but the file has {:?}",
                 file.points
             )));
+        }
+        Ok((file, table))
+    }
+
+    /// Parses the text of a file; does not evaluate its table.
+    ///
+    /// # Errors
+    /// The cause as text: another type, an invalid table, or a hash of other rows.
+    pub fn parse(text: &str) -> core::result::Result<(Self, BehaviourTable), String> {
+        let file: Self = toml::from_str(text).map_err(|error| error.to_string())?;
+        let table = file.table()?;
+        if file.kind != KIND || file.hash != format!("{:016x}", table.hash()) {
+            return Err(format!(
+                "its hash does not match its rows, {:016x}",
+                table.hash()
+            ));
         }
         Ok((file, table))
     }
