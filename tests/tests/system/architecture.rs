@@ -203,6 +203,25 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "atas-fuzz",
+        &[
+            "atas-controller-state",
+            "atas-core",
+            "atas-gate",
+            "atas-live",
+            "atas-recording",
+            "atas-robots",
+            "atas-sensors",
+            "atasd",
+            "ebts",
+            "field",
+            "robot-model",
+            "shm-bus",
+            "shm-schemas",
+            "sim-backend",
+        ],
+    ),
+    (
         "system-tests",
         &[
             "atas-core",
@@ -236,6 +255,7 @@ const TOP_LEVEL: &[&str] = &[
     ".git",
     "daemon",
     "clients",
+    "fuzz",
     "shm-schemas",
     "sim-backend",
     "tests",
