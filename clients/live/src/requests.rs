@@ -3,13 +3,15 @@
 //!
 //! The fuzz targets use this module. It serves the code of the real servers.
 
-use std::future::{IntoFuture, pending};
+use std::future::{IntoFuture, pending, poll_fn};
 use std::io;
+use std::pin::Pin;
+use std::task::Poll;
 use std::time::Duration;
 
 use anyhow::Context as _;
 use axum::Router;
-use tokio::io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt, DuplexStream, ReadBuf, duplex};
 use tokio::runtime::Runtime;
 use tokio::time::timeout;
 
@@ -22,6 +24,9 @@ use crate::teleop;
 pub const PORT: u16 = 8470;
 /// Most bytes in flight in each direction. Design choice: as a socket.
 const BUFFER_BYTES: usize = 64 << 10;
+/// Rounds of the event loop without a byte after which the server waits for the viewer. Design
+/// choice: several times those of an answer.
+const QUIET_ROUNDS: u32 = 32;
 /// Longest life of a connection after its last byte.
 const END_TIMEOUT: Duration = Duration::from_secs(2);
 
@@ -57,6 +62,8 @@ impl Dashboard {
             let exchange = async {
                 // The server may close early: that is an answer too.
                 let _sent = viewer.write_all(connection).await;
+                read_until_quiet(&mut viewer, &mut answer).await;
+                // The server drops the requests of a viewer that closes earlier.
                 let _closed = viewer.shutdown().await;
                 viewer.read_to_end(&mut answer).await
             };
@@ -66,6 +73,30 @@ impl Dashboard {
             ended.context("the connection stays open")??;
             Ok(answer)
         })
+    }
+}
+
+/// Reads until the server has nothing more to do.
+async fn read_until_quiet(viewer: &mut DuplexStream, answer: &mut Vec<u8>) {
+    let mut buffer = [0; 4096];
+    let mut quiet = 0;
+    while quiet < QUIET_ROUNDS {
+        let polled = poll_fn(|context| {
+            let mut buffer = ReadBuf::new(&mut buffer);
+            let read = Pin::new(&mut *viewer).poll_read(context, &mut buffer);
+            Poll::Ready(read.map_ok(|()| buffer.filled().len()))
+        });
+        match polled.await {
+            Poll::Ready(Ok(count @ 1..)) => {
+                answer.extend_from_slice(&buffer[..count]);
+                quiet = 0;
+            }
+            Poll::Ready(_) => return,
+            Poll::Pending => {
+                quiet += 1;
+                tokio::task::yield_now().await;
+            }
+        }
     }
 }
 
