@@ -18,7 +18,13 @@ fn dashboard(bytes: &[u8]) {
     thread_local! {
         static DASHBOARD: Dashboard = Dashboard::new().expect("a server");
     }
-    DASHBOARD.with(|dashboard| dashboard.answer(bytes).expect("an end of the connection"));
+    let answer = DASHBOARD.with(|dashboard| dashboard.answer(bytes));
+    let answer = answer.expect("an end of the connection");
+    let is_served = bytes.starts_with(b"GET / HTTP/1.1\r\nHost: 127.0.0.1:8470\r\n\r\n");
+    assert!(
+        !is_served || answer.starts_with(b"HTTP/1.1 200"),
+        "no answer"
+    );
 }
 
 fn dashboard_seeds() -> Vec<Vec<u8>> {

@@ -230,6 +230,8 @@ pub fn collect_panics() {
 
 #[cfg(test)]
 mod tests {
+    use std::hint::black_box;
+
     use super::*;
 
     fn extent(executions: u64) -> Extent {
@@ -263,7 +265,7 @@ mod tests {
 
     #[test]
     fn memory_beyond_the_limit_is_a_failure() {
-        let hungry = |bytes: &[u8]| drop(vec![1_u8; bytes.len() << 10]);
+        let hungry = |bytes: &[u8]| drop(black_box(vec![1_u8; bytes.len() << 10]));
         let target = Target::new("x", hungry, no_seeds);
         assert_eq!(run(&target, extent(500)).failed, 0);
         let report = run(&target.memory(4 << 10), extent(500));
