@@ -6,9 +6,9 @@
 //! ```
 //!
 //! * **In:** bytes. **Out:** nothing; a broken promise of the reader is a panic.
-//! * **Invariants:** a target keeps no state between inputs and reads no clock. Code generates its
-//!   seeds. A target for checksummed data repairs the checksum for a part of the inputs, because
-//!   mutations would not pass it otherwise.
+//! * **Invariants:** a target keeps nothing of an input, so an execution can be repeated alone. Code
+//!   generates its seeds. A target for checksummed data repairs the checksum for a part of the
+//!   inputs, because mutations would not pass it otherwise.
 //! * **Failures:** a panic, also of an arithmetic overflow; [`run::SLOW_NS`] of processor time for
 //!   one input; more memory than [`Target::memory_max`].
 //!
