@@ -67,6 +67,7 @@ mod capsule;
 #[cfg(feature = "std")]
 mod files;
 mod forward;
+mod grasp_sides;
 mod ik;
 mod jacobian;
 mod joint;
@@ -98,6 +99,7 @@ pub use capsule::{
 #[cfg(feature = "std")]
 pub use files::{RobotFiles, SHIPPED, TWO_HAND_ARM, shipped_names};
 pub use forward::HandPose;
+pub use grasp_sides::GraspSides;
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
 pub use jacobian::{HandJacobian, Rows3, TipJacobian};
 pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};

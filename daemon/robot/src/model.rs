@@ -6,6 +6,7 @@ use core::ops::Range;
 use nalgebra::Vector3;
 
 use crate::capsule::Capsules;
+use crate::grasp_sides::GraspSides;
 use crate::joint::Joint;
 use crate::name::Name;
 use crate::side::HandSide;
@@ -263,6 +264,12 @@ impl HandModel {
     pub fn fingertips_of(&self, side: usize) -> impl Iterator<Item = usize> + '_ {
         let presses = move |finger: &usize| self.grasp_side(*finger) == side;
         (0..self.finger_count).filter(presses)
+    }
+
+    /// Returns the grasp sides of all fingertips.
+    #[must_use]
+    pub fn grasp_sides(&self) -> GraspSides {
+        GraspSides::new((0..self.finger_count).map(|finger| self.grasp_side(finger)))
     }
 
     /// Returns the number of fingertips of the side with fewer. The largest grip force is this
