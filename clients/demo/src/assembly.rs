@@ -4,6 +4,7 @@
 use atas_console::arguments::DemoOptions;
 use atas_tasks::Task;
 use atas_tasks::judge;
+use robot_model::HandModel;
 use shm_schemas::{GoalRequest, WorldTruth};
 
 use crate::Setting;
@@ -38,6 +39,10 @@ impl Scenario for Assembly {
 
     fn goal(&self) -> GoalRequest {
         self.set.goal
+    }
+
+    fn hand(&self) -> &HandModel {
+        self.set.hand()
     }
 
     fn progress_text(&self, truth: &WorldTruth) -> String {

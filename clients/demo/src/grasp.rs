@@ -4,7 +4,7 @@ use atas_client::goal::LIFT_M;
 use atas_console::arguments::DemoOptions;
 use atas_tasks::Task;
 use atas_tasks::judge::Outcome;
-use robot_model::GRASP_SIDES;
+use robot_model::HandModel;
 use serde_json::Value;
 use shm_schemas::{Cause, GoalRequest, GraspFigures, WorldTruth};
 use sim_backend::Object;
@@ -44,6 +44,10 @@ impl Scenario for Grasp {
         self.set.goal
     }
 
+    fn hand(&self) -> &HandModel {
+        self.set.hand()
+    }
+
     fn progress_text(&self, truth: &WorldTruth) -> String {
         crate::lifted(truth)
     }
@@ -58,7 +62,7 @@ impl Scenario for Grasp {
             Figure::json_only("crush_n", finite(load.crush_n)),
             Figure::json_only("feasible", load.is_feasible()),
         ];
-        figures.extend(grip_figures(observed.progress.figures(), self.set.fingers));
+        figures.extend(grip_figures(observed.progress.figures(), self.set.hand()));
         figures.push(Figure::new(
             "slip mm",
             "slip_mm",
@@ -94,11 +98,11 @@ pub(crate) fn refusal_cause(outcome: Outcome) -> Option<Cause> {
     }
 }
 
-/// Returns the controller's estimates and the normal forces of the first `fingers` fingertips.
-pub(crate) fn grip_figures(figures: &GraspFigures, fingers: usize) -> Vec<Figure> {
-    let pressed_n = &figures.normal_n[..fingers];
-    // Mean over the two grasp sides; a side may have several fingertips.
-    let mean_n = pressed_n.iter().sum::<f32>() / GRASP_SIDES as f32;
+/// Returns the controller's estimates and the normal forces of the hand's fingertips.
+pub(crate) fn grip_figures(figures: &GraspFigures, hand: &HandModel) -> Vec<Figure> {
+    let sides = hand.grasp_sides();
+    let pressed_n = &figures.normal_n[..sides.fingertip_count()];
+    let mean_n = sides.mean_sum(|fingertip| pressed_n[fingertip].into()) as f32;
     let shown = |head, key, value: f32, digits| Figure::new(head, key, value.into(), digits);
     vec![
         Figure {

@@ -38,7 +38,7 @@ use atas_console::{Exit, ExitError, Interrupt, Output, number};
 use atas_core::Settings;
 use atas_tasks::Task;
 use atas_tasks::judge::Load;
-use robot_model::RobotModel;
+use robot_model::{HandModel, RobotModel};
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::{Object, Scene};
 
@@ -135,9 +135,7 @@ fn cap(argument: &str) -> anyhow::Result<Object> {
 struct Setting {
     scene: Scene,
     goal: GoalRequest,
-    fingers: usize,
-    /// Number of fingertips on the grasp side with fewer fingertips.
-    opposed_tips: usize,
+    robot: RobotModel,
 }
 
 impl Setting {
@@ -155,15 +153,13 @@ impl Setting {
         };
         Ok(Self {
             goal: task.goal(&scene, side)?,
-            fingers: robot.hand(side).fingertip_count(),
-            opposed_tips: robot.hand(side).opposed_tips(),
             scene,
+            robot,
         })
     }
 
-    /// Returns the index of the acting hand; 0 is left.
-    fn hand(&self) -> usize {
-        self.goal.hand.0 as usize
+    fn hand(&self) -> &HandModel {
+        self.robot.hand(self.robot.acting_side())
     }
 
     fn object(&self) -> &Object {
@@ -172,7 +168,8 @@ impl Setting {
 
     /// Returns the force required by the object and the force it tolerates in this hand.
     fn load(&self) -> Load {
-        Load::from_object(self.object(), &Settings::default().grasp, self.opposed_tips)
+        let tips = self.hand().opposed_tips();
+        Load::from_object(self.object(), &Settings::default().grasp, tips)
     }
 }
 

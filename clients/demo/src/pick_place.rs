@@ -5,6 +5,7 @@ use atas_client::goal::LIFT_M;
 use atas_console::arguments::DemoOptions;
 use atas_tasks::Task;
 use atas_tasks::judge::{Outcome, Placing};
+use robot_model::HandModel;
 use shm_schemas::{GoalRequest, WorldTruth};
 use sim_backend::Object;
 
@@ -46,6 +47,10 @@ impl Scenario for PickPlace {
         self.set.goal
     }
 
+    fn hand(&self) -> &HandModel {
+        self.set.hand()
+    }
+
     fn progress_text(&self, truth: &WorldTruth) -> String {
         crate::lifted(truth)
     }
@@ -62,7 +67,7 @@ impl Scenario for PickPlace {
         let feasible = self.set.load().is_feasible();
         let outcome = Outcome::evaluate(result, &observed.truth, self.set.hand(), LIFT_M);
         let refused = !feasible && outcome.is_expected(feasible);
-        let mut figures = grip_figures(observed.progress.figures(), self.set.fingers);
+        let mut figures = grip_figures(observed.progress.figures(), self.set.hand());
         figures.extend([
             Figure::new("off mm", "off_mm", placing.off_m * 1e3, 1),
             Figure::new(

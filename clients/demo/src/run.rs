@@ -7,8 +7,9 @@ use atas_client::GoalProgress;
 use atas_client::{Cancelled, GoalExecution, POLL, Run, Session};
 use atas_console::arguments::DemoOptions;
 use atas_console::{Interrupt, Progress};
+use robot_model::HandModel;
 use shm_bus::Subscriber;
-use shm_schemas::{GoalState, Hand, Status, WorldTruth, service};
+use shm_schemas::{GoalState, Status, WorldTruth, service};
 
 use crate::observed::ObservedRun;
 use crate::page::Page;
@@ -60,7 +61,7 @@ fn run_goal(
     let (_, status) = session.watch_status()?;
     let fingers = Run::read(session.bus(), &status)?.fingertips(&status);
     let fingers = fingers[hand.index().unwrap_or(0)];
-    let mut observer = Observer::join(session, hand)?;
+    let mut observer = Observer::join(session, scenario.hand())?;
     let pursuit = GoalExecution {
         session,
         stop: interrupt.flag(),
@@ -93,18 +94,18 @@ fn run_goal(
     Ok(observer.into_observed(progress))
 }
 
-struct Observer {
+struct Observer<'a> {
     truths: Subscriber<WorldTruth>,
     statuses: Subscriber<Status>,
     first: Option<(WorldTruth, Status)>,
     now: WorldTruth,
     status: Status,
-    hand: Hand,
+    hand: &'a HandModel,
     turns: Turns,
 }
 
-impl Observer {
-    fn join(session: &Session, hand: Hand) -> anyhow::Result<Self> {
+impl<'a> Observer<'a> {
+    fn join(session: &Session, hand: &'a HandModel) -> anyhow::Result<Self> {
         let bus = session.bus();
         Ok(Self {
             truths: bus.subscriber(service::WORLD_TRUTH)?,
@@ -123,7 +124,7 @@ impl Observer {
         if self.now.object_count > 0 && self.status.pid > 0 {
             self.first.get_or_insert((self.now, self.status));
         }
-        self.turns.update(&self.now, self.hand.0 as usize);
+        self.turns.update(&self.now, self.hand);
         Ok(())
     }
 

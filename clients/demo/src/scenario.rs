@@ -1,6 +1,7 @@
 //! Interface of a demo: scene, goal and evaluation; one implementation per task.
 
 use atas_console::number;
+use robot_model::HandModel;
 use serde_json::Value;
 use shm_schemas::{Cause, GoalRequest, WorldTruth};
 
@@ -13,6 +14,8 @@ pub(crate) trait Scenario {
     fn scene_arguments(&self) -> Vec<String>;
     /// Returns the goal for the nominal scene, as a client sends it.
     fn goal(&self) -> GoalRequest;
+    /// Returns the acting hand.
+    fn hand(&self) -> &HandModel;
     /// Formats the ground truth for the progress line.
     fn progress_text(&self, truth: &WorldTruth) -> String;
     fn evaluate(&self, seen: &ObservedRun) -> Evaluation;

@@ -3,6 +3,7 @@
 use atas_console::arguments::DemoOptions;
 use atas_tasks::Task;
 use atas_tasks::judge::Screwing;
+use robot_model::HandModel;
 use shm_schemas::{GoalRequest, WorldTruth};
 
 use crate::Setting;
@@ -36,6 +37,10 @@ impl Scenario for Screw {
 
     fn goal(&self) -> GoalRequest {
         self.set.goal
+    }
+
+    fn hand(&self) -> &HandModel {
+        self.set.hand()
     }
 
     fn progress_text(&self, truth: &WorldTruth) -> String {

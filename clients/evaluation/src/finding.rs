@@ -2,7 +2,7 @@
 
 use atas_client::GoalProgress;
 use atas_client::goal::LIFT_M;
-use robot_model::{GRASP_SIDES, HandModel};
+use robot_model::HandModel;
 use serde::{Deserialize, Serialize};
 use shm_schemas::{ObjectTruth, WorldTruth};
 
@@ -72,7 +72,7 @@ pub(super) fn evaluate(
     } = trial;
     let objects = &truth.objects[..truth.object_count as usize];
     let happened = |what: fn(&ObjectTruth) -> u32| objects.iter().any(|o| what(o) != 0);
-    let outcome = Outcome::evaluate(end, truth, hand.side().index(), LIFT_M);
+    let outcome = Outcome::evaluate(end, truth, hand, LIFT_M);
     let (failure, done, mut measures) = match task {
         Task::Grasp => (
             (outcome != Outcome::Held).then(|| outcome.key(end.step.as_str())),
@@ -139,8 +139,10 @@ fn over_grip_measures(
     if !matches!(outcome, Outcome::Held | Outcome::Slipped | Outcome::Turned) {
         return Vec::new();
     }
-    let pressed_n = &truth.normal_n[hand.side().index()][..hand.fingertip_count()];
-    let mean_n = pressed_n.iter().sum::<f64>() / GRASP_SIDES as f64;
+    let normal_n = &truth.normal_n[hand.side().index()];
+    let mean_n = hand
+        .grasp_sides()
+        .mean_sum(|fingertip| normal_n[fingertip]);
     let mut measures = vec![("over_grip", mean_n / load.needed_n)];
     if hand.skin().layout.is_dome() {
         measures.push(("over_steady", mean_n / load.gripped_n));

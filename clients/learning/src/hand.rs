@@ -146,14 +146,14 @@ impl PolicyHand {
     fn within_opening(&self, closing_m_s: [f64; GRASP_SIDES]) -> [f64; GRASP_SIDES] {
         let [least_m, most_m] = HALF_OPENING_M;
         let half_m = &self.servo.pose().half_opening_m;
-        core::array::from_fn(|finger| {
-            let closes = closing_m_s[finger] > 0.0;
+        core::array::from_fn(|side| {
+            let closes = closing_m_s[side] > 0.0;
             let at_end = if closes {
-                half_m[finger] <= least_m
+                half_m[side] <= least_m
             } else {
-                half_m[finger] >= most_m
+                half_m[side] >= most_m
             };
-            if at_end { 0.0 } else { closing_m_s[finger] }
+            if at_end { 0.0 } else { closing_m_s[side] }
         })
     }
 

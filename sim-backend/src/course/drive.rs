@@ -1,5 +1,6 @@
 //! Measurements of the grip while the base drives.
 
+use robot_model::GraspSides;
 use serde::{Deserialize, Serialize};
 use shm_schemas::WorldTruth;
 
@@ -36,14 +37,16 @@ pub struct DriveFigures {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
     figures: DriveFigures,
+    sides: GraspSides,
     slip_before_m: f64,
     ticks: u64,
 }
 
 impl Drive {
-    pub(super) fn begin(truth: &WorldTruth) -> Self {
-        let pressed_n = weaker_side_n(truth);
+    pub(super) fn begin(truth: &WorldTruth, sides: GraspSides) -> Self {
+        let pressed_n = weaker_side_n(truth, sides);
         Self {
+            sides,
             figures: DriveFigures {
                 began_n: pressed_n,
                 least_n: pressed_n,
@@ -57,7 +60,7 @@ impl Drive {
 
     pub(super) fn record(&mut self, truth: &WorldTruth, ride: &BaseMotion) {
         self.ticks += 1;
-        let (figures, pressed_n) = (&mut self.figures, weaker_side_n(truth));
+        let (figures, pressed_n) = (&mut self.figures, weaker_side_n(truth, self.sides));
         figures.least_n = figures.least_n.min(pressed_n);
         figures.most_n = figures.most_n.max(pressed_n);
         figures.slip_m = (truth.objects[0].slip_in_hand_m - self.slip_before_m).max(0.0);
@@ -82,7 +85,28 @@ fn length(a: f64, b: f64) -> f64 {
 }
 
 /// Normal force of the weaker grasp side, N.
-fn weaker_side_n(truth: &WorldTruth) -> f64 {
-    let fingers = &truth.normal_n[SIDE.index()][..robot_model::GRASP_SIDES];
-    fingers.iter().copied().fold(f64::INFINITY, f64::min)
+fn weaker_side_n(truth: &WorldTruth, sides: GraspSides) -> f64 {
+    sides.smaller_sum(|fingertip| truth.normal_n[SIDE.index()][fingertip])
+}
+
+#[cfg(test)]
+mod tests {
+    use robot_model::RobotModel;
+
+    use super::*;
+
+    /// Regression: the weaker of the first two fingertips counted as the weaker side.
+    #[test]
+    fn weaker_side_includes_all_its_fingertips() {
+        let mut truth = WorldTruth::default();
+        truth.normal_n[SIDE.index()] = [1.0, 1.5, 2.0, 0.0];
+        let check = |robot: &str, expected_n: f64| {
+            let robot = RobotModel::find(robot).expect("built-in robot");
+            let drive = Drive::begin(&truth, robot.hand(SIDE).grasp_sides());
+            let figures = drive.figures();
+            assert_eq!((figures.began_n, figures.least_n), (expected_n, expected_n));
+        };
+        check("three-finger", 2.0);
+        check("two-hand-arm", 1.0);
+    }
 }

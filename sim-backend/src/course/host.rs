@@ -6,13 +6,14 @@
 //! ```
 
 use field::Wheels;
+use robot_model::{GraspSides, RobotModel};
 use serde::{Deserialize, Serialize};
 use shm_schemas::layout::{FNV_OFFSET, fnv1a};
 use shm_schemas::{BaseCommand, BaseState, ControlOwner, Light, Mishap, WorldTruth};
 
 use super::drive::{Drive, DriveFigures};
 use super::rovers::{self, Course};
-use super::scenario::Scenario;
+use super::scenario::{SIDE, Scenario};
 use super::{FRAME_STEPS, STEP_TICKS};
 use crate::base_motion::BaseMotion;
 
@@ -27,6 +28,8 @@ pub const SETTLE_TICKS: u64 = 20;
 pub struct Host {
     course: Course,
     robots: Vec<Robot>,
+    /// Grasp sides of the working hand of every robot.
+    sides: GraspSides,
     ticks: u64,
 }
 
@@ -52,10 +55,11 @@ struct Robot {
 }
 
 impl Host {
-    /// Creates the course before its first frame.
+    /// Creates the course before its first frame, with the model of its robots.
     #[must_use]
-    pub fn new(cast: &Scenario) -> Self {
+    pub fn new(cast: &Scenario, robot: &RobotModel) -> Self {
         Self {
+            sides: robot.hand(SIDE).grasp_sides(),
             course: Course::new(&cast.layout, Some(cast.floor_seed)),
             robots: vec![Robot::default(); cast.robots.len()],
             ticks: 0,
@@ -128,7 +132,7 @@ impl Host {
         robot_state.command = *command;
         let carries = command.light == Light::GOAL && command.owner == ControlOwner::TABLE;
         if carries && robot_state.drive.is_none() {
-            robot_state.drive = Some(Drive::begin(truth));
+            robot_state.drive = Some(Drive::begin(truth, self.sides));
         }
         if command.owner == ControlOwner::OVER {
             return self.course.finish(robot);

@@ -352,6 +352,23 @@ fn no_code_outside_the_model_contains_a_robots_joint_count() {
     }
 }
 
+/// A grasp side may have several fingertips, so its number is not an index of fingertip data.
+#[test]
+fn fingertip_data_is_not_cut_to_grasp_sides() {
+    for package in &packages() {
+        let folder = package.manifest_path.parent().expect("a folder");
+        for (path, line) in code_lines(folder.join("src").as_std_path()) {
+            let line = line.replace("robot_model::", "");
+            let cut = ["[..GRASP_SIDES]", "take(GRASP_SIDES)"];
+            assert!(
+                !cut.iter().any(|cut| line.contains(cut)),
+                "{} takes the first fingertips as grasp sides: {line}; use GraspSides",
+                path.display()
+            );
+        }
+    }
+}
+
 /// Returns all lines of production code below a folder, without comments.
 fn code_lines(folder: &Path) -> Vec<(PathBuf, String)> {
     let mut lines = Vec::new();

@@ -1,7 +1,8 @@
 //! Figure of a grasp (Fig. 4): forces between their thresholds, lift, module activity.
 
 use plotters::style::RGBColor;
-use shm_schemas::ModuleId;
+use robot_model::{GRASP_SIDES, GraspSides};
+use shm_schemas::{FingerReport, ModuleId};
 
 use super::figure::{self, *};
 use super::phases::Phases;
@@ -25,8 +26,12 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     let mut time_s = begin_s.max(0.0)..trace.end_s();
     time_s.end = Phases::axis_end(&time_s, &steps);
     let series = |value: fn(&Tick) -> f64| trace.series(&time_s, POINTS, value);
-    let pressed = [series(|t| finger(t, 0)), series(|t| finger(t, 1))];
-    let sheared = series(|t| mean(t, |f| f.tangential_n));
+    let sides = trace.sides;
+    let pressed = [0, 1].map(|side| {
+        let normal_n = |t: &Tick| per_side(t, sides, |f| f.normal_n)[side];
+        trace.series(&time_s, POINTS, normal_n)
+    });
+    let sheared = trace.series(&time_s, POINTS, |t| mean(t, sides, |f| f.tangential_n));
     let f1 = series(|t| f64::from(Trace::acting(t).report.f1_n));
     let f2 = series(|t| f64::from(Trace::acting(t).report.f2_n));
     let needed_n = trace.truth.objects[0].needed_n;
@@ -88,13 +93,15 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     })
 }
 
-fn finger(tick: &Tick, index: usize) -> f64 {
-    f64::from(Trace::acting(tick).report.fingers[index].normal_n)
+/// Returns the sum of a measured value per grasp side.
+fn per_side(tick: &Tick, sides: GraspSides, value: fn(&FingerReport) -> f32) -> [f64; GRASP_SIDES] {
+    let fingers = &Trace::acting(tick).report.fingers;
+    sides.sums(|fingertip| value(&fingers[fingertip]).into())
 }
 
-pub(super) fn mean(tick: &Tick, value: fn(&shm_schemas::FingerReport) -> f32) -> f64 {
-    let fingers = &Trace::acting(tick).report.fingers[..robot_model::GRASP_SIDES];
-    fingers.iter().map(|f| f64::from(value(f))).sum::<f64>() / fingers.len() as f64
+/// Returns the mean of a measured value over the grasp sides.
+fn mean(tick: &Tick, sides: GraspSides, value: fn(&FingerReport) -> f32) -> f64 {
+    per_side(tick, sides, value).iter().sum::<f64>() / GRASP_SIDES as f64
 }
 
 fn lane(trace: &Trace, (id, name, colour): (ModuleId, &str, RGBColor)) -> Lane {

@@ -6,7 +6,7 @@ use anyhow::Context;
 use atas_client::GoalProgress;
 use atas_core::{Outputs, Settings};
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, HandSide, HandVector, RobotModel};
+use robot_model::{GRASP_SIDES, GraspSides, HandSide, HandVector, RobotModel};
 use shm_schemas::{EventKind, GoalRequest, HandReport, ObjectTruth, WorldTruth};
 use sim_backend::{Object, Scene, World};
 
@@ -22,6 +22,8 @@ pub(super) struct Trace {
     pub(super) truth: WorldTruth,
     pub(super) ticks: Vec<Tick>,
     pub(super) dome_radius_m: f64,
+    /// Grasp sides of the acting hand.
+    pub(super) sides: GraspSides,
     /// Names of the steps entered, and the current step of each hand.
     names: Vec<String>,
     current_steps: [Option<usize>; 2],
@@ -64,6 +66,7 @@ impl Trace {
             truth: WorldTruth::default(),
             ticks: Vec::new(),
             dome_radius_m: robot.hand(SIDE).tip_radius_m()[0],
+            sides: robot.hand(SIDE).grasp_sides(),
             names: Vec::new(),
             current_steps: [None; 2],
         };
@@ -97,12 +100,9 @@ impl Trace {
             let own = &outputs.command.position_rad[robot.joint_range(side)];
             let hand = robot.hand(side);
             let pose = hand.forward(&HandVector::from_slice(own));
-            let pressed_n = |finger: usize| truth.normal_n[index][finger];
             Hand {
                 report,
-                pressed_n: core::array::from_fn(|side| {
-                    hand.fingertips_of(side).map(pressed_n).sum()
-                }),
+                pressed_n: hand.grasp_sides().sums(|tip| truth.normal_n[index][tip]),
                 tips_m: core::array::from_fn(|side| pose.side_m(side)),
                 step: now[index],
             }

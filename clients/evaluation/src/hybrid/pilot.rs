@@ -8,7 +8,7 @@ use atas_client::GoalProgress;
 use atas_client::goal::{HOLD_S, LIFT_M};
 use atas_core::modules::Selection;
 use atas_core::tasks::{FETCH, Name, Step, StepSequence, Task, Transition};
-use robot_model::GRASP_SIDES;
+use robot_model::{GRASP_SIDES, GraspSides, RobotModel};
 use serde::Serialize;
 use shm_schemas::{
     BaseCommand, BaseState, ControlOwner, GoalKind, GoalRequest, GoalState, GoalUpdate, Light,
@@ -27,8 +27,8 @@ const CAMERA_STREAM: u64 = 0x63_616d;
 /// Half widths of the camera errors: position (m), yaw (rad), as in every family (±2 mm, ±5°).
 const CAMERA_ERROR_M: f64 = 0.002;
 const CAMERA_ERROR_RAD: f64 = 5.0 * core::f64::consts::PI / 180.0;
-/// Normal force of a fingertip in contact, N; as for the grasp.
-const CONTACT_N: f32 = 0.03;
+/// Normal force of a grasp side in contact, N; as for the grasp.
+const CONTACT_N: f64 = 0.03;
 /// Custom task: grasp and lift, then Module 3 only.
 const FETCH_FROZEN: &str = "fetch-frozen";
 
@@ -86,6 +86,7 @@ pub struct Pilot {
     coordinator: Coordinator,
     camera: Random,
     reflexes: Reflexes,
+    sides: GraspSides,
     nominal: GraspHint,
     measured: Option<GraspHint>,
     goal: Option<GoalRequest>,
@@ -107,13 +108,14 @@ pub struct Decision {
 }
 
 impl Pilot {
-    /// Creates the pilot of a robot at its start.
+    /// Creates the pilot of a robot at its start, with the robot's model.
     #[must_use]
-    pub fn new(player: &RobotSetup, reflexes: Reflexes) -> Self {
+    pub fn new(player: &RobotSetup, robot: &RobotModel, reflexes: Reflexes) -> Self {
         Self {
             coordinator: Coordinator::default(),
             camera: Random::new(player.seed, CAMERA_STREAM),
             reflexes,
+            sides: robot.hand(SIDE).grasp_sides(),
             nominal: player.hint,
             measured: None,
             goal: None,
@@ -256,8 +258,9 @@ impl Pilot {
 
     /// Processes the report of the last tick before a frame.
     pub fn process_report(&mut self, report: &TickReport) {
-        let fingers = &report.hands[SIDE.index()].fingers[..GRASP_SIDES];
-        self.holds = fingers.iter().all(|finger| finger.normal_n > CONTACT_N);
+        let fingers = &report.hands[SIDE.index()].fingers;
+        let normal_n = |fingertip: usize| f64::from(fingers[fingertip].normal_n);
+        self.holds = self.sides.both_exceed(CONTACT_N, normal_n);
     }
 
     /// Returns the result once the course has ended.
@@ -276,6 +279,13 @@ impl Pilot {
     #[must_use]
     pub fn progress(&self) -> &GoalProgress {
         &self.progress
+    }
+
+    /// Returns the measured normal force per grasp side of the hand's last goal, N.
+    pub(super) fn grip_n(&self) -> [f32; GRASP_SIDES] {
+        let normal_n = &self.progress.figures().normal_n;
+        let sums_n = self.sides.sums(|fingertip| normal_n[fingertip].into());
+        sums_n.map(|sum_n| sum_n as f32)
     }
 
     pub(super) fn hand_failure(&self) -> Option<String> {
@@ -303,4 +313,33 @@ fn light_m(state: &BaseState, light: course::Light) -> Option<[f64; 2]> {
 fn wrap_half_turn(yaw_rad: f64) -> f64 {
     use core::f64::consts::{FRAC_PI_2, PI};
     yaw_rad - PI * ((yaw_rad - FRAC_PI_2) / PI).round()
+}
+
+#[cfg(test)]
+mod tests {
+    use sim_backend::Object;
+    use sim_backend::course::Scenario;
+
+    use super::*;
+
+    /// Regression: the pilot looked at the first two fingertips only, both on side 1 of this hand.
+    #[test]
+    fn grip_without_thumb_is_no_grip() {
+        let objects = [Object::built_in("wood").expect("built in")];
+        let cast = Scenario::random(1, &objects).expect("a course");
+        let check = |robot: &str, normal_n: [f32; 3], expected| {
+            let robot = RobotModel::find(robot).expect("built-in robot");
+            let mut pilot = Pilot::new(&cast.robots[0], &robot, Reflexes::On);
+            let mut report = TickReport::default();
+            let fingers = &mut report.hands[SIDE.index()].fingers;
+            for (finger, force_n) in fingers.iter_mut().zip(normal_n) {
+                finger.normal_n = force_n;
+            }
+            pilot.process_report(&report);
+            assert_eq!(pilot.holds, expected, "{normal_n:?}");
+        };
+        check("three-finger", [1.0, 1.0, 0.0], false);
+        check("three-finger", [1.0, 0.0, 1.0], true);
+        check("two-hand-arm", [1.0, 1.0, 0.0], true);
+    }
 }

@@ -39,7 +39,7 @@ impl Robot {
         Ok(Self {
             index,
             run,
-            pilot: Pilot::new(player, reflexes),
+            pilot: Pilot::new(player, model, reflexes),
             request: None,
         })
     }

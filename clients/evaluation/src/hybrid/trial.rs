@@ -67,7 +67,7 @@ impl RobotTrial {
             failure,
             phases: pilot.times().to_vec(),
             drive: ended.drive,
-            grip_n: [figures.normal_n[0], figures.normal_n[1]],
+            grip_n: pilot.grip_n(),
             f2_n: figures.f2_n,
         }
     }
@@ -85,7 +85,7 @@ pub(super) fn run(
     settings: &Settings,
     mut watch: impl FnMut(usize, &'static str, f64),
 ) -> anyhow::Result<HybridTrial> {
-    let mut host = Host::new(cast);
+    let mut host = Host::new(cast, model);
     let players = cast.robots.iter().enumerate();
     let robots = players.map(|player| Robot::new(model, player, reflexes, settings));
     let mut robots: Vec<Robot> = robots.collect::<anyhow::Result<_>>()?;

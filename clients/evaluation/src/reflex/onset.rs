@@ -4,7 +4,7 @@
 //! rim always slides). Response: the next closing command for that side. At F_2, Module 3 prevents
 //! a response; these slips are counted separately.
 
-use robot_model::GRASP_SIDES;
+use robot_model::{FINGERTIPS_MAX, GraspSides};
 use shm_schemas::HandReport;
 use sim_backend::World;
 
@@ -22,16 +22,17 @@ const CLOSING_SPEED_MIN_M_S: f32 = 1e-6;
 /// Length of a tick, ms.
 const TICK_MS: f64 = 1.0;
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Onsets {
-    sides: [SideState; GRASP_SIDES],
+    sides: GraspSides,
+    fingertips: [FingertipState; FINGERTIPS_MAX],
     latencies_ms: Vec<f64>,
     at_f2_ms: Vec<f64>,
     unanswered: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct SideState {
+struct FingertipState {
     slid_before_m: f64,
     run: Option<Slip>,
 }
@@ -46,6 +47,16 @@ struct Slip {
 }
 
 impl Onsets {
+    pub(super) fn new(sides: GraspSides) -> Self {
+        Self {
+            sides,
+            fingertips: [FingertipState::default(); FINGERTIPS_MAX],
+            latencies_ms: Vec::new(),
+            at_f2_ms: Vec::new(),
+            unanswered: 0,
+        }
+    }
+
     /// Processes one tick; `carries` is true while the hand carries an object under force control.
     pub(super) fn update(
         &mut self,
@@ -56,11 +67,10 @@ impl Onsets {
         carries: bool,
     ) {
         let truth = world.truth();
-        let fingers = &report.fingers[..GRASP_SIDES];
-        let strongest_n = fingers.iter().map(|f| f.normal_n).fold(0.0, f32::max);
-        let at_f2 = strongest_n > AT_F2_SHARE * report.f2_n;
+        let at_f2 = self.is_at_f2(report);
+        let fingers = &report.fingers[..self.sides.fingertip_count()];
         for (finger, measured) in fingers.iter().enumerate() {
-            let state = &mut self.sides[finger];
+            let state = &mut self.fingertips[finger];
             let slid_m = truth.slip_m[hand][finger];
             // The distance restarts at zero for a new grasp.
             let step_m = (slid_m - state.slid_before_m).max(0.0);
@@ -90,6 +100,12 @@ impl Onsets {
                 self.end(&run);
             }
         }
+    }
+
+    fn is_at_f2(&self, report: &HandReport) -> bool {
+        let normal_n = |fingertip: usize| f64::from(report.fingers[fingertip].normal_n);
+        let stronger_n = self.sides.sums(normal_n).into_iter().fold(0.0, f64::max);
+        stronger_n > f64::from(AT_F2_SHARE * report.f2_n)
     }
 
     fn end(&mut self, run: &Slip) {
@@ -122,10 +138,39 @@ impl Onsets {
 
 #[cfg(test)]
 mod tests {
+    use robot_model::RobotModel;
+
     use super::*;
+    use crate::SIDE;
+
+    fn onsets(robot: &str) -> Onsets {
+        let robot = RobotModel::find(robot).expect("built-in robot");
+        Onsets::new(robot.hand(SIDE).grasp_sides())
+    }
+
+    /// Regression: only the first two fingertips were compared with F_2, each alone.
+    #[test]
+    fn force_of_the_thumb_reaches_f2() {
+        let check = |robot: &str, normal_n: [f32; 3], expected| {
+            let mut report = HandReport {
+                f2_n: 2.0,
+                ..HandReport::default()
+            };
+            for (finger, force_n) in report.fingers.iter_mut().zip(normal_n) {
+                finger.normal_n = force_n;
+            }
+            let at_f2 = onsets(robot).is_at_f2(&report);
+            assert_eq!(at_f2, expected, "{robot} {normal_n:?}");
+        };
+        check("three-finger", [0.5, 0.5, 2.0], true);
+        check("three-finger", [1.0, 1.0, 1.5], true);
+        check("three-finger", [0.5, 0.5, 1.0], false);
+        check("two-hand-arm", [1.0, 1.0, 0.0], false);
+        check("two-hand-arm", [2.0, 1.0, 0.0], true);
+    }
 
     fn ended_slips(runs: &[(Option<u64>, bool, f64)]) -> Onsets {
-        let mut onsets = Onsets::default();
+        let mut onsets = onsets("two-hand-arm");
         for &(answer, at_f2, slid_m) in runs {
             onsets.end(&Slip {
                 begin: 100,

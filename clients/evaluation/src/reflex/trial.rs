@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use anyhow::Context;
 use atas_core::{Goal, OperatorRequest, Settings};
-use robot_model::{GRASP_SIDES, RobotModel};
+use robot_model::RobotModel;
 use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, Hand, Stamp};
 use sim_backend::random::Random;
 use sim_backend::{Object, Scene};
@@ -20,7 +20,7 @@ use crate::trial_seed;
 const POLICY_EPOCH: u64 = 0x706f_6c69_6379;
 /// Random stream of the policy.
 const POLICY_STREAM: u64 = 0x6a65_726b;
-/// Minimum share of the lift, and normal force (N) of a fingertip in contact; as for the grasp.
+/// Minimum share of the lift, and normal force (N) of a grasp side in contact; as for the grasp.
 const LIFTED_SHARE: f64 = 0.5;
 const CONTACT_N: f64 = 0.03;
 /// Touch threshold that no force reaches, N: the hand executes commanded widths.
@@ -61,7 +61,8 @@ pub(super) fn run(
     let mut script = CoarsePolicy::new(hint, hand, number.is_multiple_of(2), random);
     let mut order = Some(teleop_request(&run, robot, hand)?);
     let mut late = VecDeque::new();
-    let mut onsets = Onsets::default();
+    let sides = robot.hand(SIDE).grasp_sides();
+    let mut onsets = Onsets::new(sides);
     let mut ended = None;
     for tick in 0..CoarsePolicy::ticks() {
         let made = script.target(tick, run.world().now_ns(), POLICY_EPOCH);
@@ -83,8 +84,8 @@ pub(super) fn run(
     }
     let truth = run.world().truth();
     let object = &truth.objects[0];
-    let sides_n = &truth.normal_n[SIDE.index()][..GRASP_SIDES];
-    let pressed = sides_n.iter().all(|n| *n > CONTACT_N);
+    let normal_n = |fingertip: usize| truth.normal_n[SIDE.index()][fingertip];
+    let pressed = sides.both_exceed(CONTACT_N, normal_n);
     let failure = match () {
         () if object.crushed != 0 => Some("crushed".to_owned()),
         () if object.dropped != 0 => Some("dropped".to_owned()),
@@ -96,8 +97,7 @@ pub(super) fn run(
         () if object.turn_in_hand_rad > TURN_MAX_RAD => Some("turned in the hand".to_owned()),
         () => None,
     };
-    let mean_n = sides_n.iter().sum::<f64>() / GRASP_SIDES as f64;
-    let over_grip = mean_n / scene.objects[0].object.required_normal_n();
+    let over_grip = sides.mean_sum(normal_n) / scene.objects[0].object.required_normal_n();
     Ok(Trial {
         over_grip: failure.is_none().then_some(over_grip),
         failure,

@@ -1,5 +1,6 @@
 //! Evaluation of a grasp.
 
+use robot_model::HandModel;
 use shm_schemas::{Cause, GoalState, GoalUpdate, WorldTruth};
 
 use super::{InHandMotion, in_hand_motion};
@@ -7,7 +8,7 @@ use super::{InHandMotion, in_hand_motion};
 /// Share of the commanded lift above which an object counts as lifted. Design choice: accepts a
 /// stopped slip, rejects an object left behind.
 const LIFTED_SHARE: f64 = 0.5;
-/// Normal force above which a fingertip is in contact, N. Design choice: half the controller's
+/// Normal force above which a grasp side is in contact, N. Design choice: half the controller's
 /// touch threshold.
 const CONTACT_N: f64 = 0.03;
 
@@ -35,9 +36,9 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Returns the outcome for the first object and the hand with index `hand`.
+    /// Returns the outcome for the first object and this hand.
     #[must_use]
-    pub fn evaluate(end: &GoalUpdate, truth: &WorldTruth, hand: usize, lift_m: f64) -> Self {
+    pub fn evaluate(end: &GoalUpdate, truth: &WorldTruth, hand: &HandModel, lift_m: f64) -> Self {
         let object = &truth.objects[0];
         if object.crushed != 0 {
             return Self::Crushed;
@@ -45,9 +46,10 @@ impl Outcome {
         if object.dropped != 0 {
             return Self::Dropped;
         }
-        let pressed = truth.normal_n[hand][..robot_model::GRASP_SIDES]
-            .iter()
-            .all(|force_n| *force_n > CONTACT_N);
+        let normal_n = &truth.normal_n[hand.side().index()];
+        let pressed = hand
+            .grasp_sides()
+            .both_exceed(CONTACT_N, |fingertip| normal_n[fingertip]);
         match end.state {
             GoalState::SUCCEEDED if pressed && object.lifted_m >= LIFTED_SHARE * lift_m => {
                 match in_hand_motion(object) {

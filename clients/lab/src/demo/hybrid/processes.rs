@@ -8,6 +8,7 @@ use atas_client::{POLL, Session};
 use atas_console::Interrupt;
 use atas_console::arguments::DemoHybrid;
 use atas_evaluation::hybrid::{HybridTrial, Pilot, Reflexes, RobotTrial};
+use robot_model::RobotModel;
 use shm_bus::FreshBus;
 use sim_backend::course::{RobotResult, Scenario};
 
@@ -72,9 +73,10 @@ impl Processes {
             logs,
             buses,
         };
+        let robot = RobotModel::two_hand_arm()?;
         for (player, index) in cast.robots.iter().zip(0..) {
             let session = processes.session(index)?;
-            let pilot = Pilot::new(player, reflexes);
+            let pilot = Pilot::new(player, &robot, reflexes);
             let coordinator = Coordinator::join(session, pilot)?;
             processes.coordinators.push(coordinator);
         }

@@ -1,3 +1,4 @@
+use robot_model::{HandSide, RobotModel};
 use shm_schemas::Reason;
 
 use super::*;
@@ -21,9 +22,11 @@ fn end(state: GoalState, cause: Cause) -> GoalUpdate {
 
 #[test]
 fn outcomes_follow_ground_truth() {
+    let robot = RobotModel::two_hand_arm().expect("built-in robot");
+    let hand = robot.hand(HandSide::Right);
     let check = |state, cause, truth: WorldTruth, expected: Outcome| {
         assert_eq!(
-            Outcome::evaluate(&end(state, cause), &truth, 1, LIFT_M),
+            Outcome::evaluate(&end(state, cause), &truth, hand, LIFT_M),
             expected,
             "{state} {cause}"
         );
@@ -75,6 +78,23 @@ fn outcomes_follow_ground_truth() {
         truth(0.0, 0.0),
         Outcome::Failed(busy),
     );
+}
+
+/// Regression: the judge looked at the first two fingertips only, both on side 1 of this hand.
+#[test]
+fn object_without_thumb_contact_is_not_held() {
+    let robot = RobotModel::find("three-finger").expect("built-in robot");
+    let check = |normal_n: [f64; 4], expected: Outcome| {
+        let mut truth = truth(0.039, 0.0);
+        truth.normal_n[1] = normal_n;
+        let done = end(GoalState::SUCCEEDED, Cause::NONE);
+        let outcome = Outcome::evaluate(&done, &truth, robot.hand(HandSide::Right), LIFT_M);
+        assert_eq!(outcome, expected, "{normal_n:?}");
+    };
+    check([1.0, 1.0, 2.0, 0.0], Outcome::Held);
+    check([2.0, 0.0, 2.0, 0.0], Outcome::Held);
+    check([1.0, 1.0, 0.0, 0.0], Outcome::NotLifted);
+    check([0.0, 0.0, 2.0, 0.0], Outcome::NotLifted);
 }
 
 #[test]

@@ -41,7 +41,7 @@ pub(crate) fn run(args: &CourseArgs) -> Result<(), Failure> {
     });
     let mut stage = CourseRun {
         robots: seats.collect::<Result<_, Failure>>()?,
-        host: Host::new(&cast),
+        host: Host::new(&cast, &robot),
         stop: &stop,
     };
     let robots = stage.robots.len();
