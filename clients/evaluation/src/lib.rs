@@ -39,6 +39,7 @@ mod gentleness;
 mod held;
 pub mod hybrid;
 mod markdown;
+mod nominal_trial;
 pub mod offline;
 mod parallel;
 pub mod parts;
@@ -71,6 +72,7 @@ pub use gentleness::{
 };
 pub use held::{HeldPlan, HeldSummary, Outcomes};
 pub use markdown::{RobotResults, SkinResults, errors_table, robots_table, skins_table, table};
+pub use nominal_trial::NominalTrial;
 pub use parallel::run_indexed;
 pub use physics::{ByPhysics, Feasible, Infeasible, Physics};
 pub use plan::{Plan, Shard};

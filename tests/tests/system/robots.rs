@@ -114,6 +114,12 @@ fn user_robot_file_is_checked_and_drawn() {
     ));
     assert_eq!(code, 0, "{error}");
     assert_eq!(printed["tasks"], serde_json::json!(["grasp"]), "{printed}");
+    let trial = &printed["trials"][0];
+    assert_eq!(
+        (&trial["task"], &trial["outcome"]),
+        (&Value::from("grasp"), &Value::from("held")),
+        "{printed}"
+    );
     assert!(
         printed["hands"][0]["workspace"]["z_m"][1].as_f64() > Some(0.1),
         "{printed}"

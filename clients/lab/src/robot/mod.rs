@@ -6,17 +6,19 @@
 //! ```
 //!
 //! * **Invariants:** the loader reports all errors of a file at once. Inverse kinematics determines
-//!   the capabilities of a hand; tasks are supported by the criteria of `demo` and `eval`.
+//!   the capabilities of a hand; tasks are supported by the criteria of `demo` and `eval`. `check`
+//!   promises a task only after it succeeded once in simulation.
 
 mod facing;
 mod reach;
 mod views;
 
 use std::path::Path;
+use std::time::Instant;
 
 use atas_console::arguments::RobotAction;
 use atas_console::{Exit, ExitError, Output, number, table};
-use atas_evaluation::Task;
+use atas_evaluation::{NominalTrial, Task};
 use robot_model::{
     GRASP_SIDES, HandModel, HandSide, Joint, JointKind, RobotFiles, RobotModel, SHIPPED,
 };
@@ -70,6 +72,12 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
         picture::write(out, &svg)?;
     }
     let remarks = files.remarks().map_err(unusable)?;
+    let begin = Instant::now();
+    let trials = NominalTrial::run_all(&robot)?;
+    let tried_s = begin.elapsed().as_secs_f64();
+    let done = |task: Task| trials.iter().any(|trial| trial.task == task && trial.done);
+    let (can, cannot): (Vec<Task>, Vec<Task>) = Task::ALL.into_iter().partition(|task| done(*task));
+    let names = |tasks: Vec<Task>| tasks.into_iter().map(Task::name).collect::<Vec<_>>();
     if output.is_json() {
         let hands = robot.sides().map(|side| robot.hand(side));
         let hands: Vec<Value> = hands.map(hand_json).collect();
@@ -77,7 +85,8 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
             "name": files.name,
             "joints": robot.joint_count(),
             "fingers": fingertip_count(&robot),
-            "tasks": tasks(&robot),
+            "tasks": names(can),
+            "trials": trials.iter().map(trial_json).collect::<Vec<_>>(),
             "hands": hands,
             "remarks": remarks,
         }));
@@ -94,24 +103,68 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
     for remark in remarks {
         output.line(remark)?;
     }
-    let (can, cannot): (Vec<Task>, Vec<Task>) = Task::ALL
-        .into_iter()
-        .partition(|task| task.is_supported_by(&robot));
-    let names = |tasks: &[Task]| {
-        tasks
-            .iter()
-            .map(|task| task.name())
-            .collect::<Vec<_>>()
-            .join(", ")
+    output.line(format_args!(
+        "\neach task that the kinematics allow, tried once in simulation ({} s):",
+        number(tried_s, 1)
+    ))?;
+    for trial in &trials {
+        output.line(trial_text(trial))?;
+    }
+    let can = match names(can) {
+        none if none.is_empty() => "no task".to_owned(),
+        names => names.join(", "),
     };
-    output.line(format_args!("\ncan do: {}", names(&can)))?;
+    output.line(format_args!("can do: {can}"))?;
     if !cannot.is_empty() {
-        output.line(format_args!("cannot do: {}", names(&cannot)))?;
+        output.line(format_args!("cannot do: {}", names(cannot).join(", ")))?;
     }
     match out {
         Some(out) => output.line(format_args!("wrote {}", out.display())),
         None => Ok(()),
     }
+}
+
+/// Formats a trial: `screw with cap (30 mm): refused: obstructed; reason`.
+fn trial_text(trial: &NominalTrial) -> String {
+    let NominalTrial {
+        task,
+        object,
+        outcome,
+        ..
+    } = trial;
+    let width_mm = number(trial.width_m * 1e3, 0);
+    let mut text = format!("  {} with {object} ({width_mm} mm): {outcome}", task.name());
+    if trial.done {
+        return text;
+    }
+    if let Some(reason) = &trial.reason {
+        text.push_str("; ");
+        text.push_str(reason);
+    }
+    if trial.rests_below_object() {
+        let mm = |height_m: f64| number(height_m * 1e3, 0);
+        text.push_str(&format!(
+            "\n    at rest the fingertips are {} mm above the table, the object is {} mm high: \
+             raise the rest pose (`rest_deg`, `rest_m` or `home_m`)",
+            mm(trial.rest_height_m),
+            mm(trial.object_top_m)
+        ));
+    }
+    text
+}
+
+fn trial_json(trial: &NominalTrial) -> Value {
+    json!({
+        "task": trial.task.name(),
+        "object": trial.object,
+        "width_m": trial.width_m,
+        "done": trial.done,
+        "outcome": trial.outcome,
+        "reason": trial.reason,
+        "object_top_m": trial.object_top_m,
+        "rest_height_m": trial.rest_height_m,
+        "simulated_s": trial.simulated_s,
+    })
 }
 
 fn fingertip_count(robot: &RobotModel) -> usize {
