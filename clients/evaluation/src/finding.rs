@@ -4,10 +4,10 @@ use atas_client::GoalProgress;
 use atas_client::goal::LIFT_M;
 use robot_model::HandModel;
 use serde::{Deserialize, Serialize};
-use shm_schemas::{ObjectTruth, WorldTruth};
+use shm_schemas::{GoalState, ObjectTruth, WorldTruth};
 
 use crate::Task;
-use crate::judge::{Assembly, Load, Outcome, Placing, Screwing};
+use crate::judge::{Assembly, HiddenMotion, Load, Outcome, Placing, Screwing, TURN_MAX_RAD};
 use crate::offline::Trial;
 
 /// Evaluation of one trial.
@@ -23,6 +23,8 @@ pub struct Finding {
     pub crushed: bool,
     /// True if an object was dropped.
     pub dropped: bool,
+    /// Slide or turn in the hand that the controller reported as success.
+    pub hidden: HiddenMotion,
     /// Measured quantities, by name with unit.
     pub measures: Vec<(String, f64)>,
     /// Measured F_2 over F_2 at the true stiffness; `None` without measurement.
@@ -38,6 +40,7 @@ impl Finding {
             refused: false,
             crushed: false,
             dropped: false,
+            hidden: HiddenMotion::default(),
             measures: Vec::new(),
             f2_ratio: None,
         }
@@ -73,6 +76,7 @@ pub(super) fn evaluate(
     let objects = &truth.objects[..truth.object_count as usize];
     let happened = |what: fn(&ObjectTruth) -> u32| objects.iter().any(|o| what(o) != 0);
     let outcome = Outcome::evaluate(end, truth, hand, LIFT_M);
+    let mut hidden = HiddenMotion::evaluate(end, truth);
     let (failure, done, mut measures) = match task {
         Task::Grasp => (
             (outcome != Outcome::Held).then(|| outcome.key(end.step.as_str())),
@@ -92,6 +96,8 @@ pub(super) fn evaluate(
         }
         Task::Assembly => {
             let assembly = Assembly::evaluate(end, start, truth);
+            let stood_still = assembly.turned_rad.abs() <= TURN_MAX_RAD;
+            hidden.turned |= !stood_still && end.state == GoalState::SUCCEEDED;
             let measures = vec![
                 ("tightness", assembly.tightness),
                 ("tilt_deg", assembly.tilt_rad.to_degrees()),
@@ -110,6 +116,7 @@ pub(super) fn evaluate(
         refused: matches!(outcome, Outcome::Refused(_)),
         crushed: happened(|o| o.crushed),
         dropped: happened(|o| o.dropped),
+        hidden,
         measures: measures.into_iter().map(named).collect(),
         f2_ratio: felt_f2.then(|| f64::from(end.figures.f2_n) / load.f2_n),
     }
@@ -140,9 +147,7 @@ fn over_grip_measures(
         return Vec::new();
     }
     let normal_n = &truth.normal_n[hand.side().index()];
-    let mean_n = hand
-        .grasp_sides()
-        .mean_sum(|fingertip| normal_n[fingertip]);
+    let mean_n = hand.grasp_sides().mean_sum(|fingertip| normal_n[fingertip]);
     let mut measures = vec![("over_grip", mean_n / load.needed_n)];
     if hand.skin().layout.is_dome() {
         measures.push(("over_steady", mean_n / load.gripped_n));

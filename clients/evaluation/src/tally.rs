@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::judge::HiddenMotion;
 use crate::statistics::{median, wilson};
 use crate::trial::Record;
 
@@ -18,6 +19,10 @@ pub struct Tally {
     pub ci95: [f64; 2],
     /// Number of failures by outcome key.
     pub failures: BTreeMap<String, u64>,
+    /// Trials reported as success although an object slid more than 3 mm in the hand.
+    pub hidden_slides: u64,
+    /// Trials reported as success although an object turned more than 10° in the hand.
+    pub hidden_turns: u64,
     /// Median of each measured quantity, over successes.
     pub medians: BTreeMap<String, f64>,
     /// Maximum of each measured quantity, over successes.
@@ -38,6 +43,10 @@ impl Tally {
                 measures.entry(name).or_default().push(*value);
             }
         }
+        let hidden = |is: fn(&HiddenMotion) -> bool| {
+            let found = records.iter().filter(|record| is(&record.finding.hidden));
+            found.count() as u64
+        };
         let successes = trials - failures.values().sum::<u64>();
         let largest = |values: &Vec<f64>| values.iter().copied().reduce(f64::max);
         Self {
@@ -45,6 +54,8 @@ impl Tally {
             success: share(successes, trials),
             ci95: wilson(successes, trials),
             failures,
+            hidden_slides: hidden(|hidden| hidden.slid),
+            hidden_turns: hidden(|hidden| hidden.turned),
             largest: map_values(&measures, largest),
             medians: map_values(&measures, |values| median(values.clone())),
         }

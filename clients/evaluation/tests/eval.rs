@@ -140,7 +140,7 @@ fn json_fields_are_stable() {
     };
     let feasible = sorted("trials held refused crushed dropped success ci95 over_grip_median");
     let infeasible = sorted("trials refused held crushed dropped success ci95");
-    let tally = "trials success ci95 failures medians largest";
+    let tally = "trials success ci95 failures hidden_slides hidden_turns medians largest";
     let physics = "feasible infeasible by_physics borderline f2_ratio_median f2_ratio_deviation";
     let shape = |own: &str| sorted(&format!("{own} {tally} {physics}"));
     let own = "task robot baselines realtime_factor wall_s seeds first_seed seeds_for noise rate_hz errors families rows \

@@ -112,9 +112,10 @@ fn summary(report: &Report) -> String {
             physics.borderline
         )
     });
+    let hidden = hidden_text(tally).map_or_else(String::new, |text| format!("\n{text}"));
     format!(
         "{}: {} of {} trials (95 % confidence {} to {}){borderline}; figures are median to \
-         maximum\n{}; {:.1} × real time per core, {:.1} s",
+         maximum{hidden}\n{}; {:.1} × real time per core, {:.1} s",
         report.task,
         percent(tally.success),
         tally.trials,
@@ -124,6 +125,17 @@ fn summary(report: &Report) -> String {
         report.realtime_factor,
         report.wall_s,
     )
+}
+
+/// Formats hidden slides and turns; `None` without any.
+fn hidden_text(tally: &Tally) -> Option<String> {
+    let (slides, turns) = (tally.hidden_slides, tally.hidden_turns);
+    (slides + turns > 0).then(|| {
+        format!(
+            "reported as success although the object moved in the hand: {slides} by more than 3 \
+             mm, {turns} by more than 10°"
+        )
+    })
 }
 
 pub(super) fn seeds(report: &Report) -> String {

@@ -12,9 +12,11 @@
 //! | assembly | [`Assembly`]: bottle standing and not turned, cap closed as in screwing |
 //!
 //! In every task, an object may slip at most 3 mm and turn at most 10° in the carrying hand.
+//! [`HiddenMotion`] counts separately where the controller reports success beyond these limits.
 
 mod assembly;
 mod grasp;
+mod hidden;
 mod load;
 mod pick_place;
 mod screw;
@@ -23,6 +25,7 @@ mod tests;
 
 pub use assembly::Assembly;
 pub use grasp::Outcome;
+pub use hidden::HiddenMotion;
 pub use load::Load;
 pub use pick_place::Placing;
 pub use screw::Screwing;

@@ -197,3 +197,29 @@ fn assembly_failures_have_their_keys() {
     check(open, bottle, Some("cap not closed"));
     check(ObjectTruth::default(), bottle, Some("cap off its thread"));
 }
+
+#[test]
+fn motion_is_hidden_only_by_reported_success() {
+    let check = |state, [slip_mm, turn_deg]: [f64; 2], expected: [bool; 2]| {
+        let moved = ObjectTruth {
+            slip_in_hand_m: slip_mm * 1e-3,
+            turn_in_hand_rad: turn_deg.to_radians(),
+            ..ObjectTruth::default()
+        };
+        let mut truth = world(ObjectTruth::default(), moved);
+        truth.object_count = 2;
+        let hidden = HiddenMotion::evaluate(&end(state, Cause::NONE, ""), &truth);
+        assert_eq!(
+            [hidden.slid, hidden.turned],
+            expected,
+            "{state} {slip_mm} mm {turn_deg} deg"
+        );
+    };
+    check(GoalState::SUCCEEDED, [2.9, 9.9], [false, false]);
+    check(GoalState::SUCCEEDED, [3.1, 9.9], [true, false]);
+    check(GoalState::SUCCEEDED, [2.9, 10.1], [false, true]);
+    check(GoalState::SUCCEEDED, [3.1, 10.1], [true, true]);
+    check(GoalState::SUCCEEDED, [f64::NAN, f64::NAN], [true, true]);
+    check(GoalState::REFUSED, [3.1, 10.1], [false, false]);
+    check(GoalState::FAILED, [3.1, 10.1], [false, false]);
+}
