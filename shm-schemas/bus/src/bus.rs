@@ -18,6 +18,7 @@ use crate::node::{self, Realtime};
 use crate::opaque::Opaque;
 use crate::owner_lock::OwnerLock;
 use crate::peer::Peer;
+use crate::presence;
 use crate::shortage::{self, require_space, require_stack};
 use crate::startup::StartupLock;
 use crate::version;
@@ -86,12 +87,10 @@ impl Bus {
         let config = node::config(&place, realtime)?;
         let refused = |why| shortage::refusal_error(&place, "the bus", why);
         let node = node::create(&place, &config, role).map_err(refused)?;
-        clean::remove_dead(&place, &node);
+        clean::remove_dead_for_new_handle(&place, &node);
         Ok(Self {
             member: Rc::new(Member {
-                _departure: Departure {
-                    location: place.clone(),
-                },
+                _departure: Departure::new(place.clone()),
                 location: place,
                 realtime,
                 node: Opaque::new(node),
@@ -176,7 +175,8 @@ fn prepare_location(folder: &Folder) -> Result<Location, BusError> {
     leftovers::remove_unfinished(&place);
     let config = place.config()?;
     let Some(creator) = other else {
-        return match Peer::is_any_alive(&place, &config)? {
+        let is_used = presence::is_present(&place.prefix) || Peer::is_any_alive(&place, &config)?;
+        return match is_used {
             false => renew(folder, &place),
             true => Ok(place),
         };

@@ -6,9 +6,11 @@
 //! unusable. Therefore the tags are backed up first, and a cleaner that finds a backup restores it.
 //! iceoryx2's automatic clean-ups are off ([`crate::node::config`]).
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{CallbackProgression, Node, NodeState};
@@ -26,6 +28,45 @@ const TAG: &str = ".port_tag";
 /// Time to wait for another cleaner of the same node, such as a peer in another language. Five
 /// times the longest removal.
 const OTHER_CLEANER_WAIT: Duration = Duration::from_millis(100);
+
+/// Time after a search in which further handles of this process on the same bus do not search. Each
+/// search examines all nodes (0.1 ms or more per node), so a search per handle makes the time for N
+/// handles grow with N². Design choice: a peer killed within this time keeps its slots until a
+/// service lacks one, until [`crate::Bus::clean_dead`] or until a later handle.
+const SEARCH_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Times of this process's last searches, by the prefix of the bus.
+static SEARCHES: Mutex<Searches> = Mutex::new(Searches(BTreeMap::new()));
+
+/// Last search per bus.
+#[derive(Debug, Default)]
+struct Searches(BTreeMap<String, Instant>);
+
+impl Searches {
+    /// Returns true, and starts a new interval, unless this bus was searched within the interval.
+    fn begin(&mut self, prefix: &str, now: Instant) -> bool {
+        self.0
+            .retain(|_, at| now.duration_since(*at) < SEARCH_INTERVAL);
+        if self.0.contains_key(prefix) {
+            return false;
+        }
+        self.0.insert(prefix.to_owned(), now);
+        true
+    }
+}
+
+/// Removes dead nodes for a new handle, unless this process did it on this bus less than
+/// [`SEARCH_INTERVAL`] ago. The first handle of a process always does: a restarted daemon removes
+/// the remains of a killed one. Call under the start-up lock only.
+pub(crate) fn remove_dead_for_new_handle(place: &Location, node: &Node<Ipc>) {
+    let is_due = {
+        let mut searches = SEARCHES.lock().unwrap_or_else(PoisonError::into_inner);
+        searches.begin(&place.prefix, Instant::now())
+    };
+    if is_due {
+        remove_dead(place, node);
+    }
+}
 
 /// Removes dead nodes and returns their number. Call under the start-up lock only.
 pub(crate) fn remove_dead(place: &Location, node: &Node<Ipc>) -> usize {
@@ -119,5 +160,37 @@ fn link_tags(from: &Path, to: &Path) {
         if let Some(name) = tag.file_name() {
             let _ = fs::hard_link(&tag, to.join(name));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_bus_is_searched_once_per_interval() {
+        let (mut searches, begin) = (Searches::default(), Instant::now());
+        let mut check = |prefix: &str, after: Duration, expected: bool| {
+            let is_due = searches.begin(prefix, begin + after);
+            assert_eq!(is_due, expected, "{prefix} after {after:?}");
+        };
+        let soon = SEARCH_INTERVAL / 2;
+        check("one", Duration::ZERO, true);
+        check("one", Duration::ZERO, false);
+        check("two", soon, true);
+        check("one", soon, false);
+        check("one", SEARCH_INTERVAL, true);
+        check("two", SEARCH_INTERVAL, false);
+        check("one", SEARCH_INTERVAL + soon, false);
+        check("two", SEARCH_INTERVAL + soon, true);
+    }
+
+    #[test]
+    fn past_searches_are_forgotten() {
+        let (mut searches, begin) = (Searches::default(), Instant::now());
+        for bus in 0..10_u32 {
+            searches.begin(&bus.to_string(), begin + bus * SEARCH_INTERVAL);
+        }
+        assert_eq!(searches.0.len(), 1);
     }
 }

@@ -77,6 +77,7 @@ mod owner_lock;
 mod payload;
 mod peer;
 mod port_count;
+mod presence;
 mod publisher;
 mod qos;
 mod refusal;

@@ -13,6 +13,7 @@ use crate::location::{Location, PREFIX};
 use crate::node::{Ipc, Realtime};
 use crate::opaque::Opaque;
 use crate::peer::Peer;
+use crate::presence;
 use crate::refusal::{Cause, Refusal};
 use crate::shortage;
 use crate::startup::StartupLock;
@@ -36,12 +37,23 @@ pub(crate) struct Member {
 /// Removes the files of a bus on drop if no process remains: iceoryx2 leaves one in `/dev/shm`.
 #[derive(Debug)]
 pub(crate) struct Departure {
-    pub(crate) location: Location,
+    location: Location,
+}
+
+impl Departure {
+    /// Counts the presence of this process on the bus. Call after its node exists.
+    pub(crate) fn new(location: Location) -> Self {
+        presence::enter(&location.prefix);
+        Self { location }
+    }
 }
 
 impl Drop for Departure {
     fn drop(&mut self) {
         let place = &self.location;
+        if presence::leave(&place.prefix) {
+            return;
+        }
         // The bus may have been wiped, or have a new life.
         let is_current = || {
             let read = Location::read(&place.folder);
