@@ -379,6 +379,8 @@ enum atas_cause {
     ATAS_CAUSE_ELEMENT_STUCK = 45,
     // The tactile force of a hand disagrees with its joint-estimated force.
     ATAS_CAUSE_FORCE_AGAINST_JOINTS = 46,
+    // The tactile force of a grip does not match its opening: the zero of a sensor drifts.
+    ATAS_CAUSE_FORCE_AGAINST_OPENING = 47,
     // The object needs more force than its stiffness allows (grasp.compression_m).
     ATAS_CAUSE_TOO_SOFT = 50,
     // The daemon found the hand gripping an object at start; it keeps and monitors the grip.
@@ -1773,6 +1775,9 @@ typedef struct atas_object_truth {
     uint64_t released_ns;
     // Clearance under the object at that moment, m.
     double released_above_m;
+    // Largest excess of the support force over the weight from that landing until the release,
+    // N, low-passed with 10 ms against impacts: the hand presses the object onto its support.
+    double pressed_down_n;
     // Largest slip along the fingertips in any hold so far, m. Measured while the support does
     // not carry the whole weight.
     double slip_in_hand_m;
@@ -1809,8 +1814,8 @@ typedef struct atas_object_truth {
     // 1 once spilt: a bottle tilted while it was not closed.
     uint32_t spilt;
 } atas_object_truth;
-#define ATAS_OBJECT_TRUTH_TYPE "atas.ObjectTruth.v4"
-_Static_assert(sizeof(atas_object_truth) == 264, "atas_object_truth");
+#define ATAS_OBJECT_TRUTH_TYPE "atas.ObjectTruth.v5"
+_Static_assert(sizeof(atas_object_truth) == 272, "atas_object_truth");
 _Static_assert(_Alignof(atas_object_truth) == 8, "atas_object_truth");
 _Static_assert(offsetof(atas_object_truth, name) == 0, "atas_object_truth.name");
 _Static_assert(offsetof(atas_object_truth, position_m) == 32, "atas_object_truth.position_m");
@@ -1825,22 +1830,23 @@ _Static_assert(offsetof(atas_object_truth, landed_ns) == 136, "atas_object_truth
 _Static_assert(offsetof(atas_object_truth, carried_ns) == 144, "atas_object_truth.carried_ns");
 _Static_assert(offsetof(atas_object_truth, released_ns) == 152, "atas_object_truth.released_ns");
 _Static_assert(offsetof(atas_object_truth, released_above_m) == 160, "atas_object_truth.released_above_m");
-_Static_assert(offsetof(atas_object_truth, slip_in_hand_m) == 168, "atas_object_truth.slip_in_hand_m");
-_Static_assert(offsetof(atas_object_truth, turn_in_hand_rad) == 176, "atas_object_truth.turn_in_hand_rad");
-_Static_assert(offsetof(atas_object_truth, displaced_m) == 184, "atas_object_truth.displaced_m");
-_Static_assert(offsetof(atas_object_truth, cap_angle_rad) == 192, "atas_object_truth.cap_angle_rad");
-_Static_assert(offsetof(atas_object_truth, cap_closing_rad) == 200, "atas_object_truth.cap_closing_rad");
-_Static_assert(offsetof(atas_object_truth, cap_friction_n_m) == 208, "atas_object_truth.cap_friction_n_m");
-_Static_assert(offsetof(atas_object_truth, cap_torque_n_m) == 216, "atas_object_truth.cap_torque_n_m");
-_Static_assert(offsetof(atas_object_truth, cap_holding_n_m) == 224, "atas_object_truth.cap_holding_n_m");
-_Static_assert(offsetof(atas_object_truth, cap_engaged) == 232, "atas_object_truth.cap_engaged");
-_Static_assert(offsetof(atas_object_truth, cap_closed) == 236, "atas_object_truth.cap_closed");
-_Static_assert(offsetof(atas_object_truth, stands) == 240, "atas_object_truth.stands");
-_Static_assert(offsetof(atas_object_truth, pressed) == 244, "atas_object_truth.pressed");
-_Static_assert(offsetof(atas_object_truth, crushed) == 248, "atas_object_truth.crushed");
-_Static_assert(offsetof(atas_object_truth, dropped) == 252, "atas_object_truth.dropped");
-_Static_assert(offsetof(atas_object_truth, tipped) == 256, "atas_object_truth.tipped");
-_Static_assert(offsetof(atas_object_truth, spilt) == 260, "atas_object_truth.spilt");
+_Static_assert(offsetof(atas_object_truth, pressed_down_n) == 168, "atas_object_truth.pressed_down_n");
+_Static_assert(offsetof(atas_object_truth, slip_in_hand_m) == 176, "atas_object_truth.slip_in_hand_m");
+_Static_assert(offsetof(atas_object_truth, turn_in_hand_rad) == 184, "atas_object_truth.turn_in_hand_rad");
+_Static_assert(offsetof(atas_object_truth, displaced_m) == 192, "atas_object_truth.displaced_m");
+_Static_assert(offsetof(atas_object_truth, cap_angle_rad) == 200, "atas_object_truth.cap_angle_rad");
+_Static_assert(offsetof(atas_object_truth, cap_closing_rad) == 208, "atas_object_truth.cap_closing_rad");
+_Static_assert(offsetof(atas_object_truth, cap_friction_n_m) == 216, "atas_object_truth.cap_friction_n_m");
+_Static_assert(offsetof(atas_object_truth, cap_torque_n_m) == 224, "atas_object_truth.cap_torque_n_m");
+_Static_assert(offsetof(atas_object_truth, cap_holding_n_m) == 232, "atas_object_truth.cap_holding_n_m");
+_Static_assert(offsetof(atas_object_truth, cap_engaged) == 240, "atas_object_truth.cap_engaged");
+_Static_assert(offsetof(atas_object_truth, cap_closed) == 244, "atas_object_truth.cap_closed");
+_Static_assert(offsetof(atas_object_truth, stands) == 248, "atas_object_truth.stands");
+_Static_assert(offsetof(atas_object_truth, pressed) == 252, "atas_object_truth.pressed");
+_Static_assert(offsetof(atas_object_truth, crushed) == 256, "atas_object_truth.crushed");
+_Static_assert(offsetof(atas_object_truth, dropped) == 260, "atas_object_truth.dropped");
+_Static_assert(offsetof(atas_object_truth, tipped) == 264, "atas_object_truth.tipped");
+_Static_assert(offsetof(atas_object_truth, spilt) == 268, "atas_object_truth.spilt");
 
 // Ground truth of the simulated world.
 typedef struct atas_world_truth {
@@ -1859,16 +1865,16 @@ typedef struct atas_world_truth {
     // Normal force of each fingertip, N.
     double normal_n[2][4];
 } atas_world_truth;
-#define ATAS_WORLD_TRUTH_TYPE "atas.WorldTruth.v4"
-_Static_assert(sizeof(atas_world_truth) == 1224, "atas_world_truth");
+#define ATAS_WORLD_TRUTH_TYPE "atas.WorldTruth.v5"
+_Static_assert(sizeof(atas_world_truth) == 1256, "atas_world_truth");
 _Static_assert(_Alignof(atas_world_truth) == 8, "atas_world_truth");
 _Static_assert(offsetof(atas_world_truth, stamp) == 0, "atas_world_truth.stamp");
 _Static_assert(offsetof(atas_world_truth, missed_ticks) == 24, "atas_world_truth.missed_ticks");
 _Static_assert(offsetof(atas_world_truth, object_count) == 32, "atas_world_truth.object_count");
 _Static_assert(offsetof(atas_world_truth, expired_commands) == 36, "atas_world_truth.expired_commands");
 _Static_assert(offsetof(atas_world_truth, objects) == 40, "atas_world_truth.objects");
-_Static_assert(offsetof(atas_world_truth, slip_m) == 1096, "atas_world_truth.slip_m");
-_Static_assert(offsetof(atas_world_truth, normal_n) == 1160, "atas_world_truth.normal_n");
+_Static_assert(offsetof(atas_world_truth, slip_m) == 1128, "atas_world_truth.slip_m");
+_Static_assert(offsetof(atas_world_truth, normal_n) == 1192, "atas_world_truth.normal_n");
 
 // Pose, sensor row and output of one agent in one frame.
 typedef struct atas_agent_truth {

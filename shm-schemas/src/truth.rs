@@ -8,7 +8,7 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 payload! {
     /// Ground truth of one simulated object.
-    ObjectTruth as "atas.ObjectTruth.v4" {
+    ObjectTruth as "atas.ObjectTruth.v5" {
         /// Object name, as in its data file.
         pub name: Text<32>,
         /// Centre of its shape, base frame, m.
@@ -38,6 +38,9 @@ payload! {
         pub released_ns: u64,
         /// Clearance under the object at that moment, m.
         pub released_above_m: f64,
+        /// Largest excess of the support force over the weight from that landing until the release,
+        /// N, low-passed with 10 ms against impacts: the hand presses the object onto its support.
+        pub pressed_down_n: f64,
         /// Largest slip along the fingertips in any hold so far, m. Measured while the support does
         /// not carry the whole weight.
         pub slip_in_hand_m: f64,
@@ -78,7 +81,7 @@ payload! {
 
 payload! {
     /// Ground truth of the simulated world.
-    WorldTruth as "atas.WorldTruth.v4" {
+    WorldTruth as "atas.WorldTruth.v5" {
         /// `captured_ns` is the simulated time.
         pub stamp: Stamp,
         /// Milliseconds of real time skipped so far because the simulator was late; 0 in lock-step.

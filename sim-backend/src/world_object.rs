@@ -17,6 +17,9 @@ const CRUSHED_STIFFNESS: f64 = 0.05;
 const DROP_M: f64 = 0.002;
 /// Speed after a free fall from [`DROP_M`], m/s: √(2·g·h). Faster landings count as drops.
 const DROP_M_S: f64 = 0.198;
+/// Share of a tick in the low-passed support force: time constant 10 ms. Design choice: the impact
+/// of a block that tips flat lasts a few milliseconds.
+const PRESSING_SHARE: f64 = 1.0 / 11.0;
 /// Smallest force, N, and smallest share of the weight of a support that carries an object; the
 /// larger one applies. Module 4 must detect it.
 const CARRIES_N: f64 = 0.2;
@@ -72,6 +75,10 @@ struct Landing {
     released_ns: u64,
     /// Height above the support at the release, m.
     released_above_m: f64,
+    /// Low-passed excess of the support force over the weight, and its maximum until the release,
+    /// N.
+    excess_n: f64,
+    pressed_down_n: f64,
     held: bool,
 }
 
@@ -191,6 +198,8 @@ impl WorldObject {
                 .min(CARRIES_SHARE_MAX * weight_n);
             self.landing
                 .update_carrying(self.body.table_n >= carries_n, now_ns);
+            self.landing
+                .update_pressing(self.body.table_n - weight_n, held);
         }
     }
 
@@ -239,6 +248,7 @@ impl WorldObject {
             carried_ns: self.landing.carried_ns,
             released_ns: self.landing.released_ns,
             released_above_m: self.landing.released_above_m,
+            pressed_down_n: self.landing.pressed_down_n,
             slip_in_hand_m: self.hold.slip_m,
             turn_in_hand_rad: self.hold.turn_rad,
             displaced_m: self.displaced_m(),
@@ -283,6 +293,13 @@ impl Landing {
         };
         if self.carried_ns == 0 && carries && now_ns >= self.carrying_ns + CARRIES_NS {
             self.carried_ns = self.carrying_ns;
+        }
+    }
+
+    fn update_pressing(&mut self, excess_n: f64, held: bool) {
+        self.excess_n += (excess_n - self.excess_n) * PRESSING_SHARE;
+        if held && self.landed_ns > 0 && self.excess_n > self.pressed_down_n {
+            self.pressed_down_n = self.excess_n;
         }
     }
 
