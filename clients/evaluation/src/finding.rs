@@ -131,6 +131,7 @@ fn placing_measures(placing: &Placing) -> Vec<(&'static str, f64)> {
         ("off_mm", placing.off_m * 1e3),
         ("latency_ms", placing.latency_s * 1e3),
         ("parting_ms", placing.parting_s * 1e3),
+        ("pressed_down_n", placing.pressed_down_n),
         ("released_above_mm", placing.released_above_m * 1e3),
     ]
 }

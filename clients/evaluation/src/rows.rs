@@ -90,6 +90,8 @@ pub struct TrialRow {
     pub off_mm: Option<f64>,
     /// Time from support to the hand opening, ms.
     pub latency_ms: Option<f64>,
+    /// Largest force that pressed the object onto its support, N.
+    pub pressed_down_n: Option<f64>,
     /// Height above the support at release, mm.
     pub released_above_mm: Option<f64>,
     /// Holding torque of the cap over its thread's friction.
@@ -156,6 +158,7 @@ impl TrialRow {
             f2_ratio: finding.f2_ratio.and_then(rounded),
             off_mm: measure("off_mm"),
             latency_ms: measure("latency_ms"),
+            pressed_down_n: measure("pressed_down_n"),
             released_above_mm: measure("released_above_mm"),
             tightness: measure("tightness"),
             tilt_deg: measure("tilt_deg"),

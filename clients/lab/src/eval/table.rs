@@ -64,6 +64,7 @@ fn heading(name: &str) -> &str {
         "off_mm" => "off mm",
         "latency_ms" => "latency ms",
         "parting_ms" => "parting ms",
+        "pressed_down_n" => "press N",
         "released_above_mm" => "above mm",
         "tilt_deg" => "tilt °",
         other => other,

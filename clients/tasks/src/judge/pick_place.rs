@@ -1,4 +1,5 @@
-//! Evaluation of pick and place: position of the object, time and height of its release.
+//! Evaluation of pick and place: position of the object, height of its release, and the force that
+//! presses it onto its support.
 //!
 //! The latency starts when the support carries the object
 //! ([`shm_schemas::ObjectTruth::carried_ns`]: 0.2 N or a tenth of the weight, sustained). It ends
@@ -10,8 +11,8 @@ use super::{failure_unless, goal_failure, harm, in_hand_failure};
 
 /// Largest horizontal distance from the destination, m (acceptance criterion).
 const POSITION_ERROR_MAX_M: f64 = 0.005;
-/// Longest time from support to the beginning of the release, s (acceptance criterion).
-const RELEASE_LATENCY_MAX_S: f64 = 0.020;
+/// Largest force that presses the object onto its support, N (acceptance criterion).
+const PRESSED_DOWN_MAX_N: f64 = 1.0;
 /// Largest height above the support at release, m (acceptance criterion).
 const RELEASE_HEIGHT_MAX_M: f64 = 0.002;
 /// Result of a pick and place.
@@ -27,6 +28,8 @@ pub struct Placing {
     pub parting_s: f64,
     /// Height above the support at the end of contact, m.
     pub released_above_m: f64,
+    /// Largest force with which the hand pressed the object onto its support, N.
+    pub pressed_down_n: f64,
 }
 
 impl Placing {
@@ -55,7 +58,10 @@ impl Placing {
             .or_else(|| goal_failure(end))
             .or_else(|| failure_unless(parting_s.is_finite(), "never released"))
             .or_else(|| failure_unless(above_m <= RELEASE_HEIGHT_MAX_M, "released early"))
-            .or_else(|| failure_unless(latency_s <= RELEASE_LATENCY_MAX_S, "released late"))
+            .or_else(|| {
+                let is_gentle = object.pressed_down_n <= PRESSED_DOWN_MAX_N;
+                failure_unless(is_gentle, "pressed onto its support")
+            })
             .or_else(|| failure_unless(off_m <= POSITION_ERROR_MAX_M, "off its place"))
             .or_else(|| in_hand_failure(object));
         Self {
@@ -64,6 +70,7 @@ impl Placing {
             latency_s,
             parting_s,
             released_above_m: above_m,
+            pressed_down_n: object.pressed_down_n,
         }
     }
 }

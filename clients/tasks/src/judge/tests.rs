@@ -55,9 +55,15 @@ fn placing_failures_have_their_keys() {
     check(done(), off(0.0049), Some(108), None);
     check(done(), off(-0.0051), Some(108), Some("off its place"));
     check(done(), off(f64::NAN), Some(108), Some("off its place"));
-    check(done(), object, Some(121), None);
-    check(done(), object, Some(122), Some("released late"));
-    check(done(), object, None, Some("released late"));
+    check(done(), object, Some(500), None);
+    let pressed = |pressed_down_n: f64| ObjectTruth {
+        pressed_down_n,
+        ..object
+    };
+    check(done(), pressed(0.99), Some(108), None);
+    let rough = Some("pressed onto its support");
+    check(done(), pressed(1.01), Some(108), rough);
+    check(done(), pressed(f64::NAN), Some(108), rough);
     let above = |released_above_m: f64| ObjectTruth {
         released_above_m,
         ..object
