@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use anyhow::Context;
-use atas_fuzz::run::{Extent, collect_panics, input_of, run};
+use atas_fuzz::run::{Extent, SLOW_NS, collect_panics, input_of, run};
 use atas_fuzz::{Target, find, targets};
 use clap::Parser;
 
@@ -97,6 +97,13 @@ fn run_target(target: &Target, arguments: &Arguments) -> anyhow::Result<u64> {
     for failure in &report.failures {
         println!("    execution {}: {}", failure.execution, failure.cause);
     }
+    let is_slow = report.slowest.0 > SLOW_NS;
+    if is_slow {
+        println!(
+            "    too slow: one input may take {} ms",
+            SLOW_NS / 1_000_000
+        );
+    }
     if let Some(out) = &arguments.out {
         std::fs::create_dir_all(out)?;
         for failure in &report.failures {
@@ -108,5 +115,5 @@ fn run_target(target: &Target, arguments: &Arguments) -> anyhow::Result<u64> {
             &report.slowest.1,
         )?;
     }
-    Ok(report.failed)
+    Ok(report.failed + u64::from(is_slow))
 }
