@@ -39,6 +39,9 @@ pub const COMPLIANCE_MAX_M: f64 = 0.001;
 
 /// Fault-free time after which HOLD ends, s (fault catalogue F20: at most 50 ticks of 1 ms).
 pub const REARM_S: f64 = 0.02;
+/// Shortest fault-free time after which a HOLD for late data ends, s. Design choice: as long as the
+/// tolerated age; a mode changes at most a hundred times per second.
+pub const REARM_LATE_S: f64 = 0.005;
 /// Tick periods without a tick that never count as a stall. Design choice: slow ticks may miss one.
 pub const STALL_PERIODS: f64 = 2.5;
 /// Largest offset of a gripping servo's command, rad; more means that it does not track. Design
@@ -52,6 +55,8 @@ pub const MASKED_DECAY_S: f64 = 1.0;
 /// Silence of a writer after which another may take over, ns. Design choice: 20 frames at 1 kHz.
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 
+/// Standard gravity, m/s².
+pub(crate) const GRAVITY_M_S2: f64 = 9.81;
 /// Largest accepted offset of an object from its given position, m. Design choice: the tolerated
 /// placement error on both axes, plus a margin.
 pub const DISPLACED_MAX_M: f64 = 0.009;

@@ -8,7 +8,7 @@ const STEP_S: f64 = 1e-3;
 const REARM_TICKS: u32 = 20;
 
 fn hold_reason() -> Reason {
-    Reason::new(Cause::FRAMES_STOPPED)
+    Reason::new(Cause::ELEMENTS_INVALID)
 }
 
 fn fault_free(machine: &mut ModeMachine, ticks: u32, has_goal: bool) {
@@ -95,7 +95,7 @@ fn first_hold_reason_is_kept() {
     let mut machine = machine_in(Mode::RUN);
     machine.update(hold_reason(), true, STEP_S);
     machine.update(Reason::new(Cause::JOINTS_STOPPED), true, STEP_S);
-    assert_eq!(machine.reason().cause, Cause::FRAMES_STOPPED);
+    assert_eq!(machine.reason().cause, hold_reason().cause);
     machine.stop(Reason::new(Cause::FOLLOWING_ERROR));
     machine.stop(Reason::new(Cause::ESTOP));
     assert_eq!(machine.reason().cause, Cause::FOLLOWING_ERROR);
@@ -142,5 +142,37 @@ fn fault_free_time_is_independent_of_tick_rate() {
             ticks += 1;
         }
         assert_eq!(ticks, (REARM_S * f64::from(rate_hz)) as u32, "{rate_hz} Hz");
+    }
+}
+
+/// Regression: a frame 0.1 ms too late paused a goal for 20 ms. On a busy machine, such pauses added
+/// up until the goal failed.
+#[test]
+fn late_data_pause_as_long_as_they_are_missing() {
+    use Cause as C;
+    let held_ticks = |causes: &[(Cause, u32)]| {
+        let mut machine = machine_in(Mode::RUN);
+        for (cause, ticks) in causes {
+            for _ in 0..*ticks {
+                machine.update(Reason::new(*cause), true, STEP_S);
+            }
+        }
+        let mut ticks = 0;
+        while machine.mode() == Mode::HOLD {
+            fault_free(&mut machine, 1, true);
+            ticks += 1;
+        }
+        ticks
+    };
+    for (causes, expected) in [
+        (&[(C::FRAMES_STOPPED, 1)][..], 5),
+        (&[(C::JOINTS_STOPPED, 5)], 5),
+        (&[(C::FRAMES_STOPPED, 8), (C::FRAMES_LOST, 1)], 9),
+        (&[(C::FRAME_STALE, 500)], 20),
+        (&[(C::SENSOR_RESTARTED, 1)], 20),
+        (&[(C::FRAMES_STOPPED, 1), (C::ELEMENTS_INVALID, 1)], 20),
+        (&[(C::ELEMENTS_INVALID, 1), (C::FRAMES_STOPPED, 1)], 20),
+    ] {
+        assert_eq!(held_ticks(causes), expected, "{causes:?}");
     }
 }
