@@ -104,6 +104,8 @@ code! {
         ELEMENT_STUCK = 45, "element-stuck";
         /// The tactile force of a hand disagrees with its joint-estimated force.
         FORCE_AGAINST_JOINTS = 46, "force-against-joints";
+        /// The tactile force of a grip does not match its opening: the zero of a sensor drifts.
+        FORCE_AGAINST_OPENING = 47, "force-against-opening";
         /// The object needs more force than its stiffness allows (`grasp.compression_m`).
         TOO_SOFT = 50, "too-soft";
         /// The daemon found the hand gripping an object at start; it keeps and monitors the grip.

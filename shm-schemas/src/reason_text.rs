@@ -15,7 +15,7 @@ impl fmt::Display for Reason {
             0..=9 | 19 | 60..=69 => self.write_goal(f),
             10..=19 | 29 | 50..=59 => self.write_task(f),
             20..=29 | 45 => self.write_frames(f),
-            30..=39 | 46 => self.write_joints(f),
+            30..=39 | 46..=47 => self.write_joints(f),
             70..=79 => self.write_target(f),
             _ => self.write_daemon(f),
         }?;
@@ -391,6 +391,13 @@ impl Reason {
                 f,
                 "a fingertip of the {} hand reports {value:.2} N, the plausible maximum is \
                  {limit:.2} N; check the sensor, or zero it with an empty hand (`atas zero`)",
+                Hand(index)
+            ),
+            Cause::FORCE_AGAINST_OPENING => write!(
+                f,
+                "the {} hand reports a grip force of {value:.2} N, after {limit:.2} N at the lift; \
+                 its opening does not explain the difference; does the zero drift? Take the object, \
+                 then `atas zero`",
                 Hand(index)
             ),
             Cause::FORCE_AGAINST_JOINTS => write!(

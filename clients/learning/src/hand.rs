@@ -189,7 +189,7 @@ impl PolicyHand {
             suspended: false,
             minimises_grip: false,
             verified: false,
-            verified_load: None,
+            verified_grip: None,
             table: None,
             teleop_target: None,
         };

@@ -87,6 +87,7 @@ impl Arbiter {
                 slips: proposals.iter().any(|p| p.finding.slips),
                 suspended: proposals.iter().any(|p| p.finding.suspended),
                 minimises_grip: proposals.iter().any(|p| p.finding.minimises_grip),
+                drifts: proposals.iter().any(|p| p.finding.drifts),
             },
         }
     }

@@ -296,10 +296,10 @@ settings! {
         relax_m_s = 0.001 in 0.0..0.02;
         /// Opening speed of Module 3 above its release force, m/s. Too small: relieves excess force
         /// slowly. Too large: overshoots and loosens the grip.
-        relieve_m_s = 0.001 in 0.0..0.02;
+        relieve_m_s = 0.002 in 0.0..0.02;
         /// Multiple of F_2 above which Module 3 opens. Too small: opens on force noise. Too large:
         /// the object is pressed well above F_2.
-        relieve_at = 1.15 in 1.0..2.0;
+        relieve_at = 1.02 in 1.0..2.0;
         /// Lift distance before the pull-back of lift verification, m; half of it after a failed
         /// attempt. Too small: the load is not yet on the hand. Too large: a slipping object is
         /// detected late.
@@ -336,7 +336,7 @@ settings! {
         /// Too small: releases heavy objects in the air. Too large: presses heavy objects onto
         /// their support.
         rise_share = 0.06 in 0.0..1.0;
-        /// Sensor time for which the rise must last, s; one frame of a slower sensor suffices. Too
+        /// Sensor time for which the rise must last, s; at least two frames. Too
         /// small: releases on a noise peak. Too large: presses the object onto its support.
         rise_s = 0.0025 in 0.0..0.1;
     }

@@ -176,6 +176,11 @@ fn table() -> Vec<(Reason, &'static str)> {
              `atas recover`, `atas zero`",
         ),
         (
+            limit(Cause::FORCE_AGAINST_OPENING, 2.5, 1.2, 1),
+            "the right hand reports a grip force of 2.50 N, after 1.20 N at the lift; its opening \
+             does not explain the difference; does the zero drift? Take the object, then `atas zero`",
+        ),
+        (
             limit(Cause::ELEMENT_STUCK, 12.0, 1.0, 0),
             "element 12 of finger 2 of the left hand is stuck: its reading is constant; it is \
              masked until the reading changes",

@@ -28,6 +28,8 @@ pub(crate) struct Rig {
     pub(crate) end: Option<GoalUpdate>,
     corruption: Option<Corruption>,
     missing: Missing,
+    /// The servos report no torque.
+    pub(crate) is_torque_missing: bool,
 }
 
 /// Inputs that currently do not arrive.
@@ -95,6 +97,7 @@ impl Rig {
             end: None,
             corruption: None,
             missing: Missing::default(),
+            is_torque_missing: false,
         };
         rig.ticks(100);
         assert_eq!(rig.controller.mode().0, Mode::READY);
@@ -119,6 +122,10 @@ impl Rig {
                 (lie.of)(lied_s, frame);
                 frame.seal();
             }
+        }
+        if self.is_torque_missing {
+            self.sensed.joints.effort_n_m = [0.0; JOINTS];
+            self.sensed.joints.seal();
         }
         let [left, right] = &self.sensed.frames;
         let outputs = self.controller.step(&Inputs {
@@ -288,6 +295,11 @@ impl Rig {
 
     pub(crate) fn gap_m(&self) -> f64 {
         clearance_m(&self.world.bodies(0), &self.world.bodies(1))
+    }
+
+    /// Returns the mean true normal force per side of the right hand with two fingertips, N.
+    pub(crate) fn grip_n(&self) -> f64 {
+        self.world.truth().normal_n[1].iter().sum::<f64>() / 2.0
     }
 
     pub(crate) fn object(&self) -> ObjectTruth {

@@ -83,6 +83,30 @@ fn zero_drift_from_the_start_harms_no_object() {
     }
 }
 
+/// Regression: without joint torques, a drift in the grip was noticed by nothing. A rising zero opened
+/// the hand until the object fell, a falling one closed it until the object was crushed.
+#[test]
+fn zero_drift_without_torques_harms_no_object() {
+    for name in ["paper-box", "sponge", "slippery-50"] {
+        for n_per_s in [-0.003, 0.003] {
+            let scene = Scene::grasp(object(name), HandSide::Right);
+            let mut rig = Rig::new(&scene);
+            rig.is_torque_missing = true;
+            rig.execute_successfully(&goal(GoalKind::GRASP, &scene, HandSide::Right));
+            rig.corrupt_skin(HandSide::Right, drifting(n_per_s, 0..2));
+            rig.ticks(WATCHED);
+            let object = rig.object();
+            let case = format!("{name}, {n_per_s} N/s: {:?}, {object:?}", rig.warnings);
+            assert_eq!((object.dropped, object.crushed), (0, 0), "{case}");
+            assert!(object.lifted_m > 0.01, "{case}");
+            assert!(
+                rig.warnings.contains(&Cause::FORCE_AGAINST_OPENING),
+                "{case}"
+            );
+        }
+    }
+}
+
 /// Freezes the most loaded elements of the first fingertip.
 fn sticking(count: usize) -> impl Fn(f64, &mut HandFrame) {
     let kept = RefCell::new(Vec::new());

@@ -9,12 +9,11 @@
 //!   reports grip force.
 
 use crate::filter::low_pass;
+use crate::limits::GRAVITY_M_S2;
 use crate::modules::{Finding, load_n};
 use crate::perception::Percept;
 use shm_schemas::{Cause, Reason};
 
-/// Standard gravity, m/s².
-const GRAVITY_M_S2: f64 = 9.81;
 /// Slip beyond which a task fails, m (design choice: 3 mm minus the estimation error).
 const SLIP_MAX_M: f64 = 0.0028;
 /// Filter time constant of moment and lever, s (design choice: one period of hand tremor).
@@ -52,6 +51,8 @@ pub(super) struct InHandMonitor {
     /// Weight before any slip, N (0: unknown), and its measuring time, s.
     weight_n: f64,
     weighed_s: f64,
+    /// Variance of the load around the weight, N².
+    scatter_n2: f64,
     /// Slowly decaying maximum weight, N; detects objects that slide out slowly.
     weight_max_n: f64,
     slip_m_s: f64,
@@ -79,6 +80,7 @@ impl InHandMonitor {
         }
         if finding.slips && !hangs && is_tested {
             self.slip_m += (carried_m - self.supported_at_m).max(0.0);
+            self.supported_at_m = carried_m;
         }
         self.update_lever(percept, step_s);
         if hangs {
@@ -122,14 +124,18 @@ impl InHandMonitor {
             (self.weight_n, self.weighed_s) = (down_n.max(0.0), 0.0);
             return;
         }
-        let missing = 1.0 - down_n / self.weight_n;
         if slides || self.slip_m_s > 0.0 {
+            // Noise and tremor would add up: the sliding speed is never negative.
+            let missing_n = self.weight_n - down_n - libm::sqrt(self.scatter_n2);
+            let missing = missing_n / self.weight_n;
             self.slip_m_s = (self.slip_m_s + GRAVITY_M_S2 * missing * step_s).max(0.0);
             self.slip_m += self.slip_m_s * step_s;
         } else {
             // Averages all samples at first: single readings of a light object are too noisy.
             self.weighed_s += step_s;
             let filter_s = self.weighed_s.min(WEIGHT_S);
+            let off_n = down_n - self.weight_n;
+            self.scatter_n2 = low_pass(self.scatter_n2, off_n * off_n, step_s, filter_s);
             self.weight_n = low_pass(self.weight_n, down_n, step_s, filter_s);
         }
         self.weight_max_n = larger(

@@ -30,9 +30,13 @@ const LOST_AFTER_S: f64 = 0.05;
 /// Slip duration on one side before a warning, s (design choice: several times the response time of
 /// Module 2).
 const SLIP_WARNING_S: f64 = 0.1;
-/// Duration of overload and slip before a warning, s (design choice: an object that the grip
-/// catches within this time slides by about three millimetres).
+/// Duration of slip, and slide under a sudden load, before a warning, s, m (design choice: an object
+/// that the grip catches within this time slides by about three millimetres. A slowly growing load
+/// that the grip follows gives a smaller slide).
 const OVERLOAD_WARNING_S: f64 = 0.05;
+const OVERLOAD_SLIDE_M: f64 = 0.001;
+/// Duration of a drift before a warning, s (design choice: longer than a disturbance).
+const DRIFT_WARNING_S: f64 = 0.5;
 /// Slip duration on both sides, or drop duration, at F_2 before the object is put back, s (design
 /// choice).
 const OUT_OF_FORCE_S: f64 = 0.03;
@@ -136,6 +140,8 @@ pub struct TaskExecutor {
     ended: bool,
     no_contact_s: f64,
     slip_warning: Option<Reason>,
+    /// Duration of a drift of the grip force, s.
+    drift_s: f64,
     holds: bool,
     /// The object was found in the hand. Its origin is unknown, so it is never put back.
     found_in_hand: bool,
@@ -196,6 +202,7 @@ impl TaskExecutor {
             ended: false,
             no_contact_s: 0.0,
             slip_warning: None,
+            drift_s: 0.0,
             holds: false,
             found_in_hand: false,
             meeting_point: 0,
@@ -235,6 +242,7 @@ impl TaskExecutor {
                 &settings.grasp,
             ),
             all_touched: true,
+            verification: GripVerification::for_found_grip(percept),
             lifted_from_m: Some(now.centre_m),
             holds: true,
             found_in_hand: true,
@@ -301,6 +309,17 @@ impl TaskExecutor {
         self.slip_warning
     }
 
+    /// Warning reason if the grip force does not match the opening of the hand.
+    #[must_use]
+    pub fn drift_warning(&self) -> Option<Reason> {
+        let grip = self.verification.verified_grip()?;
+        let mean_n =
+            |normal_n: [f64; GRASP_SIDES]| normal_n.iter().sum::<f64>() / GRASP_SIDES as f64;
+        let (now_n, verified_n) = (mean_n(grip.normal_n), mean_n(grip.verified_normal_n));
+        (self.drift_s > DRIFT_WARNING_S)
+            .then(|| Reason::with_limit(Cause::FORCE_AGAINST_OPENING, now_n, verified_n))
+    }
+
     /// Reason of the recovery in progress.
     #[must_use]
     pub fn recovery_reason(&self) -> Option<Reason> {
@@ -339,7 +358,7 @@ impl TaskExecutor {
             suspended: self.suspended || !self.step().modules.contains(ModuleId::LIFT_VERIFICATION),
             minimises_grip: self.minimises_grip,
             verified: self.verification.is_verified(),
-            verified_load: self.verification.verified_load(),
+            verified_grip: self.verification.verified_grip(),
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: motion.carry_scale,
@@ -375,20 +394,26 @@ impl TaskExecutor {
         }
     }
 
-    /// Processes the module findings; `down_n` is the vertical load on the fingers, N, and `load_n`
-    /// the net load across the closing axis.
+    /// Processes the module findings; `down_n` is the vertical load on the fingers, N, `load_n` the
+    /// net load across the closing axis, and `opening_m` the commanded opening.
     pub fn update_findings(
         &mut self,
         percept: &Percept,
         [down_n, load_n]: [f64; 2],
+        opening_m: f64,
         finding: Finding,
     ) {
-        self.verification.update(percept, load_n);
+        self.verification.update(percept, load_n, opening_m);
         if finding.suspended && !self.suspended {
             self.verification.set_verified();
         }
         self.suspended |= finding.suspended;
         self.minimises_grip = finding.minimises_grip;
+        self.drift_s = if finding.drifts {
+            self.drift_s + percept.step_s
+        } else {
+            0.0
+        };
         let sinks = finding.slips && self.suspended;
         self.drop_s = if sinks {
             self.drop_s + percept.step_s
@@ -441,7 +466,7 @@ impl TaskExecutor {
 
     /// Returns the warning reason if a held object slips.
     fn check_slip(&self, percept: &Percept) -> Option<Reason> {
-        let (slip_s, limit_s) = if self.verification.overload_s() > OVERLOAD_WARNING_S {
+        let (slip_s, limit_s) = if self.verification.overload_m() > OVERLOAD_SLIDE_M {
             (slip_s(percept), OVERLOAD_WARNING_S)
         } else {
             (self.unverified_slip_s(percept), SLIP_WARNING_S)

@@ -218,6 +218,7 @@ impl HandControl {
         let (runner, servo) = (self.executor.as_mut()?, self.servo.as_mut()?);
         let percept = self.perception.percept();
         let slid = runner.slip_warning().is_some();
+        let drifted = runner.drift_warning().is_some();
         let measured = (self.measured_gap_m, self.object_pose);
         runner.update_measured(percept, measured, servo.pose(), step_s);
         let motion = HandMotion {
@@ -239,10 +240,12 @@ impl HandControl {
         let intent = self.arbiter.merge(&proposals, step_s);
         let net_n = net_force_n(percept, motion.base_from_tip);
         let loads_n = [-net_n.z, across_axis_n(&net_n, &motion.closing_axis)];
-        runner.update_findings(percept, loads_n, intent.finding);
+        let opening_m = servo.pose().half_opening_m.iter().sum();
+        runner.update_findings(percept, loads_n, opening_m, intent.finding);
         self.slips = intent.finding.slips;
         let arrived = intent.pose.is_some_and(|c| c.arrived);
         let now = *servo.pose();
+        let drifts = runner.drift_warning().filter(|_| !drifted);
         let gave_up = runner.recovery_reason().is_some();
         let slides = runner.slip_warning().filter(|_| !slid);
         let outcome = runner.finish_tick(
@@ -259,6 +262,8 @@ impl HandControl {
             .as_ref()
             .and_then(TaskExecutor::recovery_reason);
         self.warn(slides, events);
+        let of_hand = |reason: Reason| reason.with_index(self.hand.0 as usize);
+        self.warn(drifts.map(of_hand), events);
         self.warn(gives_up.filter(|_| !gave_up), events);
         self.publish_modules(executor_selection(&self.executor), &proposals, events);
         self.publish_outcome(outcome, events);

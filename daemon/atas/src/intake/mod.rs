@@ -305,6 +305,7 @@ impl FrameIntake {
             frame,
             mask,
             step_s,
+            age_s: seconds_between(frame.stamp.captured_ns, tick.now_ns).max(0.0),
         }
     }
 

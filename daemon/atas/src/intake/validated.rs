@@ -10,6 +10,7 @@ pub struct ValidatedFrame<'a> {
     pub(super) frame: &'a HandFrame,
     pub(super) mask: [u64; FINGERS],
     pub(super) step_s: f64,
+    pub(super) age_s: f64,
 }
 
 impl ValidatedFrame<'_> {
@@ -30,6 +31,12 @@ impl ValidatedFrame<'_> {
     #[must_use]
     pub fn step_s(&self) -> f64 {
         self.step_s
+    }
+
+    /// Time from sampling to this tick, s; zero for a sensor clock that leads.
+    #[must_use]
+    pub fn age_s(&self) -> f64 {
+        self.age_s
     }
 
     /// Sampling time of the sensor, ns.

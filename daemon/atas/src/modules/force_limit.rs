@@ -3,10 +3,12 @@
 //! > F_2)".
 //!
 //! The compared force is the larger of tactile and joint-estimated force. Above `relieve_at`·F_2 of
-//! both, the fingers open slowly; above F_2 if the goal sets the force limit. An object that slips
+//! both, the fingers open slowly and the hand waits; above F_2 if the goal sets the force limit. If
+//! the grip closes without the force that belongs to its opening, it stops closing ([`Drift`]). An object that slips
 //! on every side at F_2 is refused.
 
-use super::{Context, Module, Proposal, Verdict, force_range_n};
+use super::drift::Drift;
+use super::{Context, Finding, Module, Proposal, Verdict, force_range_n};
 use crate::filter::low_pass;
 use crate::perception::Percept;
 use crate::thresholds::ForceLimitSource;
@@ -34,8 +36,12 @@ impl Module for ForceLimit {
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
         let f2_n = context.thresholds.f2_n;
+        let object_m_n = settings.compression_m / f2_n;
+        let drift = context.verified_grip.map_or(Drift::default(), |grip| {
+            Drift::estimate(&grip, &context.compression, object_m_n)
+        });
         let (_, strongest_n) = force_range_n(percept);
-        let strongest_n = strongest_n * context.torque_over_tactile;
+        let strongest_n = (strongest_n - drift.excess_n()) * context.torque_over_tactile;
         self.active = exceeds_f2(strongest_n, self.active, f2_n);
         let relieve_at = match context.thresholds.source {
             ForceLimitSource::Goal => 1.0,
@@ -48,15 +54,26 @@ impl Module for ForceLimit {
             true => 0.0,
             false => f64::INFINITY,
         };
+        let ceiling_m_s = if drift.stops_closing {
+            ceiling_m_s.min(0.0)
+        } else {
+            ceiling_m_s
+        };
         let slides = self.is_slipping_out(percept, context);
         let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::FORCE_LIMIT);
         Proposal {
-            active: self.active,
+            active: self.active || drift.stops_closing,
             closing_ceiling_m_s: [ceiling_m_s; GRASP_SIDES],
+            // The motion of the hand may raise the force, for example onto a support.
+            carry_ceiling: if ceiling_m_s < 0.0 { 0.0 } else { 1.0 },
             verdict: if slides {
                 Verdict::Refuse(reason)
             } else {
                 Verdict::None
+            },
+            finding: Finding {
+                drifts: drift.is_reported,
+                ..Finding::default()
             },
             ..Proposal::default()
         }

@@ -3,7 +3,8 @@
 //!
 //! Forces alone do not show this: a uniformly slipping object gives the same steady load as a
 //! suspended one. After enough travel for any held object to leave its support, the hand pulls back
-//! slightly. A suspended object keeps its load; a standing one transfers it to the support. The
+//! slightly. A suspended object keeps its load; a standing one transfers it to the support, and then
+//! pushes the fingertips up. The
 //! fingers then close further and the lift is repeated. At F_2, the object is refused as too heavy.
 //!
 //! The friction of an object that is suspended at first is known only from the sensor. Just above
@@ -14,12 +15,15 @@
 use super::drop_detector::DropDetector;
 use super::force_limit::too_heavy_reason;
 use super::{
-    Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n, force_up_n, load_n,
+    Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n, force_up_n,
 };
 use crate::perception::Percept;
 use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
 
+/// Largest lifting distance from the begin of a slip until the hand can respond, m. Design choice:
+/// sensors of 200 Hz and more allow `motion.lift_m_s`.
+const SLIP_TRAVEL_M: f64 = 0.0001;
 /// Pull-back distance, m (design choice: more than the elastic stretch of a patch rim, less than
 /// the lift).
 const PULL_BACK_M: f64 = 0.0004;
@@ -28,8 +32,9 @@ const SUSPENDED_SHARE: f64 = 0.6;
 /// Load below which a pull-back gives no result, N (design choice: noise of two fingertips).
 const LOAD_FLOOR_N: f64 = 0.03;
 
-/// Frames required after the pull-back; the first may be older (design choice).
-const FRAMES: u32 = 2;
+/// Number of frames in the mean load before and after the pull-back (design choice: at 1 kHz the
+/// low-pass on the elements averages as many; single frames at 100 Hz misjudge light objects).
+const FRAMES: u32 = 5;
 
 /// Finger speed, m/s, and its duration, s, that end grip minimisation (design choice: longer than
 /// the steady time of grip relaxation).
@@ -78,11 +83,18 @@ struct GripMinimisation {
 struct PullBack {
     /// Carried distance at its start, m.
     from_m: f64,
-    /// Load before it, N.
-    load_n: f64,
-    /// Smallest load since, N.
-    min_load_n: f64,
-    /// Frames since the pull-back distance was reached.
+    /// Vertical loads before and after it.
+    before: Mean,
+    after: Mean,
+    /// The pull-back distance is reached.
+    is_back: bool,
+}
+
+/// Mean of the load over several frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Mean {
+    sum_n: f64,
     frames: u32,
 }
 
@@ -96,10 +108,17 @@ impl Module for LiftVerification {
         let stands = self.advance(percept, context, weakest_n, at_ceiling);
         let reason = too_heavy_reason(strongest_n, context);
         let (closing_m_s, carry_ceiling) = match self.phase {
-            Phase::PullingBack(tug) if tug.frames == 0 => (0.0, -1.0),
+            Phase::PullingBack(tug) if tug.is_moving() => (0.0, -1.0),
             Phase::PullingBack(_) => (0.0, 0.0),
             Phase::Minimising(trying) if trying.has_begun(context.carried_m) => (0.0, 0.0),
             Phase::Pressing(_) => (settings.enhance_m_s, 0.0),
+            Phase::Travelling(_) => {
+                let gentle_m_s = percept.touch_speed_m_s(SLIP_TRAVEL_M, 1, context.settings);
+                (
+                    0.0,
+                    (gentle_m_s / context.settings.motion.lift_m_s).min(1.0),
+                )
+            }
             _ => (0.0, 1.0),
         };
         Proposal {
@@ -115,6 +134,7 @@ impl Module for LiftVerification {
                 slips: stands,
                 suspended: self.phase == Phase::Suspended,
                 minimises_grip: matches!(self.phase, Phase::Minimising(t) if t.has_begun(context.carried_m)),
+                ..Finding::default()
             },
             ..Proposal::default()
         }
@@ -135,9 +155,9 @@ impl LiftVerification {
         match &mut self.phase {
             Phase::Ready => self.phase = Phase::Travelling(settings.verification_travel_m),
             Phase::Travelling(until_m) if carried_m > *until_m => {
-                self.phase = Phase::PullingBack(PullBack::new(carried_m, load_n(percept)));
+                self.phase = Phase::PullingBack(PullBack::new(carried_m));
             }
-            Phase::PullingBack(tug) => match tug.is_suspended(percept, carried_m) {
+            Phase::PullingBack(tug) => match tug.is_suspended(percept, context) {
                 Some(true) if self.minimised => self.phase = Phase::Suspended,
                 Some(true) => {
                     let trying = GripMinimisation {
@@ -164,7 +184,7 @@ impl LiftVerification {
                     return true;
                 }
                 if trying.is_over(context) {
-                    self.phase = Phase::PullingBack(PullBack::new(carried_m, load_n(percept)));
+                    self.phase = Phase::PullingBack(PullBack::new(carried_m));
                 }
             }
             Phase::Pressing(until_n) if weakest_n > *until_n || at_ceiling => {
@@ -197,26 +217,54 @@ impl GripMinimisation {
 }
 
 impl PullBack {
-    fn new(from_m: f64, load_n: f64) -> Self {
+    fn new(carried_m: f64) -> Self {
         Self {
-            from_m,
-            load_n,
-            min_load_n: load_n,
-            frames: 0,
+            from_m: carried_m,
+            before: Mean::default(),
+            after: Mean::default(),
+            is_back: false,
         }
     }
 
+    /// Returns true between both measurements.
+    fn is_moving(&self) -> bool {
+        self.before.is_complete() && !self.is_back
+    }
+
     /// Returns whether the object is suspended, after enough frames.
-    fn is_suspended(&mut self, percept: &Percept, carried_m: f64) -> Option<bool> {
-        let load_n = load_n(percept);
-        if load_n < self.min_load_n {
-            self.min_load_n = load_n;
+    fn is_suspended(&mut self, percept: &Percept, context: &Context<'_>) -> Option<bool> {
+        let (down_n, carried_m) = (
+            -force_up_n(percept, context.base_from_tip),
+            context.carried_m,
+        );
+        if !self.before.is_complete() {
+            self.before.add(down_n, percept.step_s);
+            self.from_m = carried_m;
+        } else if self.is_back {
+            self.after.add(down_n, percept.step_s);
+        } else {
+            self.is_back = self.from_m - carried_m > PULL_BACK_M;
         }
-        let back = self.frames > 0 || self.from_m - carried_m > PULL_BACK_M;
-        if back && percept.step_s > 0.0 {
+        let (before_n, after_n) = (self.before.mean_n(), self.after.mean_n());
+        let keeps = before_n < LOAD_FLOOR_N || after_n >= SUSPENDED_SHARE * before_n;
+        self.after.is_complete().then_some(keeps)
+    }
+}
+
+impl Mean {
+    /// Adds the load of a frame that covers `step_s`, zero without a new one.
+    fn add(&mut self, load_n: f64, step_s: f64) {
+        if step_s > 0.0 {
+            self.sum_n += load_n;
             self.frames += 1;
         }
-        let keeps = self.load_n < LOAD_FLOOR_N || self.min_load_n >= SUSPENDED_SHARE * self.load_n;
-        (self.frames > FRAMES).then_some(keeps)
+    }
+
+    fn mean_n(&self) -> f64 {
+        self.sum_n / f64::from(self.frames)
+    }
+
+    fn is_complete(&self) -> bool {
+        self.frames >= FRAMES
     }
 }

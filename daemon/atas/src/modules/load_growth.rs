@@ -10,7 +10,7 @@
 //! The load must also exceed its own mean. If only the grip force seems to fall, because the zero
 //! of a sensor drifts, the load has not grown.
 
-use super::VerifiedLoad;
+use super::VerifiedGrip;
 use robot_model::Compression;
 
 /// Excess over the load that the grip can hold: begins and ends closing (design choice: above hand
@@ -20,7 +20,7 @@ const END_SHARE: f64 = 0.02;
 /// Standard deviations of the load that the excess must exceed (design choice: at 4.5, a sponge
 /// falls before the grip responds).
 const SCATTER_MARGIN: f64 = 3.5;
-/// Time constants of closing, s, to which the frame period is added. Design choice, measured with
+/// Time constants of closing, s, to which the delay of the frames is added. Design choice, measured with
 /// steps of half the weight: the finger is about three times as soft as its skin, and a servo lags
 /// by a few milliseconds. With the second one, the grip approaches F_2 without overshoot.
 const CLOSING_S: f64 = 0.002;
@@ -32,36 +32,30 @@ const CLOSING_MAX_M_S: f64 = 0.03;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct LoadGrowth {
     grown: bool,
-    /// Period of the tactile frames, s.
-    frame_s: f64,
 }
 
 impl LoadGrowth {
     /// Returns the closing speed per side, m/s, zero if the grip can hold the load. Inputs: load,
     /// `None` unless a verified object is suspended; smallest and largest normal force of the
-    /// sides and F_2, N; compression of the skin; sensor time since the last frame, s, zero
-    /// between frames.
+    /// sides and F_2, N; compression of the skin; delay of the frames, s.
     pub(super) fn closing_m_s(
         &mut self,
-        verified: Option<VerifiedLoad>,
+        verified: Option<VerifiedGrip>,
         (weakest_n, strongest_n): (f64, f64),
         f2_n: f64,
         skin: &Compression,
-        step_s: f64,
+        delay_s: f64,
     ) -> f64 {
-        if step_s > 0.0 {
-            self.frame_s = step_s;
-        }
         let grown = verified.filter(|verified| self.has_grown(verified));
         self.grown = grown.is_some();
-        let Some(VerifiedLoad { load_n, held_n, .. }) = grown else {
+        let Some(VerifiedGrip { load_n, held_n, .. }) = grown else {
             return 0.0;
         };
         let depth_m = |force_n: f64| skin.at_1n_m * libm::pow(force_n.max(0.0), skin.exponent);
         let missing_m = depth_m(weakest_n * load_n / held_n) - depth_m(weakest_n);
         let allowed_m = depth_m(f2_n) - depth_m(strongest_n);
-        (missing_m / (CLOSING_S + self.frame_s))
-            .min(allowed_m / (APPROACHING_F2_S + self.frame_s))
+        (missing_m / (CLOSING_S + delay_s))
+            .min(allowed_m / (APPROACHING_F2_S + delay_s))
             .clamp(0.0, CLOSING_MAX_M_S)
     }
 
@@ -70,8 +64,8 @@ impl LoadGrowth {
         self.grown
     }
 
-    fn has_grown(&self, verified: &VerifiedLoad) -> bool {
-        let VerifiedLoad { load_n, held_n, .. } = *verified;
+    fn has_grown(&self, verified: &VerifiedGrip) -> bool {
+        let VerifiedGrip { load_n, held_n, .. } = *verified;
         let limit_n = if self.grown {
             (1.0 + END_SHARE) * held_n
         } else {
@@ -90,11 +84,14 @@ mod tests {
     /// Returns the closing speed, mm/s, at 4 N per side and F_2 of `f2_n`, for a load of `load_n`,
     /// of which the grip holds 2 N.
     fn closing_mm_s(growth: &mut LoadGrowth, load_n: f64, scatter_n: f64, f2_n: f64) -> f64 {
-        let verified = VerifiedLoad {
+        let verified = VerifiedGrip {
             load_n,
             held_n: 2.0,
             mean_n: 2.0,
             scatter_n,
+            normal_n: [4.0; 2],
+            verified_normal_n: [4.0; 2],
+            closed_m: 0.0,
         };
         let skin = Skin::DOME_41.compression;
         1e3 * growth.closing_m_s(Some(verified), (4.0, 4.0), f2_n, &skin, 1e-3)
@@ -138,11 +135,14 @@ mod tests {
     #[test]
     fn seemingly_weaker_grip_does_not_close_under_a_steady_load() {
         let (skin, mut growth) = (Skin::DOME_41.compression, LoadGrowth::default());
-        let steady = VerifiedLoad {
+        let steady = VerifiedGrip {
             load_n: 2.0,
             held_n: 1.5,
             mean_n: 2.0,
             scatter_n: 0.0,
+            normal_n: [4.0; 2],
+            verified_normal_n: [4.0; 2],
+            closed_m: 0.0,
         };
         let speed_m_s = growth.closing_m_s(Some(steady), (3.0, 3.0), 8.0, &skin, 1e-3);
         assert_eq!(speed_m_s, 0.0);

@@ -31,6 +31,7 @@
 mod behaviour_table;
 mod carry;
 mod contact_guard;
+mod drift;
 mod drop_detector;
 mod first_touch;
 mod force_limit;
@@ -53,7 +54,7 @@ mod transfer;
 pub(crate) use force_limit::RELEASE_SHARE;
 pub(crate) use proposal::across_axis_n;
 pub use proposal::{
-    Context, Finding, Module, PoseCommand, Proposal, Roles, Verdict, VerifiedLoad, force_range_n,
+    Context, Finding, Module, PoseCommand, Proposal, Roles, Verdict, VerifiedGrip, force_range_n,
     force_up_n, load_n, net_force_n,
 };
 pub use selection::Selection;

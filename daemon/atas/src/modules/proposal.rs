@@ -36,8 +36,8 @@ pub struct Context<'a> {
     /// The present ratio of grip force to load has passed lift verification. The force pattern is
     /// then no evidence of slip.
     pub verified: bool,
-    /// Present load, and load that the present grip holds; `None` without lift verification.
-    pub verified_load: Option<VerifiedLoad>,
+    /// Present grip relative to the one that lift verification has shown to hold; `None` without it.
+    pub verified_grip: Option<VerifiedGrip>,
     /// Behaviour table of the task.
     pub table: Option<&'a BehaviourTable>,
     /// Path of the present step.
@@ -70,9 +70,9 @@ pub struct Context<'a> {
     pub torque_over_tactile: f64,
 }
 
-/// Load of an object and the load that lift verification has shown its grip to hold.
+/// Present grip of an object, relative to the one that lift verification has shown to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VerifiedLoad {
+pub struct VerifiedGrip {
     /// Filtered net load across the closing axis, N.
     pub load_n: f64,
     /// Load that the present grip force holds, N.
@@ -81,6 +81,12 @@ pub struct VerifiedLoad {
     pub mean_n: f64,
     /// Standard deviation of the load, N.
     pub scatter_n: f64,
+    /// Normal force of each side, N.
+    pub normal_n: [f64; GRASP_SIDES],
+    /// Normal force of each side at the verification, N.
+    pub verified_normal_n: [f64; GRASP_SIDES],
+    /// Distance by which the fingertips are closer to each other than at the verification, m.
+    pub closed_m: f64,
 }
 
 /// Output of one module in one tick.
@@ -113,6 +119,8 @@ pub struct Finding {
     pub suspended: bool,
     /// The grip is to be minimised, before a verification.
     pub minimises_grip: bool,
+    /// The zero of a sensor has moved, because the grip force does not match the opening.
+    pub drifts: bool,
 }
 
 /// Requested hand pose.

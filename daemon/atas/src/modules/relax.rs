@@ -4,7 +4,8 @@
 //! force", but modules 1 to 3 only add force. The fingers open slowly while the object is
 //! suspended, its load is steady (dF_t < dr) and every side's utilisation is below `relax_below`.
 //! The force stays above the minimum grip force, and above the force-to-load ratio at which opening
-//! last caused closing.
+//! last caused closing. The fingers never open wider than at the lift verification: if the force
+//! seems to grow there, the zero of a sensor drifts.
 //!
 //! A poor sensor may misread friction by more than the grip's margin. In grip minimisation, the
 //! fingers therefore open down to `MINIMISE_UTILISATION`. The verified force is then the minimum.
@@ -93,7 +94,8 @@ impl Module for Relax {
         self.update_verified_ratio(weakest_n, load_n, context);
         let above = self.excess_force(weakest_n, load_n, context);
         let spare = self.utilisation_margin(percept, context);
-        let may = self.steady_s >= STEADY_MIN_S && spare > 0.0 && above > 0.0;
+        let is_closed = context.verified_grip.is_none_or(|grip| grip.closed_m > 0.0);
+        let may = self.steady_s >= STEADY_MIN_S && spare > 0.0 && above > 0.0 && is_closed;
         let turns = self.exceeds_torsion(percept) && context.minimises_grip;
         if !self.opened {
             self.update_scatter(percept);

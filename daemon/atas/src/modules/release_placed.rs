@@ -5,26 +5,31 @@
 //!
 //! The vertical force of the object on all fingertips, base frame, is compared with a slowly
 //! adapting reference. After the descent has settled, a rise above the limit for `place.rise_s`
-//! ends the step: three frames of a fast sensor, or one of a slow one. The limit is the largest of
+//! ends the step: three frames of a fast sensor, or two of a slow one. The limit is the largest of
 //! `place.rise_n`, `place.rise_share` of the held weight, and a multiple of the measured scatter.
 //!
 //! A stop makes the object swing, which imitates or hides a support. The hand waits until the swing
 //! has ended.
 
 use super::{Context, Module, Proposal, Roles, Verdict, force_up_n};
+use crate::filter::low_pass;
 use crate::perception::Percept;
 use shm_schemas::ModuleId;
 
 /// Time constant of the reference while the descent settles, s (prototype: 50 ms).
 const SETTLING_FILTER_S: f64 = 0.05;
-/// Time constant of the reference afterwards, s (prototype: 500 ms). A shorter one would follow a
-/// slow landing.
-const REFERENCE_FILTER_S: f64 = 0.5;
-/// Time constant of the scatter, s (design choice: several periods of hand vibration).
-const SCATTER_FILTER_S: f64 = 0.5;
+/// Lowering distance that gives the time constant of the reference afterwards, and of the scatter,
+/// m (prototype: 500 ms at 10 mm/s). A shorter one would follow a soft landing.
+const ADAPTATION_TRAVEL_M: f64 = 0.005;
 /// Standard deviations of the scatter that are ignored (design choice: one false alarm in about ten
 /// thousand frames).
 const SCATTER_MARGIN: f64 = 4.0;
+/// Smallest number of consecutive frames above the limit (design choice: with one, noise at 30 Hz
+/// drops one light object of ten in the air).
+const RISING_FRAMES_MIN: u32 = 2;
+/// Largest lowering distance from the touch of the support until the release, m. Design choice:
+/// sensors of 400 Hz and more allow `place.lower_m_s`.
+const TOUCH_TRAVEL_M: f64 = 0.0001;
 /// Swing time of a load after a stop, s (design choice).
 const SWING_S: f64 = 0.15;
 
@@ -35,8 +40,9 @@ pub(super) struct ReleasePlaced {
     reference_n: Option<f64>,
     /// Variance of the force around its reference, N².
     scatter_n2: f64,
-    /// Sensor time above the limit, s.
+    /// Sensor time and number of consecutive frames above the limit, s.
     rising_s: f64,
+    rising_frames: u32,
     /// Remaining swing time, s.
     swing_s: f64,
 }
@@ -73,18 +79,16 @@ impl Module for ReleasePlaced {
         let rises = settled && up_n - reference_n > limit_n;
         if rises {
             self.rising_s += percept.step_s;
+            self.rising_frames += u32::from(percept.step_s > 0.0);
         } else {
-            self.rising_s = 0.0;
-            self.update_scatter(up_n - reference_n, percept.step_s);
-            let filter_s = if settled {
-                REFERENCE_FILTER_S
-            } else {
-                SETTLING_FILTER_S
-            };
+            (self.rising_s, self.rising_frames) = (0.0, 0);
+            let slow_s = ADAPTATION_TRAVEL_M / lowering_speed_m_s(percept, context);
+            self.update_scatter(up_n - reference_n, percept.step_s, slow_s);
+            let filter_s = if settled { slow_s } else { SETTLING_FILTER_S };
             let share = context.step_s / (filter_s + context.step_s);
             self.reference_n = Some(reference_n + (up_n - reference_n) * share);
         }
-        let placed = self.rising_s >= settings.rise_s;
+        let placed = self.rising_s >= settings.rise_s && self.rising_frames >= RISING_FRAMES_MIN;
         Proposal {
             active: rises,
             verdict: if placed { Verdict::Done } else { Verdict::None },
@@ -93,14 +97,24 @@ impl Module for ReleasePlaced {
     }
 }
 
+/// Returns the lowering speed, m/s: `place.lower_m_s`, or less if the frames arrive too rarely for
+/// a gentle touch.
+pub(super) fn lowering_speed_m_s(percept: &Percept, context: &Context<'_>) -> f64 {
+    let settings = context.settings;
+    let gentle_m_s = percept.touch_speed_m_s(TOUCH_TRAVEL_M, RISING_FRAMES_MIN, settings);
+    settings.place.lower_m_s.min(gentle_m_s)
+}
+
 impl ReleasePlaced {
     /// Starts the swing time after a stop.
     pub(super) fn stop(&mut self) {
-        (self.swing_s, self.rising_s) = (SWING_S, 0.0);
+        self.swing_s = SWING_S;
+        (self.rising_s, self.rising_frames) = (0.0, 0);
     }
 
-    fn update_scatter(&mut self, off_n: f64, step_s: f64) {
-        let share = step_s / (SCATTER_FILTER_S + step_s);
-        self.scatter_n2 += (off_n * off_n - self.scatter_n2) * share;
+    fn update_scatter(&mut self, off_n: f64, step_s: f64, filter_s: f64) {
+        // At first, all frames count equally.
+        let filter_s = filter_s.min(self.descent_s);
+        self.scatter_n2 = low_pass(self.scatter_n2, off_n * off_n, step_s, filter_s);
     }
 }

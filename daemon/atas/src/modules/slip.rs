@@ -102,11 +102,11 @@ impl Module for Slip {
         }
         let (weakest_n, strongest_n) = force_range_n(percept);
         let following_m_s = self.load_growth.closing_m_s(
-            context.verified_load.filter(|_| is_suspended(context)),
+            context.verified_grip.filter(|_| is_suspended(context)),
             (weakest_n, strongest_n),
             context.thresholds.f2_n,
             &context.compression,
-            percept.step_s,
+            percept.delay_s,
         );
         self.latch_s = if cause {
             settings.slip_latch_s

@@ -39,6 +39,9 @@ const WRIST_GRIP_SHARE: f64 = 0.5;
 const OFFSET_MAX_M: f64 = 0.003;
 /// Distance from the last grip at which Module 1 takes over closing, m (design choice).
 const GRIP_GAP_M: f64 = 0.0005;
+/// Largest turning distance from the tightening of the cap until the hand can respond, m. Design
+/// choice: sensors of 140 Hz and more allow `screw.turn_m_s`.
+const TIGHTENING_TRAVEL_M: f64 = 0.0001;
 /// Acceleration time along an edge, s (design choice: 0.5 mm at 10 mm/s).
 const RAMP_S: f64 = 0.1;
 /// Vertical compliance of the hand, m/s per newton (design choice).
@@ -105,7 +108,7 @@ impl Module for Trajectory {
             Edge::Turn => self.adapt(percept, context),
             Edge::In | Edge::Out | Edge::Return => {}
         }
-        if self.advance(context) {
+        if self.advance(percept, context) {
             self.start_next_edge(context);
         }
         let touching = matches!(self.edge, Edge::Grip | Edge::Turn);
@@ -195,12 +198,19 @@ impl Trajectory {
     }
 
     /// Advances along the edge; true at its end. Slip and excessive force slow only the turn.
-    fn advance(&mut self, context: &Context<'_>) -> bool {
+    fn advance(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
         let settings = &context.settings.screw;
         let (length_m, top_m_s) = match self.edge {
             Edge::Grip => return self.gripped_s >= settings.grip_s,
             Edge::In => (settings.clearance_m - GRIP_GAP_M, settings.in_m_s),
-            Edge::Turn => (2.0 * settings.travel_m, settings.turn_m_s),
+            Edge::Turn => {
+                let responsive_m_s =
+                    percept.touch_speed_m_s(TIGHTENING_TRAVEL_M, 1, context.settings);
+                (
+                    2.0 * settings.travel_m,
+                    settings.turn_m_s.min(responsive_m_s),
+                )
+            }
             Edge::Out => (settings.clearance_m, settings.out_m_s),
             Edge::Return => (2.0 * settings.travel_m, settings.return_m_s),
         };

@@ -6,6 +6,7 @@
 //! `place.lower_m_s` towards a support of unknown height, until Module 4 ends the step or its depth
 //! limit is reached.
 
+use super::release_placed::lowering_speed_m_s;
 use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::limits::LOWERING_ACCELERATION_M_S2;
 use crate::perception::Percept;
@@ -31,14 +32,14 @@ impl Module for Transfer {
         ..Roles::NONE
     };
 
-    fn evaluate(&mut self, _percept: &Percept, context: &Context<'_>) -> Proposal {
+    fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let scaled_s = context.step_s * context.carry_scale;
         self.path_s = (self.path_s + scaled_s).max(0.0);
         let conveyed = self.path_s >= context.path.duration_s();
         let depth_max_m = context.lowering_m.unwrap_or(0.0);
         if conveyed && self.lowered_m < depth_max_m {
             let faster_m_s = self.lowering_m_s + LOWERING_ACCELERATION_M_S2 * scaled_s.max(0.0);
-            self.lowering_m_s = faster_m_s.min(context.settings.place.lower_m_s);
+            self.lowering_m_s = faster_m_s.min(lowering_speed_m_s(percept, context));
             self.lowered_m = (self.lowered_m + self.lowering_m_s * scaled_s).max(0.0);
         }
         let mut frame = context.path.pose_at(self.path_s);

@@ -107,6 +107,8 @@ pub struct FingertipPerception {
     increment: Increment,
     friction: Friction,
     motion: Motion,
+    /// The filters have a reading. They start from the first one: a hand may already hold an object.
+    has_started: bool,
     percept: ContactPercept,
 }
 
@@ -123,6 +125,7 @@ impl FingertipPerception {
             increment: Increment::default(),
             friction: Friction::default(),
             motion: Motion::default(),
+            has_started: false,
             percept: ContactPercept::default(),
         }
     }
@@ -208,7 +211,7 @@ impl FingertipPerception {
     /// contact. Returns the filter gain.
     fn filter(&mut self, finger: usize, frame: &ValidatedFrame<'_>, settings: &Perception) -> f64 {
         let step_s = frame.step_s();
-        let share = if settings.filter_s > 0.0 {
+        let share = if settings.filter_s > 0.0 && self.has_started {
             step_s / (settings.filter_s + step_s)
         } else {
             1.0
@@ -246,7 +249,11 @@ impl FingertipPerception {
     /// Applies the friction filter. Returns the variance of the remaining noise, N². `share` is the
     /// gain of the first filter.
     fn filter_slow(&mut self, share: f64, step_s: f64, settings: &Perception) -> f64 {
-        let slow = step_s / (settings.friction_filter_s + step_s);
+        let slow = if core::mem::replace(&mut self.has_started, true) {
+            step_s / (settings.friction_filter_s + step_s)
+        } else {
+            1.0
+        };
         for (steady, filtered) in self.slow_n.iter_mut().zip(&self.filtered_n) {
             for (steady, filtered) in steady.iter_mut().zip(filtered) {
                 *steady += (filtered - *steady) * slow;

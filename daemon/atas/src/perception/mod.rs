@@ -30,6 +30,9 @@ use crate::settings::Settings;
 use robot_model::{GRASP_SIDES, HandModel};
 use shm_schemas::capacity::FINGERS;
 
+/// Share of a new frame in the mean delay (design choice: a single late frame hardly counts).
+const DELAY_SHARE: f64 = 1.0 / 16.0;
+
 /// Tactile state of one hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -44,6 +47,17 @@ pub struct Percept {
     pub captured_ns: u64,
     /// Sensor time that the newest frames of this tick cover, s; 0 without a frame.
     pub step_s: f64,
+    /// Mean of frame period and frame age on arrival, s: time until the hand has read a touch.
+    pub delay_s: f64,
+}
+
+impl Percept {
+    /// Returns the speed, m/s, at which a motion travels `travel_m` before it can respond to a
+    /// touch: within the delay of `frames` frames and the low-pass on the elements.
+    #[must_use]
+    pub fn touch_speed_m_s(&self, travel_m: f64, frames: u32, settings: &Settings) -> f64 {
+        travel_m / (f64::from(frames) * self.delay_s + settings.perception.filter_s)
+    }
 }
 
 /// Perception of one hand.
@@ -66,6 +80,7 @@ impl Perception {
         {
             *side = hand.grasp_side(finger);
         }
+        percept.delay_s = 1.0 / wiring.rate_hz;
         Self {
             fingertips: core::array::from_fn(|_| FingertipPerception::new(&wiring.layout)),
             count: wiring.fingers,
@@ -89,8 +104,10 @@ impl Perception {
             let of_side = of_side.filter_map(|(finger, from)| (from == side).then_some(finger));
             *measured = grasp_side::combine(of_side);
         }
-        self.percept.captured_ns = frame.captured_ns();
-        self.percept.step_s += frame.step_s();
+        let (percept, delay_s) = (&mut self.percept, frame.step_s() + frame.age_s());
+        percept.captured_ns = frame.captured_ns();
+        percept.step_s += frame.step_s();
+        percept.delay_s += (delay_s - percept.delay_s) * DELAY_SHARE;
     }
 
     /// Returns the present percept.

@@ -118,7 +118,7 @@ impl Bench {
             suspended: self.hangs,
             minimises_grip: false,
             verified: self.proved,
-            verified_load: None,
+            verified_grip: None,
             table: self.table.as_ref(),
             path: &self.path,
             carry_scale: self.carry_scale,
@@ -167,6 +167,7 @@ pub(crate) fn percept(fingers: [ContactPercept; 2]) -> Percept {
         sides: fingers,
         captured_ns: 1,
         step_s: 1e-3,
+        delay_s: 1e-3,
     }
 }
 

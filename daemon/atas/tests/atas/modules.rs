@@ -253,11 +253,11 @@ fn module_3_stops_above_f2_then_opens() {
     let mut bench = Bench::new(ModuleId::FORCE_LIMIT);
     for (forces_n, active, ceiling_m_s) in [
         ([3.9, 0.1], false, FREE),
-        ([4.1, 0.1], true, 0.0),
+        ([4.05, 0.1], true, 0.0),
         ([0.1, 3.95], true, 0.0),
         ([3.8, 0.1], false, FREE),
-        ([0.1, 4.7], true, -0.001),
-        ([0.1, 4.5], true, 0.0),
+        ([0.1, 4.2], true, -0.002),
+        ([0.1, 4.05], true, 0.0),
         ([0.0, 0.0], false, FREE),
     ] {
         let proposal = bench.evaluate(&percept(forces_n.map(fingertip)));
@@ -266,6 +266,9 @@ fn module_3_stops_above_f2_then_opens() {
             (active, [0.0; 2], [ceiling_m_s; 2]),
             "{forces_n:?} N"
         );
+        // A hand that moves on may press the object further.
+        let waits = if ceiling_m_s < 0.0 { 0.0 } else { 1.0 };
+        assert_eq!(proposal.carry_ceiling, waits, "{forces_n:?} N");
         assert_eq!(proposal.verdict, Verdict::None);
     }
 }

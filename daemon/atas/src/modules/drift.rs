@@ -1,0 +1,171 @@
+//! Drift of the tactile zero in a held grip: compares the change of the measured grip force since
+//! the lift verification with the change that the opening of the hand allows.
+//!
+//! Closing by x compresses two skins and the object, and bends both fingers. A skin gives way by
+//! d(F) = a·F^p, so its compliance at the verified force F_v is c = a·p·F_v^(p−1). With the
+//! compliance b of the object, the force changes by ΔF with
+//!
+//! ```text
+//! x / (2·s·c + b) ≤ ΔF ≤ x / (2·c)        (closing; exchanged for opening)
+//! ```
+//!
+//! s is the compliance of finger and skin relative to the skin. F_2 compresses the object by
+//! `grasp.compression_m`, so b is at most `grasp.compression_m` / F_2. A measured change outside
+//! these bounds on both sides is drift: the zero of the sensors has moved.
+
+use super::VerifiedGrip;
+use robot_model::Compression;
+
+/// Compliance of finger and skin relative to the skin (design choice: a simulated finger bends three
+/// times as far as its skin).
+const FINGER_COMPLIANCE: f64 = 4.0;
+/// Drift that is reported: share of the verified force, and minimum in N (design choice: three times
+/// creep and hysteresis of 5 %).
+const REPORTED_SHARE: f64 = 0.3;
+const REPORTED_MIN_N: f64 = 0.1;
+/// Excess that does not count for F_2: share of the verified force, and minimum in N (design choice:
+/// a support that pushes a heavy block up adds a tenth).
+const EXCESSIVE_SHARE: f64 = 0.1;
+const EXCESSIVE_MIN_N: f64 = 0.1;
+/// Missing force beyond which the grip no longer closes: share of the verified force, and minimum in
+/// N (design choice: the true force has about doubled).
+const BOUND_SHARE: f64 = 1.0;
+const BOUND_MIN_N: f64 = 0.1;
+
+/// Drift of the grip force.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Drift {
+    /// Measured force beyond the bounds of the opening, N per side; negative if it is missing.
+    pub(super) force_n: f64,
+    /// The drift is beyond creep and hysteresis.
+    pub(super) is_reported: bool,
+    /// The measured force is beyond what a load or a support adds at the same opening.
+    is_excessive: bool,
+    /// The true force may be twice the verified one; further closing may crush the object.
+    pub(super) stops_closing: bool,
+}
+
+impl Drift {
+    /// Returns the force that only the drift reports, N. Opening in response would drop the object.
+    pub(super) fn excess_n(&self) -> f64 {
+        if self.is_excessive { self.force_n } else { 0.0 }
+    }
+
+    /// Estimates the drift of a verified grip; `object_m_n` is the compliance of the object, m/N.
+    pub(super) fn estimate(grip: &VerifiedGrip, skin: &Compression, object_m_n: f64) -> Self {
+        let sides = grip.normal_n.iter().zip(&grip.verified_normal_n);
+        let sides = sides.map(|(normal_n, verified_n)| {
+            Self::of_side(*normal_n, *verified_n, grip.closed_m, skin, object_m_n)
+        });
+        sides.reduce(Self::agreed).unwrap_or_default()
+    }
+
+    fn of_side(
+        normal_n: f64,
+        verified_n: f64,
+        closed_m: f64,
+        skin: &Compression,
+        object_m_n: f64,
+    ) -> Self {
+        if verified_n <= 0.0 {
+            return Self::default();
+        }
+        let skin_m_n = skin.at_1n_m * skin.exponent * libm::pow(verified_n, skin.exponent - 1.0);
+        let small_n = closed_m / (2.0 * FINGER_COMPLIANCE * skin_m_n + object_m_n);
+        let large_n = closed_m / (2.0 * skin_m_n);
+        let (lower_n, upper_n) = if small_n < large_n {
+            (small_n, large_n)
+        } else {
+            (large_n, small_n)
+        };
+        let change_n = normal_n - verified_n;
+        let force_n = if change_n < lower_n {
+            change_n - lower_n
+        } else if change_n > upper_n {
+            change_n - upper_n
+        } else {
+            0.0
+        };
+        Self {
+            force_n,
+            is_reported: force_n.abs() > REPORTED_SHARE * verified_n + REPORTED_MIN_N,
+            is_excessive: force_n > EXCESSIVE_SHARE * verified_n + EXCESSIVE_MIN_N,
+            stops_closing: -force_n > BOUND_SHARE * verified_n + BOUND_MIN_N,
+        }
+    }
+
+    /// Returns the drift that both sides show. A load along the closing axis changes the forces of
+    /// the sides in opposite directions.
+    fn agreed(one: Self, other: Self) -> Self {
+        if one.force_n * other.force_n <= 0.0 {
+            return Self::default();
+        }
+        let smaller = if one.force_n.abs() < other.force_n.abs() {
+            one
+        } else {
+            other
+        };
+        Self {
+            force_n: smaller.force_n,
+            is_reported: one.is_reported && other.is_reported,
+            is_excessive: one.is_excessive && other.is_excessive,
+            stops_closing: one.stops_closing && other.stops_closing,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use robot_model::Skin;
+
+    /// Returns drift, report and bound for a grip verified at 1 N per side.
+    fn estimate(closed_mm: f64, normal_n: [f64; 2]) -> (f64, bool, bool) {
+        let grip = VerifiedGrip {
+            load_n: 0.5,
+            held_n: 0.5,
+            mean_n: 0.5,
+            scatter_n: 0.0,
+            normal_n,
+            verified_normal_n: [1.0; 2],
+            closed_m: closed_mm * 1e-3,
+        };
+        let drift = Drift::estimate(&grip, &Skin::DOME_41.compression, 0.0);
+        (drift.force_n, drift.is_reported, drift.stops_closing)
+    }
+
+    #[test]
+    fn force_outside_the_bounds_of_the_opening_is_drift() {
+        // Skin compliance at 1 N: 0.44 mm · 0.48 = 0.211 mm/N.
+        for (closed_mm, normal_n, drift_n, is_reported, stops_closing) in [
+            (0.0, 1.0, 0.0, false, false),
+            (0.0, 1.3, 0.3, false, false),
+            (0.0, 1.5, 0.5, true, false),
+            (0.0, 0.5, -0.5, true, false),
+            (0.42, 1.25, 0.0, false, false),
+            (0.42, 1.9, 0.0, false, false),
+            (0.42, 3.0, 1.006, true, false),
+            (2.0, 1.0, -1.184, true, true),
+            (-0.42, 0.5, 0.0, false, false),
+            (-0.42, 1.5, 0.749, true, false),
+        ] {
+            let (found_n, reports, stops) = estimate(closed_mm, [normal_n; 2]);
+            assert!(
+                (found_n - drift_n).abs() < 2e-3,
+                "{closed_mm} mm, {normal_n} N: {found_n} N"
+            );
+            assert_eq!(
+                (reports, stops),
+                (is_reported, stops_closing),
+                "{closed_mm} mm, {normal_n} N"
+            );
+        }
+    }
+
+    #[test]
+    fn load_along_the_closing_axis_is_no_drift() {
+        for normal_n in [[2.0, 0.1], [0.4, 3.0], [1.0, 2.0]] {
+            assert_eq!(estimate(0.0, normal_n), (0.0, false, false), "{normal_n:?}");
+        }
+    }
+}
