@@ -336,8 +336,8 @@ settings! {
         /// Too small: releases heavy objects in the air. Too large: presses heavy objects onto
         /// their support.
         rise_share = 0.06 in 0.0..1.0;
-        /// Sensor time for which the rise must last, s; at least two frames. Too
-        /// small: releases on a noise peak. Too large: presses the object onto its support.
+        /// Sensor time for which the rise must last, s; at least two frames. Too small: releases on
+        /// a noise peak. Too large: presses the object onto its support.
         rise_s = 0.0025 in 0.0..0.1;
     }
     /// Modules 0 and 4: screwing (paper II.b (2); design choices from prototypes unless stated).
