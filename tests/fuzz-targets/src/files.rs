@@ -130,8 +130,8 @@ fn urdf_seeds() -> Vec<Vec<u8>> {
 const PRESS_URDF: &str = r#"<robot name="press">
 <link name="base"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link><link name="head"><collision><origin xyz="0 0 0.1" rpy="0 1 0"/><geometry><cylinder radius="0.02" length="0.1"/></geometry></collision></link><link name="jaw_a"/><link name="jaw_b"><collision><geometry><sphere radius="0.01"/></geometry></collision></link>
 <joint name="stage" type="prismatic"><parent link="base"/><child link="head"/><origin xyz="0.3 0 0.25" rpy="0 0 0"/><axis xyz="0 0 1"/><limit lower="-0.1" upper="0.1" effort="100" velocity="0.2"/></joint>
-<joint name="grip" type="prismatic"><parent link="head"/><child link="jaw_a"/><axis xyz="0 1 0"/><limit lower="0" upper="0.08" effort="50" velocity="0.2"/></joint>
-<joint name="follower" type="prismatic"><parent link="head"/><child link="jaw_b"/><axis xyz="0 -1 0"/><limit lower="0" upper="0.08" effort="50" velocity="0.2"/><mimic joint="grip" multiplier="1" offset="0"/></joint>
+<joint name="grip" type="prismatic"><parent link="head"/><child link="jaw_a"/><axis xyz="0 1 0"/><limit lower="0" upper="0.07" effort="50" velocity="0.2"/></joint>
+<joint name="follower" type="prismatic"><parent link="head"/><child link="jaw_b"/><axis xyz="0 -1 0"/><limit lower="0" upper="0.07" effort="50" velocity="0.2"/><mimic joint="grip" multiplier="1" offset="0"/></joint>
 </robot>"#;
 
 const PRESS: &str = r#"[hands.right]
