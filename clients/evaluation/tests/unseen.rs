@@ -37,9 +37,9 @@ fn outcome(trial: &Trial) -> Outcome {
     Outcome::evaluate(&trial.end, &trial.truth, robot.hand(SIDE), LIFT_M)
 }
 
-/// Regression: the hand approached below the object's top and pushed it over. Known limit (1 of
-/// 16): uniform slip at the verified force right after lift-off cannot be distinguished from a held
-/// object by the fingertips.
+/// Regression: the hand approached below the object's top and pushed it over. One of 16 objects slid
+/// uniformly after lift-off and was reported as held: the lift verification compared magnitudes of
+/// the load, not its direction.
 #[test]
 fn approach_does_not_tip_a_tall_object() {
     let tall = "mass_kg = 0.03\nfriction = 0.29\nstiffness_n_m = 6000.0\n\
@@ -52,7 +52,7 @@ fn approach_does_not_tip_a_tall_object() {
         assert!(tilt_rad < 0.1, "seed {seed}: tilted by {tilt_rad} rad");
         held += u32::from(outcome(&trial) == Outcome::Held);
     }
-    assert!(held >= 15, "{held} of 16 held");
+    assert_eq!(held, 16, "{held} of 16 held");
 }
 
 /// Regression: an object that slipped uniformly loaded the fingertips steadily and counted as held.
