@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  seeds ─▶ mutate ─▶ input ─▶ target ─▶ reader of the product     run: ordinary tests, atas-fuzz
-//!  libFuzzer (fuzz/) ─▶ input ─▶ the same targets                  guided by coverage
+//!  libFuzzer (tests/fuzz/) ─▶ input ─▶ the same targets            guided by coverage
 //! ```
 //!
 //! * **In:** bytes. **Out:** nothing; a broken promise of the reader is a panic.
@@ -13,7 +13,7 @@
 //!   with the command also [`run::SLOW_NS`] of processor time for one input.
 //!
 //! A new reader needs a function and an entry in a list `TARGETS`, and a file in
-//! `fuzz/fuzz_targets/`.
+//! `tests/fuzz/fuzz_targets/`.
 #![forbid(unsafe_code)]
 
 mod bus;

@@ -39,7 +39,7 @@ fn targets_survive_seeds_and_mutations() {
 
 #[test]
 fn every_target_has_a_coverage_guided_twin() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/fuzz_targets");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../fuzz/fuzz_targets");
     let mut files: Vec<String> = std::fs::read_dir(folder)
         .expect("the folder of targets")
         .map(|entry| entry.expect("readable").path())

@@ -255,7 +255,6 @@ const TOP_LEVEL: &[&str] = &[
     ".git",
     "daemon",
     "clients",
-    "fuzz",
     "shm-schemas",
     "sim-backend",
     "tests",
