@@ -23,8 +23,8 @@
 //! * If a state stops being finite, the world reports [`World::fault`] and freezes.
 //! * Simulation does not allocate.
 //!
-//! **Engines:** [`World::new`] uses the built-in contact model, [`World::with_engine`] an [`engine`]
-//! in a process of its own. Then determinism, I/O and allocation depend on that engine.
+//! **Engines:** [`World::new`] uses the built-in contact model, [`World::with_engine`] an
+//! [`engine`] in a process of its own. Then determinism, I/O and allocation depend on that engine.
 //!
 //! **Further modules:** [`swarm`], the field of methodology 2; [`course`], wheeled bases that carry
 //! robots and call [`World::set_base_motion`]; [`Fingertip`], a fingertip under known loads.

@@ -57,7 +57,8 @@ pub(crate) fn status(
     Ok(())
 }
 
-/// Prints the newer of two statuses. Returns the time since the last tick if the ticks have stopped.
+/// Prints the newer of two statuses. Returns the time since the last tick if the ticks have
+/// stopped.
 fn print(
     [before, status]: [&Status; 2],
     session: &Session,

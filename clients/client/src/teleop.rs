@@ -140,8 +140,8 @@ impl TeleopSender {
         Ok(self.targets.send(&target)?)
     }
 
-    /// Ends the stream: the hand decelerates and keeps its grip. [`TeleopSender::poll`] returns the end
-    /// of the goal.
+    /// Ends the stream: the hand decelerates and keeps its grip. [`TeleopSender::poll`] returns
+    /// the end of the goal.
     pub fn end(&self) {
         self.pending.cancel();
     }

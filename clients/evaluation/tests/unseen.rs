@@ -37,9 +37,9 @@ fn outcome(trial: &Trial) -> Outcome {
     Outcome::evaluate(&trial.end, &trial.truth, robot.hand(SIDE), LIFT_M)
 }
 
-/// Regression: the hand approached below the object's top and pushed it over. One of 16 objects slid
-/// uniformly after lift-off and was reported as held: the lift verification compared magnitudes of
-/// the load, not its direction.
+/// Regression: the hand approached below the object's top and pushed it over. One of 16 objects
+/// slid uniformly after lift-off and was reported as held: the lift verification compared
+/// magnitudes of the load, not its direction.
 #[test]
 fn approach_does_not_tip_a_tall_object() {
     let tall = "mass_kg = 0.03\nfriction = 0.29\nstiffness_n_m = 6000.0\n\

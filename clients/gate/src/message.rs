@@ -101,8 +101,8 @@ impl Request {
         }
     }
 
-    /// Returns true if an environment variable may be forwarded: listed in [`VARIABLES`], short, and
-    /// not a path, which a library could follow.
+    /// Returns true if an environment variable may be forwarded: listed in [`VARIABLES`], short,
+    /// and not a path, which a library could follow.
     #[must_use]
     pub fn is_permitted(name: &str, value: &str) -> bool {
         let plain = |b: u8| b.is_ascii_alphanumeric() || b"._:@+-".contains(&b);

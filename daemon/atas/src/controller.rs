@@ -271,8 +271,8 @@ impl Controller {
         self.recovers = false;
     }
 
-    /// Returns the last command, of the gate or, before its first one, as the robot reports it, some
-    /// ticks late; measured positions for limbs that do not track it.
+    /// Returns the last command, of the gate or, before its first one, as the robot reports it,
+    /// some ticks late; measured positions for limbs that do not track it.
     fn start_position_rad(&self, measured_rad: &RobotVector) -> RobotVector {
         let remembered_rad = self
             .gate

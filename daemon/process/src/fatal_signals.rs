@@ -131,8 +131,8 @@ extern "C" fn handle(signal: c_int, info: *mut libc::siginfo_t, _context: *mut l
     let Some((index, before)) = known.zip(BEFORE.get()) else {
         return;
     };
-    // SAFETY: `before` was a handler of this signal, zero is the usual action, and the kernel passes
-    // a valid `info`.
+    // SAFETY: `before` was a handler of this signal, zero is the usual action, and the kernel
+    // passes a valid `info`.
     unsafe {
         let is_sent = (*info).si_code <= 0;
         let is_foreign = is_sent && (*info).si_pid() != libc::getpid();

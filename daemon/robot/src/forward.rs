@@ -89,7 +89,8 @@ impl HandModel {
     /// finite; a missing one counts as 0.
     #[must_use]
     pub fn forward(&self, q_rad: &HandVector) -> HandPose {
-        // Each field is set alone. A copy of a constant would copy the storage of unused frames too.
+        // Each field is set alone. A copy of a constant would copy the storage of unused frames
+        // too.
         let mut pose = HandPose {
             q_rad: *q_rad,
             base_from_frame: ArrayVec::new(),

@@ -64,8 +64,8 @@ const PERSISTENT: [&str; 6] = [
     STOP_SOCKET,
 ];
 
-/// Removes everything except [`PERSISTENT`] and client sockets; returns the number of entries. Call under the start-up
-/// lock, when no peer is alive.
+/// Removes everything except [`PERSISTENT`] and client sockets; returns the number of entries.
+/// Call under the start-up lock, when no peer is alive.
 pub(crate) fn remove_all(place: &Location) -> usize {
     // A client may wait for the answer to its stop.
     let is_client = |path: &Path| {

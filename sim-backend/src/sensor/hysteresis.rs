@@ -8,9 +8,9 @@
 //! * With r_k = F/4, F/8, F/16, F/32 (F: full scale), the width of a cycle between zero and A, over
 //!   A, depends little on A: 0.8 of the full cycle's at F/4, 0.5 at F/8. Below F/16 the axis is
 //!   linear. Loss in filled elastomers also depends little on amplitude.
-//! * The normal axis begins in the state after a cycle to full scale (P_k = r_k), as in an exercised
-//!   and zeroed sensor. Then every cycle of a non-negative force is closed: an unloaded element
-//!   reads zero. Shear has both signs and begins at P_k = 0.
+//! * The normal axis begins in the state after a cycle to full scale (P_k = r_k), as in an
+//!   exercised and zeroed sensor. Then every cycle of a non-negative force is closed: an unloaded
+//!   element reads zero. Shear has both signs and begins at P_k = 0.
 //!
 //! The gain g makes the reading exact at full scale. A reversal has a lower slope than the full
 //! cycle, as in every hysteresis loop. Small forces therefore read less: by about 3·w below F/16.

@@ -1,5 +1,5 @@
-//! Slow changes of a fingertip's elements: thermal drift of the zero, wear of the gain, and elements
-//! that fail.
+//! Slow changes of a fingertip's elements: thermal drift of the zero, wear of the gain, and
+//! elements that fail.
 
 use shm_schemas::capacity::ELEMENTS;
 
@@ -64,7 +64,8 @@ impl Wear {
         })
     }
 
-    /// Adds a normal force of this duration to an element's use; returns its remaining gain, 0 to 1.
+    /// Adds a normal force of this duration to an element's use; returns its remaining gain, 0 to
+    /// 1.
     #[inline]
     pub(super) fn remaining_gain(&mut self, element: usize, normal_n: f64, period_s: f64) -> f64 {
         let impulse_n_s = &mut self.impulse_n_s[element];

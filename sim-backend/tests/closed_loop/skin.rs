@@ -83,8 +83,8 @@ fn zero_drift_from_the_start_harms_no_object() {
     }
 }
 
-/// Regression: without joint torques, a drift in the grip was noticed by nothing. A rising zero opened
-/// the hand until the object fell, a falling one closed it until the object was crushed.
+/// Regression: without joint torques, a drift in the grip was noticed by nothing. A rising zero
+/// opened the hand until the object fell, a falling one closed it until the object was crushed.
 #[test]
 fn zero_drift_without_torques_harms_no_object() {
     for name in ["paper-box", "sponge", "slippery-50"] {

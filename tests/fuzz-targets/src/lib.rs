@@ -6,11 +6,12 @@
 //! ```
 //!
 //! * **In:** bytes. **Out:** nothing; a broken promise of the reader is a panic.
-//! * **Invariants:** a target keeps nothing of an input, so an execution can be repeated alone. Code
-//!   generates its seeds. A target for checksummed data repairs the checksum for a part of the
-//!   inputs, because mutations would not pass it otherwise.
-//! * **Failures:** a panic, also of an arithmetic overflow; more memory than [`Target::memory_max`];
-//!   with the command also [`run::SLOW_NS`] of processor time for one input.
+//! * **Invariants:** a target keeps nothing of an input, so an execution can be repeated alone.
+//!   Code generates its seeds. A target for checksummed data repairs the checksum for a part of
+//!   the inputs, because mutations would not pass it otherwise.
+//! * **Failures:** a panic, also of an arithmetic overflow; more memory than
+//!   [`Target::memory_max`]; with the command also [`run::SLOW_NS`] of processor time for one
+//!   input.
 //!
 //! A new reader needs a function and an entry in a list `TARGETS`, and a file in
 //! `tests/fuzz/fuzz_targets/`.

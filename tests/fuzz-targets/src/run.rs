@@ -1,7 +1,7 @@
 //! Runner: executes a target on its seeds and on mutations of them, on several threads.
 //!
-//! A failure is a panic, an endless loop, or more memory than the target's limit. Seed and number of
-//! an execution determine its input. The runner measures the processor time of every input.
+//! A failure is a panic, an endless loop, or more memory than the target's limit. Seed and number
+//! of an execution determine its input. The runner measures the processor time of every input.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -118,8 +118,8 @@ mod tests {
         check(&["moon"], 0);
     }
 
-    /// Regression: a grip that closed by 2 mm/s lost the first object, and an upward load counted as
-    /// a drop, for which the hand closed to F_2 and put the object back.
+    /// Regression: a grip that closed by 2 mm/s lost the first object, and an upward load counted
+    /// as a drop, for which the hand closed to F_2 and put the object back.
     #[test]
     fn sudden_load_of_the_whole_weight_leaves_the_object_in_the_hand() {
         for (object, case) in [

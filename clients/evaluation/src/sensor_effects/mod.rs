@@ -9,7 +9,6 @@
 //! * **In:** objects, seeds. **Out:** an [`EffectReport`]: one row per case.
 //! * **Invariants:** the report depends on the plan only. All cases of an object and seed have the
 //!   same world, noise and goal.
-//! * **Not included:** a controller that compensates these effects; the table shows today's results.
 
 mod trial;
 

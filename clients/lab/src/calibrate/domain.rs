@@ -1,8 +1,8 @@
 //! Comparison of a sensor model with the domain of validity of the controller
 //! (`atas calibrate model --check-domain`).
 //!
-//! `domain.toml` is the result of `python -m atas.sensitivity one-at-a-time`: for each parameter the
-//! largest deviation at which grasps still succeed, with all other parameters nominal.
+//! `domain.toml` is the result of `python -m atas.sensitivity one-at-a-time`: for each parameter
+//! the largest deviation at which grasps still succeed, with all other parameters nominal.
 
 use anyhow::Context;
 use serde::{Deserialize, Serialize};

@@ -30,9 +30,9 @@ const LOST_AFTER_S: f64 = 0.05;
 /// Slip duration on one side before a warning, s (design choice: several times the response time of
 /// Module 2).
 const SLIP_WARNING_S: f64 = 0.1;
-/// Duration of slip, and slide under a sudden load, before a warning, s, m (design choice: an object
-/// that the grip catches within this time slides by about three millimetres. A slowly growing load
-/// that the grip follows gives a smaller slide).
+/// Duration of slip, and slide under a sudden load, before a warning, s, m (design choice: an
+/// object that the grip catches within this time slides by about three millimetres. A slowly
+/// growing load that the grip follows gives a smaller slide).
 const OVERLOAD_WARNING_S: f64 = 0.05;
 const OVERLOAD_SLIDE_M: f64 = 0.001;
 /// Duration of a drift before a warning, s (design choice: longer than a disturbance).

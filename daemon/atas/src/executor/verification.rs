@@ -57,7 +57,7 @@ pub(super) struct GripVerification {
     /// Commanded opening at present and at the verification, m.
     opening_m: f64,
     verified_opening_m: f64,
-    /// Speed and distance of a slide under a sudden load that exceeds what the grip can hold, m/s, m.
+    /// Speed, m/s, and distance, m, of a slide under a sudden load beyond what the grip can hold.
     overload_m_s: f64,
     overload_m: f64,
 }

@@ -17,8 +17,8 @@ const FILTER_S: f64 = 0.05;
 /// Filter time constant of the free-finger torques, s (design choice).
 const FREE_FILTER_S: f64 = 0.2;
 /// Time of closing towards contact after which torques are no longer learnt as free, s. A skin that
-/// drifts may not feel the object that the fingers squeeze. Design choice: joint friction has shown,
-/// and the fingers have moved by 0.6 mm.
+/// drifts may not feel the object that the fingers squeeze. Design choice: joint friction has
+/// shown, and the fingers have moved by 0.6 mm.
 const CLOSING_LEARN_S: f64 = 0.3;
 /// Normalised determinant below which only the mean of both sides is observable (design choice).
 const DEPENDENT_SHARE: f64 = 0.05;

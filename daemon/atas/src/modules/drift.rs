@@ -16,19 +16,19 @@
 use super::VerifiedGrip;
 use robot_model::Compression;
 
-/// Compliance of finger and skin relative to the skin (design choice: a simulated finger bends three
-/// times as far as its skin).
+/// Compliance of finger and skin relative to the skin (design choice: a simulated finger bends
+/// three times as far as its skin).
 const FINGER_COMPLIANCE: f64 = 4.0;
-/// Drift that is reported: share of the verified force, and minimum in N (design choice: three times
-/// creep and hysteresis of 5 %).
+/// Drift that is reported: share of the verified force, and minimum in N (design choice: three
+/// times creep and hysteresis of 5 %).
 const REPORTED_SHARE: f64 = 0.3;
 const REPORTED_MIN_N: f64 = 0.1;
-/// Excess that does not count for F_2: share of the verified force, and minimum in N (design choice:
-/// a support that pushes a heavy block up adds a tenth).
+/// Excess that does not count for F_2: share of the verified force, and minimum in N (design
+/// choice: a support that pushes a heavy block up adds a tenth).
 const EXCESSIVE_SHARE: f64 = 0.1;
 const EXCESSIVE_MIN_N: f64 = 0.1;
-/// Missing force beyond which the grip no longer closes: share of the verified force, and minimum in
-/// N (design choice: the true force has about doubled).
+/// Missing force beyond which the grip no longer closes: share of the verified force, and minimum
+/// in N (design choice: the true force has about doubled).
 const BOUND_SHARE: f64 = 1.0;
 const BOUND_MIN_N: f64 = 0.1;
 

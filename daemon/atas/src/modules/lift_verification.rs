@@ -3,9 +3,9 @@
 //!
 //! Forces alone do not show this: a uniformly slipping object gives the same steady load as a
 //! suspended one. After enough travel for any held object to leave its support, the hand pulls back
-//! slightly. A suspended object keeps its load; a standing one transfers it to the support, and then
-//! pushes the fingertips up. The
-//! fingers then close further and the lift is repeated. At F_2, the object is refused as too heavy.
+//! slightly. A suspended object keeps its load; a standing one transfers it to the support, and
+//! then pushes the fingertips up. The fingers then close further and the lift is repeated. At F_2,
+//! the object is refused as too heavy.
 //!
 //! The friction of an object that is suspended at first is known only from the sensor. Just above
 //! the support, where a slip costs a millimetre, the hand minimises the grip and pulls back again.

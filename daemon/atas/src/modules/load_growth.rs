@@ -20,9 +20,10 @@ const END_SHARE: f64 = 0.02;
 /// Standard deviations of the load that the excess must exceed (design choice: at 4.5, a sponge
 /// falls before the grip responds).
 const SCATTER_MARGIN: f64 = 3.5;
-/// Time constants of closing, s, to which the delay of the frames is added. Design choice, measured with
-/// steps of half the weight: the finger is about three times as soft as its skin, and a servo lags
-/// by a few milliseconds. With the second one, the grip approaches F_2 without overshoot.
+/// Time constants of closing, s, to which the delay of the frames is added. Design choice,
+/// measured with steps of half the weight: the finger is about three times as soft as its skin,
+/// and a servo lags by a few milliseconds. With the second one, the grip approaches F_2 without
+/// overshoot.
 const CLOSING_S: f64 = 0.002;
 const APPROACHING_F2_S: f64 = 0.005;
 /// Largest closing speed, m/s (design choice: as fast as a release opens).

@@ -36,7 +36,7 @@ pub struct Context<'a> {
     /// The present ratio of grip force to load has passed lift verification. The force pattern is
     /// then no evidence of slip.
     pub verified: bool,
-    /// Present grip relative to the one that lift verification has shown to hold; `None` without it.
+    /// Present grip relative to the verified one; `None` without lift verification.
     pub verified_grip: Option<VerifiedGrip>,
     /// Behaviour table of the task.
     pub table: Option<&'a BehaviourTable>,

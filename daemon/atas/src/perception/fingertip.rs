@@ -107,7 +107,7 @@ pub struct FingertipPerception {
     increment: Increment,
     friction: Friction,
     motion: Motion,
-    /// The filters have a reading. They start from the first one: a hand may already hold an object.
+    /// The filters have a reading. They start from it: a hand may already hold an object.
     has_started: bool,
     percept: ContactPercept,
 }

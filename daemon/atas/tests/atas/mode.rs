@@ -145,8 +145,8 @@ fn fault_free_time_is_independent_of_tick_rate() {
     }
 }
 
-/// Regression: a frame 0.1 ms too late paused a goal for 20 ms. On a busy machine, such pauses added
-/// up until the goal failed.
+/// Regression: a frame 0.1 ms too late paused a goal for 20 ms. On a busy machine, such pauses
+/// added up until the goal failed.
 #[test]
 fn late_data_pause_as_long_as_they_are_missing() {
     use Cause as C;

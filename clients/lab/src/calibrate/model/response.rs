@@ -2,8 +2,8 @@
 //!
 //! `calibration(readings) = creep(hysteresis(force(t − latency)))`. The left side is linear in its
 //! coefficients: for every choice of the three effects, least squares give them. The effects are
-//! found by a coarse search on a grid, then by smaller and smaller steps. Only rows of the first half
-//! take part; the second half measures the residual.
+//! found by a coarse search on a grid, then by smaller and smaller steps. Only rows of the first
+//! half take part; the second half measures the residual.
 
 use atas_sensors::calibration::NormalEquations;
 use sim_backend::{Creep, Hysteresis};

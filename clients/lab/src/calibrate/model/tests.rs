@@ -155,8 +155,8 @@ fn fitted_model_file_is_readable() {
     );
 }
 
-/// Requirement: the fitted model is at least as accurate as the sensor's stated accuracy on the half
-/// of the recording that was not used for the fit.
+/// Requirement: the fitted model is at least as accurate as the sensor's stated accuracy on the
+/// half of the recording that was not used for the fit.
 #[test]
 fn eflesh_model_is_within_stated_accuracy() {
     const STATED_N: f64 = 0.27;
