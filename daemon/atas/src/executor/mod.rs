@@ -312,12 +312,14 @@ impl TaskExecutor {
     /// Warning reason if the grip force does not match the opening of the hand.
     #[must_use]
     pub fn drift_warning(&self) -> Option<Reason> {
+        if self.drift_s <= DRIFT_WARNING_S {
+            return None;
+        }
         let grip = self.verification.verified_grip()?;
-        let mean_n =
-            |normal_n: [f64; GRASP_SIDES]| normal_n.iter().sum::<f64>() / GRASP_SIDES as f64;
-        let (now_n, verified_n) = (mean_n(grip.normal_n), mean_n(grip.verified_normal_n));
-        (self.drift_s > DRIFT_WARNING_S)
-            .then(|| Reason::with_limit(Cause::FORCE_AGAINST_OPENING, now_n, verified_n))
+        let [now_n, verified_n] = [grip.normal_n, grip.verified_normal_n]
+            .map(|normal_n| normal_n.iter().sum::<f64>() / GRASP_SIDES as f64);
+        let cause = Cause::FORCE_AGAINST_OPENING;
+        Some(Reason::with_limit(cause, now_n, verified_n))
     }
 
     /// Reason of the recovery in progress.

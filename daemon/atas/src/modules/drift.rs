@@ -73,19 +73,9 @@ impl Drift {
         let skin_m_n = skin.at_1n_m * skin.exponent * libm::pow(verified_n, skin.exponent - 1.0);
         let small_n = closed_m / (2.0 * FINGER_COMPLIANCE * skin_m_n + object_m_n);
         let large_n = closed_m / (2.0 * skin_m_n);
-        let (lower_n, upper_n) = if small_n < large_n {
-            (small_n, large_n)
-        } else {
-            (large_n, small_n)
-        };
         let change_n = normal_n - verified_n;
-        let force_n = if change_n < lower_n {
-            change_n - lower_n
-        } else if change_n > upper_n {
-            change_n - upper_n
-        } else {
-            0.0
-        };
+        let allowed_n = change_n.max(small_n.min(large_n)).min(small_n.max(large_n));
+        let force_n = change_n - allowed_n;
         Self {
             force_n,
             is_reported: force_n.abs() > REPORTED_SHARE * verified_n + REPORTED_MIN_N,
