@@ -25,6 +25,20 @@ pub struct Compression {
     pub exponent: f64,
 }
 
+impl Compression {
+    /// Returns the compression d(F) = a·F^p under a force, N, zero or more; m.
+    #[must_use]
+    pub fn depth_m(&self, force_n: f64) -> f64 {
+        self.at_1n_m * libm::pow(force_n, self.exponent)
+    }
+
+    /// Returns the compliance d'(F) = a·p·F^(p−1) under a force, N, above zero; m/N.
+    #[must_use]
+    pub fn compliance_m_n(&self, force_n: f64) -> f64 {
+        self.at_1n_m * self.exponent * libm::pow(force_n, self.exponent - 1.0)
+    }
+}
+
 impl Skin {
     /// Domes of the paper, with the compression of the simulated skin (measured on a rigid block).
     pub const DOME_41: Skin = Skin {
@@ -41,7 +55,7 @@ impl Skin {
     /// single element does not measure orientation.
     #[must_use]
     pub fn tilt_max_rad(&self, radius_m: f64) -> Option<f64> {
-        let depth_m = self.compression.at_1n_m * libm::pow(FORCE_MAX_N, self.compression.exponent);
+        let depth_m = self.compression.depth_m(FORCE_MAX_N);
         let patch_rad = libm::acos((1.0 - depth_m / radius_m).clamp(-1.0, 1.0));
         let bears_rad = (DOME_HALF_ANGLE_RAD - patch_rad).max(0.0);
         (self.layout == NamedLayout::Dome41).then_some(bears_rad)

@@ -70,7 +70,7 @@ impl Drift {
         if verified_n <= 0.0 {
             return Self::default();
         }
-        let skin_m_n = skin.at_1n_m * skin.exponent * libm::pow(verified_n, skin.exponent - 1.0);
+        let skin_m_n = skin.compliance_m_n(verified_n);
         let small_n = closed_m / (2.0 * FINGER_COMPLIANCE * skin_m_n + object_m_n);
         let large_n = closed_m / (2.0 * skin_m_n);
         let change_n = normal_n - verified_n;

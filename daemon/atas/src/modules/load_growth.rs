@@ -52,7 +52,7 @@ impl LoadGrowth {
         let Some(VerifiedGrip { load_n, held_n, .. }) = grown else {
             return 0.0;
         };
-        let depth_m = |force_n: f64| skin.at_1n_m * libm::pow(force_n.max(0.0), skin.exponent);
+        let depth_m = |force_n: f64| skin.depth_m(force_n.max(0.0));
         let missing_m = depth_m(weakest_n * load_n / held_n) - depth_m(weakest_n);
         let allowed_m = depth_m(f2_n) - depth_m(strongest_n);
         (missing_m / (CLOSING_S + delay_s))

@@ -117,8 +117,7 @@ impl StiffnessEstimate {
             return None;
         }
         self.max_force_n = normal_n;
-        let of_side =
-            |it: &LoadedArea| tips.at_1n_m * libm::pow(normal_n / it.fingertips, tips.exponent);
+        let of_side = |it: &LoadedArea| tips.depth_m(normal_n / it.fingertips);
         let tips_m = bearing.iter().map(of_side).sum::<f64>();
         let beyond = bearing.iter().map(|it| 1.0 / it.face_share - 1.0);
         self.partial_contact_m += (tips_m - self.compression_m) * beyond.sum::<f64>() / FACES;
