@@ -30,8 +30,12 @@ impl Bounds {
     }
 }
 
-/// Lead minus position that counts as zero. Design choice: a picometre; ends the exponential decay.
+/// Largest lead minus position that counts as zero. Design choice: a picometre; ends the
+/// exponential decay.
 const ARRIVAL_DISTANCE: f64 = 1e-12;
+/// Share of the highest jerk that this end of the decay may use (design choice: the jump appears in
+/// four differences).
+const ARRIVAL_JERK_SHARE: f64 = 0.1;
 
 /// Motion limiter of one coordinate.
 ///
@@ -85,7 +89,8 @@ impl Axis {
         self.lead_speed += change;
         self.lead += self.lead_speed * step_s;
         let off = self.lead - self.position;
-        self.position = if off.abs() < ARRIVAL_DISTANCE {
+        let jump = ARRIVAL_JERK_SHARE * bounds.jerk(step_s) * step_s * step_s * step_s;
+        self.position = if off.abs() < ARRIVAL_DISTANCE.min(jump) {
             self.lead
         } else {
             self.position + off * step_s / (bounds.smooth_s + step_s)
