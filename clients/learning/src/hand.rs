@@ -1,11 +1,13 @@
 //! Acting hand: the controller with a policy in place of the task executor.
 
 use atas_core::arbitration::Arbiter;
+use atas_core::executor::HandMotion;
+use atas_core::held_object::HeldObject;
 use atas_core::intake::FrameIntake;
 use atas_core::kinematics::{HandCommand, HandServo};
-use atas_core::modules::{Context, Modules, PoseCommand, Proposal, Selection, force_range_n};
+use atas_core::modules::{Context, Modules, PoseCommand, Proposal, Selection};
 use atas_core::path::Path;
-use atas_core::perception::{self, Percept, Perception};
+use atas_core::perception::{self, ContactPercept, Percept, Perception};
 use atas_core::safety::Grip;
 use atas_core::thresholds::Thresholds;
 use atas_core::{HandSensorSetup, Settings, Tick};
@@ -163,34 +165,33 @@ impl PolicyHand {
         let percept = self.perception.percept();
         let frame = *self.servo.pose();
         let thresholds = Thresholds::for_unknown_object(&settings.grasp);
-        let (weakest_n, _) = force_range_n(percept);
-        let context = Context {
-            settings,
-            step_s: TICK_S,
-            thresholds,
-            min_force_n: thresholds.f1_n,
-            all_touched: weakest_n > 0.0 && percept.sides.iter().all(|it| it.in_contact),
-            closing_m: 0.0,
-            compression: perception::compression(&settings.perception, self.model.skin()),
-            carried_m: 0.0,
-            path: &Path::stationary(frame),
+        let touches = |side: &ContactPercept| side.in_contact && side.normal_n > 0.0;
+        // Without lift verification, an object never counts as carried.
+        let object = HeldObject {
+            all_touched: percept.sides.iter().all(touches),
+            ..HeldObject::untouched(thresholds)
+        };
+        let motion = HandMotion {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
             pose: &frame,
             closing_axis: frame.closing_axis(),
             turns_by_wrist: self.model.turns_by_wrist(),
-            turning: 1.0,
-            lowering_m: None,
             base_from_tip: measured.base_from_tip(),
             side_m: core::array::from_fn(|side| measured.side_m(side)),
+            compression: perception::compression(&settings.perception, self.model.skin()),
             tactile_over_torque: 1.0,
             torque_over_tactile: 1.0,
-            // No lift verification here.
-            suspended: false,
-            minimises_grip: false,
-            verified: false,
-            verified_grip: None,
+        };
+        let context = Context {
+            settings,
+            step_s: TICK_S,
+            object: &object,
+            hand: &motion,
+            path: &Path::stationary(frame),
             table: None,
+            turning: 1.0,
+            lowering_m: None,
             teleop_target: None,
         };
         let proposals = self

@@ -9,10 +9,11 @@
 //!
 //! Speeds are slew-limited against jerks: slow increase, fast decrease.
 
+use crate::held_object::LiftFinding;
 use crate::limits::{
     CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2, CLOSING_SPEED_UP_S,
 };
-use crate::modules::{Finding, PoseCommand, Proposal, Verdict};
+use crate::modules::{PoseCommand, Proposal, Verdict};
 use robot_model::GRASP_SIDES;
 
 /// Merged command for one hand.
@@ -25,8 +26,8 @@ pub struct Intent {
     pub closing_m_s: [f64; GRASP_SIDES],
     /// Highest-ranked verdict.
     pub verdict: Verdict,
-    /// Union of all findings.
-    pub finding: Finding,
+    /// Result of lift verification.
+    pub finding: LiftFinding,
 }
 
 /// Merges proposals; keeps the previous speeds for the slew limits.
@@ -83,12 +84,11 @@ impl Arbiter {
             pose: proposals.iter().find_map(|p| p.pose),
             closing_m_s: self.closing_m_s,
             verdict: highest_ranked(proposals),
-            finding: Finding {
-                slips: proposals.iter().any(|p| p.finding.slips),
-                suspended: proposals.iter().any(|p| p.finding.suspended),
-                minimises_grip: proposals.iter().any(|p| p.finding.minimises_grip),
-                drifts: proposals.iter().any(|p| p.finding.drifts),
-            },
+            finding: proposals
+                .iter()
+                .map(|proposal| proposal.finding)
+                .find(|finding| *finding != LiftFinding::None)
+                .unwrap_or_default(),
         }
     }
 

@@ -43,6 +43,7 @@ pub mod executor;
 mod filter;
 pub mod goal;
 mod hand;
+pub mod held_object;
 pub mod intake;
 pub mod io;
 pub mod joints;

@@ -1,63 +1,52 @@
 //! Task executor: runs the steps of one hand's task and stores its measurements.
+//!
+//! ```text
+//!            search step ends, object off-centre, rotated, or lift fails
+//!   ┌──────────────────────────────────────────────┐
+//!   │                                              ▼
+//!  Task ◄───────────── object found again ───── Regrasp
+//!   │ │                                            │
+//!   │ └── object refused, obstacle, no support ────┴──► Recovery ──► refused or failed
+//!   └──── last step done ──► Ended (the last step stays active)
+//! ```
+//!
+//! [`Course`] is the state; each variant carries its own data. Within a course, the steps follow
+//! each other by their [`Transition`]s. The object in the hand is a [`HeldObjectEstimator`].
 
-mod in_hand;
+mod monitoring;
 mod regrasp;
 mod teleop;
 mod transitions;
-mod verification;
 
-use self::in_hand::InHandMonitor;
-use self::regrasp::Regrasp;
-use self::verification::GripVerification;
-use crate::modules::{Context, Finding, Modules, RELEASE_SHARE, Verdict, force_range_n};
+use self::regrasp::Corrections;
+use self::teleop::Teleoperation;
+use crate::held_object::{HeldObjectEstimator, LiftFinding, StepFacts};
+use crate::modules::{Context, Modules, RELEASE_SHARE, Verdict};
 use crate::path::Path;
 use crate::perception::{ObjectPose, Percept, StiffnessFit};
 use crate::planning::{Waypoints, path_of};
 use crate::settings::Settings;
 use crate::tasks::{
-    BehaviourTable, HOLD_AFTER_GOAL, HOLD_AFTER_TELEOP, HOLD_FOUND, Motion, PUT_BACK, RAISE, Step,
-    StepSequence, Transition, WITHDRAW,
+    BehaviourTable, HOLD_AFTER_GOAL, HOLD_AFTER_TELEOP, HOLD_FOUND, Motion, PUT_BACK, RAISE,
+    REGRASP, Step, StepSequence, Transition, WITHDRAW,
 };
-use crate::teleop::TeleopTarget;
 use crate::thresholds::Thresholds;
 use nalgebra::{Vector2, Vector3};
 use robot_model::{Compression, GRASP_SIDES, GraspPose, Transform};
 use shm_schemas::{Cause, ModuleId, Reason};
 
-/// Contact loss of a gripped object until it counts as lost, s (design choice: longer than contact
-/// bounce).
-const LOST_AFTER_S: f64 = 0.05;
-/// Slip duration on one side before a warning, s (design choice: several times the response time of
-/// Module 2).
-const SLIP_WARNING_S: f64 = 0.1;
-/// Duration of slip, and slide under a sudden load, before a warning, s, m (design choice: an
-/// object that the grip catches within this time slides by about three millimetres. A slowly
-/// growing load that the grip follows gives a smaller slide).
-const OVERLOAD_WARNING_S: f64 = 0.05;
-const OVERLOAD_SLIDE_M: f64 = 0.001;
-/// Duration of a drift before a warning, s (design choice: longer than a disturbance).
-const DRIFT_WARNING_S: f64 = 0.5;
-/// Slip duration on both sides, or drop duration, at F_2 before the object is put back, s (design
-/// choice).
-const OUT_OF_FORCE_S: f64 = 0.03;
-/// Friction utilisation below which slip is ignored (design choice): a light load on a firm grip is
-/// noise.
-const SLIP_UTILISATION: f64 = 0.9;
-/// Half opening at which any search ends, m (design choice): the fingertips meet below it.
-const FINGERTIPS_MEET_M: f64 = 0.001;
-
 /// Motion of the hand at the start of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct HandMotion<'a> {
-    /// Path speed factor arbitrated in the previous tick.
+    /// Path speed factor arbitrated in the previous tick, −1 (back) to 1.
     pub carry_scale: f64,
     /// Closing speed per grasp side arbitrated in the previous tick, m/s.
     pub closing_m_s: [f64; GRASP_SIDES],
     /// Commanded grasp pose.
-    pub frame: &'a GraspPose,
-    /// Current closing axis, base frame, unit length.
+    pub pose: &'a GraspPose,
+    /// Present closing axis, base frame, unit length, including the rotation of the wrist.
     pub closing_axis: Vector3<f64>,
-    /// See [`Context::turns_by_wrist`].
+    /// The wrist rotates the whole hand, where fingertips would pass each other.
     pub turns_by_wrist: bool,
     /// Measured frame of each fingertip.
     pub base_from_tip: &'a [Transform],
@@ -65,9 +54,11 @@ pub struct HandMotion<'a> {
     pub side_m: [Vector3<f64>; GRASP_SIDES],
     /// Compression of the fingertips under load.
     pub compression: Compression,
-    /// Ratio of tactile to torque-estimated force, ≥ 1.
+    /// Ratio of tactile to joint-estimated force, ≥ 1. Limits opening when the skin reports too
+    /// much.
     pub tactile_over_torque: f64,
-    /// Ratio of torque-estimated to tactile force, ≥ 1.
+    /// Ratio of joint-estimated to tactile force, ≥ 1. Limits closing when the skin reports too
+    /// little.
     pub torque_over_tactile: f64,
 }
 
@@ -119,42 +110,36 @@ impl GraspParameters {
 pub struct TaskExecutor {
     sequence: StepSequence,
     table: Option<BehaviourTable>,
+    course: Course,
+    /// Present step of the course, and time since its start, s.
     index: usize,
     step_s: f64,
     path: Path,
     waypoints: Waypoints,
     parameters: GraspParameters,
-    thresholds: Thresholds,
-    stiffness: Option<StiffnessFit>,
-    all_touched: bool,
-    touch_gap_m: f64,
-    closing_m: f64,
-    lifted_from_m: Option<Vector3<f64>>,
-    carried_m: f64,
-    suspended: bool,
-    minimises_grip: bool,
-    verification: GripVerification,
-    in_hand: InHandMonitor,
-    /// Duration of dropping, s.
-    drop_s: f64,
-    ended: bool,
-    no_contact_s: f64,
-    slip_warning: Option<Reason>,
-    /// Duration of a drift of the grip force, s.
-    drift_s: f64,
-    holds: bool,
-    /// The object was found in the hand. Its origin is unknown, so it is never put back.
-    found_in_hand: bool,
-    meeting_point: u8,
-    peer_meeting_point: u8,
+    object: HeldObjectEstimator,
     object_pose: Option<ObjectPose>,
-    regrasp: Regrasp,
+    corrections: Corrections,
     /// Displacement of the object from its commanded place, base frame, m.
     displacement_m: Vector2<f64>,
-    teleop_target: Option<TeleopTarget>,
-    /// Opening at the start of a teleoperated grip, later at the touch of all sides, m.
-    touched_opening_m: f64,
-    recovery: Option<(Recovery, Reason)>,
+    meeting_point: u8,
+    peer_meeting_point: u8,
+    slip_warning: Option<Reason>,
+    teleoperation: Teleoperation,
+}
+
+/// Course of a task.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+enum Course {
+    /// Steps of the task.
+    Task,
+    /// Puts the object back or opens, grasps again, and resumes the task at this step.
+    Regrasp { resume_step: usize },
+    /// Ends a task that cannot continue, for this reason.
+    Recovery(Recovery, Reason),
+    /// The task has ended; its last step stays active.
+    Ended,
 }
 
 /// Recovery from a task that cannot continue.
@@ -173,50 +158,33 @@ impl TaskExecutor {
     /// Starts a task at the present pose.
     #[must_use]
     pub fn start(
-        track: StepSequence,
+        sequence: StepSequence,
         waypoints: Waypoints,
         now: &GraspPose,
-        wishes: GraspParameters,
+        parameters: GraspParameters,
         settings: &Settings,
     ) -> Self {
-        let mut runner = Self {
-            sequence: track,
+        let mut executor = Self {
+            sequence,
             table: None,
+            course: Course::Task,
             index: 0,
             step_s: 0.0,
             path: Path::stationary(*now),
             waypoints,
-            parameters: wishes,
-            thresholds: wishes.initial_thresholds(settings),
-            stiffness: None,
-            all_touched: false,
-            touch_gap_m: 0.0,
-            closing_m: 0.0,
-            lifted_from_m: None,
-            carried_m: 0.0,
-            suspended: false,
-            minimises_grip: false,
-            verification: GripVerification::default(),
-            in_hand: InHandMonitor::default(),
-            drop_s: 0.0,
-            ended: false,
-            no_contact_s: 0.0,
-            slip_warning: None,
-            drift_s: 0.0,
-            holds: false,
-            found_in_hand: false,
+            parameters,
+            object: HeldObjectEstimator::new(parameters.initial_thresholds(settings)),
+            object_pose: None,
+            corrections: Corrections::default(),
+            displacement_m: Vector2::zeros(),
             meeting_point: 0,
             peer_meeting_point: 0,
-            object_pose: None,
-            regrasp: Regrasp::default(),
-            displacement_m: Vector2::zeros(),
-            teleop_target: None,
-            touched_opening_m: 0.0,
-            recovery: None,
+            slip_warning: None,
+            teleoperation: Teleoperation::default(),
         };
-        runner.path = runner.plan(now, settings);
-        runner.init_step();
-        runner
+        executor.path = executor.plan(now, settings);
+        executor.init_step();
+        executor
     }
 
     /// Returns the executor with a table for the behaviour table module.
@@ -234,18 +202,11 @@ impl TaskExecutor {
         reported_f2_n: f64,
         settings: &Settings,
     ) -> Self {
-        let (weakest_n, strongest_n) = force_range_n(percept);
+        let (weakest_n, strongest_n) = percept.normal_range_n();
+        let thresholds =
+            Thresholds::for_existing_grip([weakest_n, strongest_n], reported_f2_n, &settings.grasp);
         Self {
-            thresholds: Thresholds::for_existing_grip(
-                [weakest_n, strongest_n],
-                reported_f2_n,
-                &settings.grasp,
-            ),
-            all_touched: true,
-            verification: GripVerification::for_found_grip(percept),
-            lifted_from_m: Some(now.centre_m),
-            holds: true,
-            found_in_hand: true,
+            object: HeldObjectEstimator::for_found_object(thresholds, now.centre_m),
             ..Self::start(HOLD_FOUND, waypoints, now, GraspParameters::FOUND, settings)
         }
     }
@@ -254,6 +215,14 @@ impl TaskExecutor {
     #[must_use]
     pub fn step(&self) -> &Step {
         &self.steps()[self.index]
+    }
+
+    /// Steps of the present course.
+    fn steps(&self) -> &[Step] {
+        match self.course {
+            Course::Regrasp { .. } => &REGRASP,
+            Course::Task | Course::Recovery(..) | Course::Ended => &self.sequence,
+        }
     }
 
     /// Index of the present step.
@@ -268,16 +237,10 @@ impl TaskExecutor {
         self.index as f64 / self.steps().len() as f64
     }
 
-    /// Grip thresholds F_1 and F_2.
+    /// Estimate of the object in the hand.
     #[must_use]
-    pub fn thresholds(&self) -> Thresholds {
-        self.thresholds
-    }
-
-    /// Estimated stiffness, once known.
-    #[must_use]
-    pub fn stiffness(&self) -> Option<StiffnessFit> {
-        self.stiffness
+    pub fn object(&self) -> &HeldObjectEstimator {
+        &self.object
     }
 
     /// Time for which the fingers have been closing towards contact, s.
@@ -293,14 +256,8 @@ impl TaskExecutor {
     #[must_use]
     pub fn stiffness_before(&self) -> Option<StiffnessFit> {
         let previous = self.steps().get(self.index.checked_sub(1)?)?;
-        self.stiffness
-            .filter(|_| previous.transition == Transition::StiffnessKnown)
-    }
-
-    /// Carried distance, m.
-    #[must_use]
-    pub fn carried_m(&self) -> f64 {
-        self.carried_m
+        let measured = previous.transition == Transition::StiffnessKnown;
+        self.object.stiffness().filter(|_| measured)
     }
 
     /// Warning reason if the object in the hand slips.
@@ -309,23 +266,13 @@ impl TaskExecutor {
         self.slip_warning
     }
 
-    /// Warning reason if the grip force does not match the opening of the hand.
-    #[must_use]
-    pub fn drift_warning(&self) -> Option<Reason> {
-        if self.drift_s <= DRIFT_WARNING_S {
-            return None;
-        }
-        let grip = self.verification.verified_grip()?;
-        let [now_n, verified_n] = [grip.normal_n, grip.verified_normal_n]
-            .map(|normal_n| normal_n.iter().sum::<f64>() / GRASP_SIDES as f64);
-        let cause = Cause::FORCE_AGAINST_OPENING;
-        Some(Reason::with_limit(cause, now_n, verified_n))
-    }
-
     /// Reason of the recovery in progress.
     #[must_use]
     pub fn recovery_reason(&self) -> Option<Reason> {
-        self.recovery.map(|(_, reason)| reason)
+        match self.course {
+            Course::Recovery(_, reason) => Some(reason),
+            Course::Task | Course::Regrasp { .. } | Course::Ended => None,
+        }
     }
 
     /// Last meeting point reached.
@@ -334,10 +281,16 @@ impl TaskExecutor {
         self.meeting_point
     }
 
+    /// Sets the meeting point and the object displacement of the other hand.
+    pub fn receive_peer(&mut self, reached: u8, displaced_m: Vector2<f64>) {
+        self.peer_meeting_point = reached;
+        self.waypoints.shift_target(displaced_m);
+    }
+
     /// Returns true if the hand grips an object.
     #[must_use]
     pub fn grips(&self) -> bool {
-        self.holds && self.no_contact_s <= LOST_AFTER_S
+        self.object.is_held()
     }
 
     /// Context for the modules.
@@ -346,179 +299,84 @@ impl TaskExecutor {
         &'a self,
         settings: &'a Settings,
         step_s: f64,
-        motion: HandMotion<'a>,
+        hand: &'a HandMotion<'a>,
     ) -> Context<'a> {
         Context {
             settings,
             step_s,
-            thresholds: self.thresholds,
-            min_force_n: self.min_force_n(settings),
-            all_touched: self.all_touched,
-            closing_m: self.closing_m,
-            compression: motion.compression,
-            carried_m: self.carried_m,
-            suspended: self.suspended || !self.step().modules.contains(ModuleId::LIFT_VERIFICATION),
-            minimises_grip: self.minimises_grip,
-            verified: self.verification.is_verified(),
-            verified_grip: self.verification.verified_grip(),
-            table: self.table.as_ref(),
+            object: self.object.object(),
+            hand,
             path: &self.path,
-            carry_scale: motion.carry_scale,
-            closing_m_s: motion.closing_m_s,
-            pose: motion.frame,
-            closing_axis: motion.closing_axis,
-            turns_by_wrist: motion.turns_by_wrist,
-            base_from_tip: motion.base_from_tip,
-            side_m: motion.side_m,
-            tactile_over_torque: motion.tactile_over_torque,
-            torque_over_tactile: motion.torque_over_tactile,
+            table: self.table.as_ref(),
             turning: self.waypoints.turning(),
-            lowering_m: match self.step().motion {
-                Motion::Lower => Some(self.waypoints.lowering_m()),
-                Motion::Teleop => self.target_below_m(motion.frame),
-                _ => None,
-            },
+            lowering_m: self.lowering_m(hand.pose),
             teleop_target: self
-                .teleop_target
+                .teleoperation
+                .target
                 .as_ref()
                 .filter(|_| self.step().motion == Motion::Teleop),
         }
     }
 
-    /// Returns the minimum grip force, N: F_1 at first touch, lower for a carried object.
-    fn min_force_n(&self, settings: &Settings) -> f64 {
-        let carries = self.holds && self.lifted_from_m.is_some();
-        let carry_min_n = settings.grasp.carry_min_n;
-        if carries && carry_min_n < self.thresholds.f1_n {
-            carry_min_n
-        } else {
-            self.thresholds.f1_n
+    /// Returns the depth of a lowering step below the end of its path, m; `None` in other steps.
+    fn lowering_m(&self, now: &GraspPose) -> Option<f64> {
+        match self.step().motion {
+            Motion::Lower => Some(self.waypoints.lowering_m()),
+            Motion::Teleop => self.target_below_m(now),
+            _ => None,
         }
     }
 
-    /// Processes the module findings; `down_n` is the vertical load on the fingers, N, `load_n` the
-    /// net load across the closing axis, and `opening_m` the commanded opening.
-    pub fn update_findings(
-        &mut self,
-        percept: &Percept,
-        [down_n, load_n]: [f64; 2],
-        opening_m: f64,
-        finding: Finding,
-    ) {
-        self.verification.update(percept, load_n, opening_m);
-        if finding.suspended && !self.suspended {
-            self.verification.set_verified();
-        }
-        self.suspended |= finding.suspended;
-        self.minimises_grip = finding.minimises_grip;
-        self.drift_s = if finding.drifts {
-            self.drift_s + percept.step_s
-        } else {
-            0.0
-        };
-        let sinks = finding.slips && self.suspended;
-        self.drop_s = if sinks {
-            self.drop_s + percept.step_s
-        } else {
-            0.0
-        };
-        let carries = self.holds && self.lifted_from_m.is_some() && !self.found_in_hand;
-        // A teleoperated hand may place its object at any time.
-        if carries && self.step().motion != Motion::Lower && !self.is_teleoperated() {
-            let is_tested = self.step().modules.contains(ModuleId::LIFT_VERIFICATION);
-            let facts = (finding, self.suspended, is_tested);
-            self.in_hand.update(percept, down_n, self.carried_m, facts);
-        }
-    }
-
-    /// Sets the meeting point and the object displacement of the other hand.
-    pub fn receive_peer(&mut self, reached: u8, displaced_m: Vector2<f64>) {
-        self.peer_meeting_point = reached;
-        self.waypoints.shift_target(displaced_m);
-    }
-
-    /// Updates contact, closing and carried distance before the modules run. Inputs: fingertip
-    /// distance, m, object pose, and commanded pose `now`.
+    /// Updates the object before the modules run. Inputs: percept, motion of the hand, fingertip
+    /// distance, m, and object pose.
     pub fn update_measured(
         &mut self,
         percept: &Percept,
-        (gap_m, measured): (f64, Option<ObjectPose>),
-        now: &GraspPose,
+        hand: &HandMotion<'_>,
+        (gap_m, object_pose): (f64, Option<ObjectPose>),
+        settings: &Settings,
         step_s: f64,
     ) {
         self.step_s += step_s;
-        self.object_pose = measured;
-        let touching = percept.sides.iter().all(|f| f.in_contact);
-        if touching && !self.all_touched && self.step().transition == Transition::AllTouched {
-            self.all_touched = true;
-            self.touch_gap_m = gap_m;
-            self.touched_opening_m = now.half_opening_m.iter().sum();
-        }
-        self.closing_m = self.touch_gap_m - gap_m;
-        if let Some(from_m) = self.lifted_from_m {
-            self.carried_m = (now.centre_m - from_m).norm();
+        self.object_pose = object_pose;
+        let (had_touched, facts) = (self.object.object().all_touched, self.step_facts(hand.pose));
+        self.object
+            .update(percept, hand, (gap_m, step_s), facts, settings);
+        if facts.searches && self.object.object().all_touched && !had_touched {
+            self.teleoperation.touched_opening_m = hand.pose.half_opening_m.iter().sum();
         }
         self.slip_warning = self.check_slip(percept);
-        self.no_contact_s = if touching {
-            0.0
-        } else {
-            self.no_contact_s + step_s
-        };
     }
 
-    /// Returns the warning reason if a held object slips.
-    fn check_slip(&self, percept: &Percept) -> Option<Reason> {
-        let (slip_s, limit_s) = if self.verification.overload_m() > OVERLOAD_SLIDE_M {
-            (slip_s(percept), OVERLOAD_WARNING_S)
-        } else {
-            (self.unverified_slip_s(percept), SLIP_WARNING_S)
-        };
-        (self.holds_object() && slip_s > limit_s)
-            .then(|| Reason::with_limit(Cause::SLIDING, slip_s, limit_s))
+    /// Receives the result of lift verification.
+    pub fn receive_finding(&mut self, finding: LiftFinding) {
+        self.object.receive(finding, self.is_monitored());
     }
 
-    /// Returns the duration of a slip beyond the verified grip, s.
-    fn unverified_slip_s(&self, percept: &Percept) -> f64 {
-        slip_s(percept).min(self.verification.unverified_s())
+    fn step_facts(&self, now: &GraspPose) -> StepFacts {
+        let step = self.step();
+        StepFacts {
+            searches: step.transition == Transition::AllTouched,
+            verifies_lift: step.modules.contains(ModuleId::LIFT_VERIFICATION),
+            lowers: self.lowering_m(now).is_some(),
+            is_monitored: self.is_monitored(),
+        }
     }
 
-    fn holds_object(&self) -> bool {
-        self.step().transition == Transition::Held && self.grips()
-    }
-
-    /// Returns the reason to put back an object that slips despite F_2.
-    fn out_of_force(&self, percept: &Percept) -> Option<Reason> {
-        let (_, strongest_n) = force_range_n(percept);
-        let f2_n = self.thresholds.f2_n;
-        let everywhere = percept
-            .sides
-            .iter()
-            .all(|finger| finger.gross_slip_s > OUT_OF_FORCE_S);
-        let slips = self.holds_object() && self.unverified_slip_s(percept) > SLIP_WARNING_S;
-        let slides = (slips && everywhere) || self.drop_s > OUT_OF_FORCE_S;
-        let spent = slides && strongest_n > RELEASE_SHARE * f2_n;
-        let reason = Reason::with_limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
-        (spent && self.recovery.is_none() && !self.found_in_hand)
-            .then(|| reason.with_module(ModuleId::FORCE_LIMIT))
-    }
-}
-
-impl TaskExecutor {
     /// Continues with a task for the object in the hand; its thresholds and stiffness stay. In-hand
     /// monitoring restarts, because carrying the robot between tasks resembles dropping.
     pub fn continue_with(
         &mut self,
-        (track, waypoints, wishes): (StepSequence, Waypoints, GraspParameters),
+        (sequence, waypoints, parameters): (StepSequence, Waypoints, GraspParameters),
         now: &GraspPose,
         settings: &Settings,
         modules: &mut Modules,
     ) {
-        (self.sequence, self.waypoints) = (track, waypoints);
-        self.parameters = wishes;
-        (self.table, self.recovery, self.ended) = (None, None, false);
-        self.regrasp = Regrasp::default();
+        (self.sequence, self.waypoints) = (sequence, waypoints);
+        (self.table, self.parameters) = (None, parameters);
+        (self.course, self.corrections) = (Course::Task, Corrections::default());
         (self.meeting_point, self.peer_meeting_point) = (0, 0);
-        self.in_hand = InHandMonitor::default();
+        self.object.restart_in_hand();
         self.enter(0, now, settings, modules);
     }
 
@@ -530,19 +388,9 @@ impl TaskExecutor {
             } else {
                 HOLD_AFTER_GOAL
             };
-            self.regrasp = Regrasp::default();
+            (self.course, self.corrections) = (Course::Ended, Corrections::default());
             self.enter(0, now, settings, modules);
         }
-        self.recovery = None;
+        self.course = Course::Ended;
     }
-}
-
-/// Returns the longest slip of a side whose friction is nearly used up, s.
-fn slip_s(percept: &Percept) -> f64 {
-    percept
-        .sides
-        .iter()
-        .filter(|finger| finger.utilisation > SLIP_UTILISATION)
-        .map(|finger| finger.gross_slip_s)
-        .fold(0.0, |most, s| if s > most { s } else { most })
 }

@@ -9,8 +9,7 @@
 //! Each correction happens once. Displacements beyond plausible goal errors are ignored. No shift
 //! exceeds the clearance margin of the goal check.
 
-use super::TaskExecutor;
-use super::in_hand::InHandMonitor;
+use super::{Course, TaskExecutor};
 use crate::limits::{DISPLACED_MAX_M, YAW_ERROR_MAX_RAD};
 use crate::modules::{Modules, Verdict};
 use crate::perception::{ObjectPose, Percept};
@@ -45,11 +44,10 @@ const FLAT_OFFSET_MAX_M: f64 = 0.0003;
 const PUT_BACK_STEP: usize = 0;
 const REOPEN_STEP: usize = 1;
 
+/// Corrections that the task has used; each happens once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Regrasp {
-    /// Step to resume after the regrasp; `None` if no regrasp is active.
-    resume_step: Option<usize>,
+pub(super) struct Corrections {
     /// The hand regrasped at the measured place.
     recentred: bool,
     /// The hand regrasped nearer to the centre of mass.
@@ -59,14 +57,6 @@ pub(super) struct Regrasp {
 }
 
 impl TaskExecutor {
-    /// Steps in force: those of the task or of a regrasp.
-    pub(super) fn steps(&self) -> &[Step] {
-        match self.regrasp.resume_step {
-            Some(_) => &REGRASP,
-            None => &self.sequence,
-        }
-    }
-
     /// Displacement of the object from its commanded place, base frame, m; zero while unknown.
     #[must_use]
     pub fn displacement_m(&self) -> Vector2<f64> {
@@ -81,27 +71,27 @@ impl TaskExecutor {
         settings: &Settings,
         modules: &mut Modules,
     ) -> bool {
-        if let Some(index) = self.regrasp.resume_step {
+        if let Course::Regrasp { resume_step } = self.course {
             if self.index == PUT_BACK_STEP {
                 self.reopen(now, settings, modules);
                 return true;
             }
             let is_back = self.index + 1 == REGRASP.len();
             if is_back {
-                self.regrasp.resume_step = None;
-                self.enter(index, now, settings, modules);
+                self.course = Course::Task;
+                self.enter(resume_step, now, settings, modules);
             }
             return is_back;
         }
         if self.step().transition != Transition::Gripped {
             return false;
         }
-        let Some(index) = self.search_step() else {
+        let Some(resume_step) = self.search_step() else {
             return false;
         };
         let comes_again = self.update_place(now, settings);
         if comes_again {
-            self.regrasp.resume_step = Some(index);
+            self.course = Course::Regrasp { resume_step };
             self.reopen(now, settings, modules);
         }
         comes_again
@@ -110,8 +100,8 @@ impl TaskExecutor {
     /// Releases the standing object and resets its thresholds and stiffness.
     fn reopen(&mut self, now: &GraspPose, settings: &Settings, modules: &mut Modules) {
         modules.release_object();
-        self.thresholds = self.parameters.initial_thresholds(settings);
-        self.stiffness = None;
+        let thresholds = self.parameters.initial_thresholds(settings);
+        self.object.reset_probe(thresholds);
         self.enter(REOPEN_STEP, now, settings, modules);
     }
 
@@ -120,7 +110,8 @@ impl TaskExecutor {
     fn lift_fails(&self, verdict: Verdict, percept: &Percept) -> bool {
         let is_refused =
             matches!(verdict, Verdict::Refuse(reason) if reason.cause != Cause::OBSTRUCTED);
-        let hangs_askew = self.minimises_grip && self.in_hand.lever_m().abs() > LEVER_MAX_M;
+        let hangs_askew =
+            self.object.object().minimises_grip && self.object.lever_m().abs() > LEVER_MAX_M;
         is_refused
             || hangs_askew
             || self.turning().is_some()
@@ -138,38 +129,30 @@ impl TaskExecutor {
         modules: &mut Modules,
     ) -> bool {
         let lifts = self.step().motion == Motion::Carry(Waypoint::Lifted);
-        let is_low = self.carried_m < PUT_BACK_MAX_M;
-        if !(lifts && is_low) || self.found_in_hand || self.waypoints.joins_objects() {
+        let is_low = self.object.object().carried_m < PUT_BACK_MAX_M;
+        if !(lifts && is_low) || self.object.is_found() || self.waypoints.joins_objects() {
             return false;
         }
         if !self.lift_fails(verdict, percept) {
             return false;
         }
-        let Some(index) = self.search_step() else {
+        let Some(resume_step) = self.search_step() else {
             return false;
-        };
-        let regrasp = Regrasp {
-            resume_step: Some(index),
-            ..self.regrasp
         };
         let aside = self.lateral_shift(settings);
         if aside.is_some() {
             // If the object proves to be round, the hand returns to its centre.
-            self.regrasp = Regrasp {
-                recentred: false,
-                balanced: true,
-                ..regrasp
-            };
+            self.corrections.recentred = false;
+            self.corrections.balanced = true;
         } else if self.needs_reprobe(verdict) {
-            self.regrasp = Regrasp {
-                reprobed: true,
-                ..regrasp
-            };
+            self.corrections.reprobed = true;
         } else {
             return false;
         }
+        self.course = Course::Regrasp { resume_step };
         // Motion on the way back counts neither as slip nor as rotation.
-        (self.holds, self.in_hand) = (false, InHandMonitor::default());
+        self.object.let_go();
+        self.object.restart_in_hand();
         self.enter(PUT_BACK_STEP, now, settings, modules);
         if let Some((aside_m, axis)) = aside {
             self.waypoints.shift_grasp(aside_m, &axis);
@@ -180,9 +163,9 @@ impl TaskExecutor {
     /// Returns the lateral shift towards the centre of mass, m, and the closing axis; once per
     /// task.
     fn lateral_shift(&self, settings: &Settings) -> Option<(f64, Vector2<f64>)> {
-        let measured = self.object_pose.filter(|_| !self.regrasp.balanced)?;
+        let measured = self.object_pose.filter(|_| !self.corrections.balanced)?;
         let across_m = measured.closing_axis.perp(&measured.offset_m);
-        let lever_m = self.in_hand.lever_m();
+        let lever_m = self.object.lever_m();
         let aside_m = (lever_m * LEVER_GAIN).clamp(-SHIFT_MAX_M, SHIFT_MAX_M);
         let has_room =
             self.displacement_m.norm() + aside_m.abs() <= self.waypoints.clearance_margin_m();
@@ -197,14 +180,14 @@ impl TaskExecutor {
     fn needs_reprobe(&self, verdict: Verdict) -> bool {
         let too_soft =
             matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::TOO_SOFT);
-        let settled = self.stiffness.is_some_and(|fit| fit.new_contact);
-        too_soft && settled && !self.regrasp.reprobed
+        let settled = self.object.stiffness().is_some_and(|fit| fit.new_contact);
+        too_soft && settled && !self.corrections.reprobed
     }
 
     /// Returns the step that searched for the object, if the hand came to the source for it and
     /// went nowhere else since.
     fn search_step(&self) -> Option<usize> {
-        if self.step().uses_table() || self.recovery.is_some() {
+        if self.step().uses_table() || self.recovery_reason().is_some() {
             return None;
         }
         let stays =
@@ -237,14 +220,14 @@ impl TaskExecutor {
             settings.grasp.regrasp_m
         };
         let is_far = off_m.norm() > near_m || turned > settings.grasp.regrasp_rad;
-        if !is_far || self.regrasp.recentred {
+        if !is_far || self.corrections.recentred {
             return false;
         }
         // Only a hand from above can rotate about the object; a side grasp must point at it.
         let turns = now.hand_pitch_rad >= FRAC_PI_2;
         let turn_rad = if turns { measured.yaw_error_rad } else { 0.0 };
         self.waypoints.move_grasp(&at_m, turn_rad);
-        self.regrasp.recentred = true;
+        self.corrections.recentred = true;
         true
     }
 

@@ -1,6 +1,7 @@
 //! Executor functions of a teleoperated hand.
 
-use super::{FINGERTIPS_MEET_M, TaskExecutor};
+use super::TaskExecutor;
+use super::transitions::FINGERTIPS_MEET_M;
 use crate::modules::Modules;
 use crate::path::Path;
 use crate::perception::Percept;
@@ -21,10 +22,20 @@ const EMPTY_HALF_OPENING_M: f64 = 0.0025;
 /// Target depth below the hand that requests lowering, m (design choice).
 const LOWERING_M: f64 = 0.0002;
 
+/// Teleoperation of the hand.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Teleoperation {
+    /// Target of the client; `None` while it sends none.
+    pub(super) target: Option<TeleopTarget>,
+    /// Opening at the start of a grip, later at the touch of all sides, m.
+    pub(super) touched_opening_m: f64,
+}
+
 impl TaskExecutor {
     /// Sets the client's target; `None` while the client sends none.
     pub fn receive_target(&mut self, lead: Option<TeleopTarget>) {
-        self.teleop_target = lead;
+        self.teleoperation.target = lead;
         if let Some(lead) = lead {
             // Modules may use the path direction.
             self.path = Path::stationary(lead.pose);
@@ -39,7 +50,7 @@ impl TaskExecutor {
 
     /// Returns true if the client requests a grip, or the fingers touch something while closing.
     pub(super) fn grip_requested(&self, percept: &Percept, now: &GraspPose) -> bool {
-        let Some(lead) = &self.teleop_target else {
+        let Some(lead) = &self.teleoperation.target else {
             return false;
         };
         let open_m = now.half_opening_m.iter().sum::<f64>();
@@ -60,9 +71,9 @@ impl TaskExecutor {
             && self.step().transition != Transition::Held;
         let wider = |lead: &TeleopTarget| {
             lead.grip == GripOrder::WIDTH
-                && lead.opening_m() > self.touched_opening_m + RELEASE_WIDER_M
+                && lead.opening_m() > self.teleoperation.touched_opening_m + RELEASE_WIDER_M
         };
-        holds && self.teleop_target.as_ref().is_some_and(wider)
+        holds && self.teleoperation.target.as_ref().is_some_and(wider)
     }
 
     /// Returns true if the fingertips of a teleoperated hand met without an object between them.
@@ -83,7 +94,7 @@ impl TaskExecutor {
         modules: &mut Modules,
     ) {
         modules.release_object();
-        let lead = self.teleop_target;
+        let lead = self.teleoperation.target;
         let (track, waypoints, wishes) = (self.sequence, self.waypoints, self.parameters);
         *self = Self::start(track, waypoints, now, wishes, settings);
         self.receive_target(lead);
@@ -91,7 +102,7 @@ impl TaskExecutor {
 
     /// Returns how far the target is below the hand, m, if the client requests lowering.
     pub(super) fn target_below_m(&self, now: &GraspPose) -> Option<f64> {
-        let lead = self.teleop_target.as_ref()?;
+        let lead = self.teleoperation.target.as_ref()?;
         let down_m = now.centre_m.z - lead.pose.centre_m.z;
         (self.step().motion == Motion::Teleop && down_m > LOWERING_M).then_some(down_m)
     }

@@ -3,6 +3,9 @@
 use super::*;
 use crate::tasks::Waypoint;
 
+/// Half opening at which any search ends, m (design choice): the fingertips meet below it.
+pub(super) const FINGERTIPS_MEET_M: f64 = 0.001;
+
 impl TaskExecutor {
     /// Evaluates this tick: verdict, end of the step, end of the task.
     pub fn finish_tick(
@@ -18,7 +21,9 @@ impl TaskExecutor {
             return Outcome::NextStep;
         }
         match verdict {
-            Verdict::Refuse(reason) if self.recovery.is_none() && !self.found_in_hand => {
+            Verdict::Refuse(reason)
+                if self.recovery_reason().is_none() && !self.object.is_found() =>
+            {
                 let retreat = if reason.cause == Cause::OBSTRUCTED {
                     Recovery::Withdraw
                 } else {
@@ -28,10 +33,9 @@ impl TaskExecutor {
                 return self.start_recovery(retreat, reason, now, settings, modules);
             }
             Verdict::Stiffness(fit) => {
-                self.stiffness = Some(fit);
-                self.holds = true;
-                self.thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp)
+                let thresholds = Thresholds::for_stiffness(fit.object_n_m, &settings.grasp)
                     .with_force_limit(self.parameters.max_force_n, &settings.grasp);
+                self.object.set_stiffness(fit, thresholds);
             }
             Verdict::None | Verdict::Done | Verdict::Refuse(_) => {}
         }
@@ -47,9 +51,7 @@ impl TaskExecutor {
         }
         if let Some(reason) = self.failure(percept, now, settings) {
             if reason.cause == Cause::LOST_OBJECT {
-                // Without load the fingers may still hold an object that something else carries.
-                self.holds &= self.no_contact_s <= LOST_AFTER_S;
-                self.in_hand = InHandMonitor::default();
+                self.object.keep_if_touched();
             }
             return Outcome::Failed(reason);
         }
@@ -73,11 +75,12 @@ impl TaskExecutor {
     fn is_done(&self, arrived: bool, concluded: bool, percept: &Percept, now: &GraspPose) -> bool {
         match self.step().transition {
             Transition::Arrived => arrived,
-            Transition::AllTouched => self.all_touched,
-            Transition::StiffnessKnown => self.stiffness.is_some(),
+            Transition::AllTouched => self.object.object().all_touched,
+            Transition::StiffnessKnown => self.object.stiffness().is_some(),
             Transition::Gripped => {
-                let (weakest_n, strongest_n) = force_range_n(percept);
-                weakest_n > self.thresholds.f1_n || strongest_n > self.thresholds.f2_n
+                let (weakest_n, strongest_n) = percept.normal_range_n();
+                let Thresholds { f1_n, f2_n, .. } = self.object.thresholds();
+                weakest_n > f1_n || strongest_n > f2_n
             }
             Transition::Held => self.step_s >= self.parameters.hold_s,
             Transition::Concluded => concluded,
@@ -93,10 +96,11 @@ impl TaskExecutor {
             return Outcome::NextStep;
         }
         if self.index + 1 == self.steps().len() {
-            return match self.recovery {
-                Some((Recovery::PutBack | Recovery::Withdraw, reason)) => Outcome::Refused(reason),
-                Some((Recovery::Raise, reason)) => Outcome::Failed(reason),
-                None => self.finish_task(),
+            return match self.course {
+                Course::Recovery(Recovery::Raise, reason) => Outcome::Failed(reason),
+                Course::Recovery(_, reason) => Outcome::Refused(reason),
+                Course::Task | Course::Regrasp { .. } => self.finish_task(),
+                Course::Ended => Outcome::Succeeded,
             };
         }
         self.enter(self.index + 1, now, settings, modules);
@@ -105,9 +109,10 @@ impl TaskExecutor {
 
     /// Ends the task once; later findings do not change its outcome.
     fn finish_task(&mut self) -> Outcome {
-        let objection = self.in_hand.failure().filter(|_| !self.ended);
-        self.ended = true;
-        objection.map_or(Outcome::Succeeded, Outcome::Failed)
+        self.course = Course::Ended;
+        self.object
+            .failure()
+            .map_or(Outcome::Succeeded, Outcome::Failed)
     }
 
     pub(super) fn enter(
@@ -126,11 +131,11 @@ impl TaskExecutor {
         self.init_step();
         modules.restart_step();
         match self.step().motion {
-            Motion::Carry(_) if self.recovery.is_none() => self.lifted_from_m = Some(now.centre_m),
-            Motion::Open | Motion::LetGo | Motion::Square => self.holds = false,
-            Motion::Teleop if self.holds => self.lifted_from_m = Some(now.centre_m),
+            Motion::Carry(_) if self.recovery_reason().is_none() => self.object.lift(now.centre_m),
+            Motion::Open | Motion::LetGo | Motion::Square => self.object.let_go(),
+            Motion::Teleop if self.object.is_gripped() => self.object.lift(now.centre_m),
             Motion::Brake if self.step().transition == Transition::AllTouched => {
-                self.touched_opening_m = now.half_opening_m.iter().sum();
+                self.teleoperation.touched_opening_m = now.half_opening_m.iter().sum();
             }
             _ => {}
         }
@@ -140,13 +145,7 @@ impl TaskExecutor {
     pub(super) fn init_step(&mut self) {
         match self.step().transition {
             Transition::Met(point) => self.meeting_point = point,
-            Transition::AllTouched => {
-                self.all_touched = false;
-                (self.suspended, self.minimises_grip) = (false, false);
-                self.verification = GripVerification::default();
-                self.in_hand = InHandMonitor::default();
-                self.lifted_from_m = None;
-            }
+            Transition::AllTouched => self.object.begin_search(),
             _ => {}
         }
     }
@@ -166,7 +165,7 @@ impl TaskExecutor {
     fn reason_while_held(&self, reason: Reason) -> Reason {
         let held =
             self.step().transition == Transition::Held || self.step().motion == Motion::Square;
-        if held && reason.cause == self.thresholds.refusal_cause() {
+        if held && reason.cause == self.object.thresholds().refusal_cause() {
             Reason {
                 cause: Cause::OUT_OF_FORCE,
                 ..reason
@@ -187,44 +186,32 @@ impl TaskExecutor {
         if self.is_teleoperated() {
             return Outcome::Failed(reason);
         }
-        self.recovery = Some((retreat, reason));
-        self.regrasp = Regrasp::default();
+        (self.course, self.corrections) =
+            (Course::Recovery(retreat, reason), Corrections::default());
         self.sequence = match retreat {
             Recovery::PutBack => PUT_BACK,
             Recovery::Raise => RAISE,
             Recovery::Withdraw => WITHDRAW,
         };
-        self.holds &= retreat == Recovery::Raise;
+        if retreat != Recovery::Raise {
+            self.object.let_go();
+        }
         self.enter(0, now, settings, modules);
         Outcome::NextStep
-    }
-
-    /// Returns the reason to put back an object that rotates before lift verification succeeded.
-    fn turning_before_verification(&self) -> Option<Reason> {
-        let is_tested = self.step().modules.contains(ModuleId::LIFT_VERIFICATION);
-        self.turning().filter(|_| is_tested && !self.suspended)
-    }
-
-    /// Returns the reason to stop carrying a rotating object. It stays in the hand, because it
-    /// would land on its edge.
-    pub(super) fn turning(&self) -> Option<Reason> {
-        let carries = matches!(self.step().motion, Motion::Carry(_) | Motion::Convey(_));
-        let goes_on = carries && self.recovery.is_none() && !self.found_in_hand;
-        self.in_hand.turning().filter(|_| goes_on)
     }
 
     /// Returns the reason if the task fails in this tick.
     fn failure(&self, percept: &Percept, now: &GraspPose, settings: &Settings) -> Option<Reason> {
         let step = self.step();
-        if self.holds && self.lifted_from_m.is_some() && self.no_contact_s > LOST_AFTER_S {
-            let (weakest_n, _) = force_range_n(percept);
+        if self.object.is_carried() && self.object.has_lost_contact() {
+            let (weakest_n, _) = percept.normal_range_n();
             return Some(Reason::with_limit(
                 Cause::LOST_OBJECT,
                 weakest_n,
                 settings.perception.touch_off_n,
             ));
         }
-        if let Some(reason) = self.in_hand.loss().filter(|_| self.holds) {
+        if let Some(reason) = self.object.loss() {
             return Some(reason);
         }
         if let Some(reason) = self.turning() {

@@ -2,7 +2,6 @@
 
 use super::HandControl;
 use crate::executor::TaskExecutor;
-use crate::modules::force_range_n;
 use crate::perception::Percept;
 use crate::planning::{Waypoints, home_pose};
 use crate::safety::Grip;
@@ -35,8 +34,12 @@ impl HandControl {
         self.modules.reset();
         self.arbiter.reset();
         let runner = TaskExecutor::hold_found(waypoints, &now, &percept, f2_n, settings);
-        let (_, strongest_n) = force_range_n(&percept);
-        let reason = Reason::with_limit(Cause::GRIP_FOUND, strongest_n, runner.thresholds().f2_n);
+        let (_, strongest_n) = percept.normal_range_n();
+        let reason = Reason::with_limit(
+            Cause::GRIP_FOUND,
+            strongest_n,
+            runner.object().thresholds().f2_n,
+        );
         self.executor = Some(runner);
         Some(ModuleEvent {
             reason: reason.with_index(self.hand.0 as usize),
@@ -48,7 +51,7 @@ impl HandControl {
     pub(super) fn update_force_limit(&mut self) {
         let touches = |fingers: &Percept| fingers.sides.iter().any(|f| f.in_contact);
         self.force_limit_n = match &self.executor {
-            Some(runner) if runner.grips() => runner.thresholds().f2_n,
+            Some(runner) if runner.grips() => runner.object().thresholds().f2_n,
             _ if touches(self.perception.percept()) => self.force_limit_n,
             _ => 0.0,
         };
@@ -69,8 +72,8 @@ impl HandControl {
             f2_n: self
                 .executor
                 .as_ref()
-                .filter(|r| r.stiffness().is_some())
-                .map(|r| r.thresholds().f2_n),
+                .filter(|r| r.object().stiffness().is_some())
+                .map(|r| r.object().thresholds().f2_n),
         }
     }
 }

@@ -7,10 +7,11 @@ mod torque_force_check;
 use crate::arbitration::{Arbiter, Intent};
 use crate::executor::{GraspParameters, HandMotion, Outcome, TaskExecutor};
 use crate::goal::Goal;
+use crate::held_object::LiftFinding;
 use crate::intake::FrameIntake;
 use crate::io::Events;
 use crate::kinematics::{HandCommand, HandServo, gap_m};
-use crate::modules::{self, Modules, Proposal, Selection, across_axis_n, net_force_n};
+use crate::modules::{self, Modules, Proposal, Selection};
 use crate::perception::{self, ObjectPose, Percept, Perception};
 use crate::planning::Waypoints;
 use crate::sensor_setup::{HandSensorSetup, SensorSetup};
@@ -218,13 +219,11 @@ impl HandControl {
         let (runner, servo) = (self.executor.as_mut()?, self.servo.as_mut()?);
         let percept = self.perception.percept();
         let slid = runner.slip_warning().is_some();
-        let drifted = runner.drift_warning().is_some();
-        let measured = (self.measured_gap_m, self.object_pose);
-        runner.update_measured(percept, measured, servo.pose(), step_s);
-        let motion = HandMotion {
+        let drifted = runner.object().drift_warning().is_some();
+        let hand = HandMotion {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
-            frame: servo.pose(),
+            pose: servo.pose(),
             closing_axis: servo.closing_axis(&self.model),
             turns_by_wrist: self.model.turns_by_wrist(),
             base_from_tip: &self.base_from_tip[..self.model.fingertip_count()],
@@ -233,19 +232,19 @@ impl HandControl {
             tactile_over_torque: self.torque_check.tactile_over_torque(&settings.safety),
             torque_over_tactile: self.torque_check.torque_over_tactile(&settings.safety),
         };
-        let context = runner.context(settings, step_s, motion);
+        let measured = (self.measured_gap_m, self.object_pose);
+        runner.update_measured(percept, &hand, measured, settings, step_s);
+        let context = runner.context(settings, step_s, &hand);
         let proposals = self
             .modules
             .evaluate(runner.step().modules, percept, &context);
+        self.slips = context.object.drops;
         let intent = self.arbiter.merge(&proposals, step_s);
-        let net_n = net_force_n(percept, motion.base_from_tip);
-        let loads_n = [-net_n.z, across_axis_n(&net_n, &motion.closing_axis)];
-        let opening_m = servo.pose().half_opening_m.iter().sum();
-        runner.update_findings(percept, loads_n, opening_m, intent.finding);
-        self.slips = intent.finding.slips;
+        self.slips |= intent.finding == LiftFinding::Standing;
+        runner.receive_finding(intent.finding);
         let arrived = intent.pose.is_some_and(|c| c.arrived);
         let now = *servo.pose();
-        let drifts = runner.drift_warning().filter(|_| !drifted);
+        let drifts = runner.object().drift_warning().filter(|_| !drifted);
         let gave_up = runner.recovery_reason().is_some();
         let slides = runner.slip_warning().filter(|_| !slid);
         let outcome = runner.finish_tick(

@@ -19,10 +19,10 @@ impl HandControl {
             .fold(f64::INFINITY, f64::min);
         figures.friction = friction as f32;
         if let Some(runner) = &self.executor {
-            figures.f1_n = runner.thresholds().f1_n as f32;
-            figures.f2_n = runner.thresholds().f2_n as f32;
-            figures.lifted_m = runner.carried_m() as f32;
-            if let Some(fit) = runner.stiffness() {
+            figures.f1_n = runner.object().thresholds().f1_n as f32;
+            figures.f2_n = runner.object().thresholds().f2_n as f32;
+            figures.lifted_m = runner.object().object().carried_m as f32;
+            if let Some(fit) = runner.object().stiffness() {
                 figures.stiffness_n_m = fit.object_n_m as f32;
                 figures.stiffness_confidence = fit.confidence as f32;
             }
@@ -48,9 +48,12 @@ impl HandControl {
         };
         if let Some(runner) = &self.executor {
             report.step = runner.index() as u32;
-            report.f1_n = runner.thresholds().f1_n as f32;
-            report.f2_n = runner.thresholds().f2_n as f32;
-            report.stiffness_n_m = runner.stiffness().map_or(0.0, |h| h.object_n_m as f32);
+            report.f1_n = runner.object().thresholds().f1_n as f32;
+            report.f2_n = runner.object().thresholds().f2_n as f32;
+            report.stiffness_n_m = runner
+                .object()
+                .stiffness()
+                .map_or(0.0, |h| h.object_n_m as f32);
         }
         for (i, finger) in percept.fingertips.iter().enumerate() {
             report.fingers[i] = FingerReport {
@@ -186,7 +189,7 @@ impl HandControl {
         if let Some(fit) = runner.stiffness_before() {
             let mut event = self.event(EventKind::STIFFNESS);
             event.value = fit.object_n_m;
-            event.threshold = runner.thresholds().f2_n;
+            event.threshold = runner.object().thresholds().f2_n;
             events.push(event);
         }
     }

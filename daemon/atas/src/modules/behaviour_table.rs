@@ -7,7 +7,7 @@
 
 use super::force_limit::{exceeds_f2, too_heavy_reason};
 use super::slip::{exceeds_utilisation, is_loading, is_turning, slips_grossly};
-use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
+use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::perception::{ContactPercept, Percept};
 use robot_model::GRASP_SIDES;
 use shm_schemas::{ModuleId, SensorBit};
@@ -55,7 +55,7 @@ impl Module for BehaviourTable {
         if action.hand < 0.0 {
             self.back_s += context.step_s;
         }
-        let (_, strongest_n) = force_range_n(percept);
+        let (_, strongest_n) = percept.normal_range_n();
         let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::BEHAVIOUR_TABLE);
         Proposal {
             active: action.fingers_m_s != 0.0 || action.hand < 1.0,
@@ -75,8 +75,8 @@ impl BehaviourTable {
     /// Updates the sensor bits that have state.
     fn update_bits(&mut self, percept: &Percept, context: &Context<'_>) {
         let settings = &context.settings.grasp;
-        let (_, strongest_n) = force_range_n(percept);
-        self.above_f2 = exceeds_f2(strongest_n, self.above_f2, context.thresholds.f2_n);
+        let (_, strongest_n) = percept.normal_range_n();
+        self.above_f2 = exceeds_f2(strongest_n, self.above_f2, context.object.thresholds.f2_n);
         let mut slips = false;
         let fingers = percept.sides.iter();
         for ((finger, slipping), turning) in fingers.zip(&mut self.slipping).zip(&mut self.turning)
@@ -107,13 +107,13 @@ impl BehaviourTable {
     }
 
     fn is_set(&self, bit: SensorBit, percept: &Percept, context: &Context<'_>) -> bool {
-        let (weakest_n, _) = force_range_n(percept);
+        let (weakest_n, _) = percept.normal_range_n();
         match bit {
             SensorBit::TOUCHING => percept.sides.iter().all(|f| f.in_contact),
-            SensorBit::ABOVE_F1 => weakest_n > context.thresholds.f1_n,
+            SensorBit::ABOVE_F1 => weakest_n > context.object.thresholds.f1_n,
             SensorBit::SLIPPING => self.latch_s > 0.0,
             SensorBit::ABOVE_F2 => self.above_f2,
-            SensorBit::LIFTED => context.carried_m > LIFTED_M,
+            SensorBit::LIFTED => context.object.carried_m > LIFTED_M,
             SensorBit::FRICTION_MARGIN => self.low_utilisation_s > LOW_UTILISATION_S,
             _ => false,
         }

@@ -24,7 +24,7 @@ impl Module for Carry {
     };
 
     fn evaluate(&mut self, _percept: &Percept, context: &Context<'_>) -> Proposal {
-        self.path_s = (self.path_s + context.step_s * context.carry_scale).max(0.0);
+        self.path_s = (self.path_s + context.step_s * context.hand.carry_scale).max(0.0);
         let arrived = self.path_s >= context.path.duration_s();
         let frame = context.path.pose_at(self.path_s);
         Proposal {

@@ -6,7 +6,7 @@
 //! for the other. Then both close until the weaker side exceeds F_1. For an object that is already
 //! carried, the module only maintains contact. It is active while it closes.
 
-use super::{Context, Module, Proposal, Roles, force_range_n};
+use super::{Context, Module, Proposal, Roles};
 use crate::perception::Percept;
 use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
@@ -24,9 +24,9 @@ impl Module for FirstTouch {
     };
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
-        let (weakest_n, _) = force_range_n(percept);
-        let enhance: [bool; GRASP_SIDES] = if context.all_touched {
-            [weakest_n <= context.min_force_n; GRASP_SIDES]
+        let (weakest_n, _) = percept.normal_range_n();
+        let enhance: [bool; GRASP_SIDES] = if context.object.all_touched {
+            [weakest_n <= context.object.min_force_n; GRASP_SIDES]
         } else {
             core::array::from_fn(|finger| !percept.sides[finger].in_contact)
         };

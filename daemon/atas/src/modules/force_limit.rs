@@ -4,11 +4,10 @@
 //!
 //! The compared force is the larger of tactile and joint-estimated force. Above `relieve_at`·F_2 of
 //! both, the fingers open slowly and the hand waits; above F_2 if the goal sets the force limit. If
-//! the grip closes without the force that belongs to its opening, it stops closing ([`Drift`]). An
+//! the grip closes without the force that belongs to its opening, it stops closing ([`Drift`](crate::held_object::Drift)). An
 //! object that slips on every side at F_2 is refused.
 
-use super::drift::Drift;
-use super::{Context, Finding, Module, Proposal, Verdict, force_range_n};
+use super::{Context, Module, Proposal, Verdict};
 use crate::filter::low_pass;
 use crate::perception::Percept;
 use crate::thresholds::ForceLimitSource;
@@ -35,20 +34,16 @@ impl Module for ForceLimit {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
-        let f2_n = context.thresholds.f2_n;
-        let object_m_n = settings.compression_m / f2_n;
-        let drift = context.verified_grip.map_or(Drift::default(), |grip| {
-            Drift::estimate(&grip, &context.compression, object_m_n)
-        });
-        let (_, strongest_n) = force_range_n(percept);
-        let strongest_n = (strongest_n - drift.excess_n()) * context.torque_over_tactile;
+        let (f2_n, drift) = (context.object.thresholds.f2_n, &context.object.drift);
+        let (_, strongest_n) = percept.normal_range_n();
+        let strongest_n = (strongest_n - drift.excess_n()) * context.hand.torque_over_tactile;
         self.active = exceeds_f2(strongest_n, self.active, f2_n);
-        let relieve_at = match context.thresholds.source {
+        let relieve_at = match context.object.thresholds.source {
             ForceLimitSource::Goal => 1.0,
             ForceLimitSource::Hand | ForceLimitSource::Object => settings.relieve_at,
         };
         let ceiling_m_s = match self.active {
-            true if strongest_n > relieve_at * f2_n * context.tactile_over_torque => {
+            true if strongest_n > relieve_at * f2_n * context.hand.tactile_over_torque => {
                 -settings.relieve_m_s
             }
             true => 0.0,
@@ -71,10 +66,6 @@ impl Module for ForceLimit {
             } else {
                 Verdict::None
             },
-            finding: Finding {
-                drifts: drift.is_reported,
-                ..Finding::default()
-            },
             ..Proposal::default()
         }
     }
@@ -82,7 +73,7 @@ impl Module for ForceLimit {
 
 /// Returns the reason to refuse an object that needs more than F_2.
 pub(super) fn too_heavy_reason(strongest_n: f64, context: &Context<'_>) -> Reason {
-    let thresholds = context.thresholds;
+    let thresholds = context.object.thresholds;
     Reason::with_limit(thresholds.refusal_cause(), strongest_n, thresholds.f2_n)
 }
 
@@ -103,8 +94,9 @@ impl ForceLimit {
             .fold(f64::INFINITY, f64::min);
         self.slip_utilisation =
             low_pass(self.slip_utilisation, least, context.step_s, GROSS_FILTER_S);
-        let sliding =
-            self.active && !context.verified && self.slip_utilisation > settings.too_heavy_gross;
+        let sliding = self.active
+            && !context.object.load_is_held
+            && self.slip_utilisation > settings.too_heavy_gross;
         self.gross_slip_s = if sliding {
             self.gross_slip_s + context.step_s
         } else {

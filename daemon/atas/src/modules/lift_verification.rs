@@ -10,13 +10,12 @@
 //! The friction of an object that is suspended at first is known only from the sensor. Just above
 //! the support, where a slip costs a millimetre, the hand minimises the grip and pulls back again.
 //! If the object drops or stands, the grip is increased. The resulting grip does not depend on a
-//! friction reading.
+//! friction reading. At the limit of friction, a shake would start a slide that kinetic friction
+//! does not stop. The fingers therefore close to a utilisation of `SECURED_UTILISATION` first.
 
-use super::drop_detector::DropDetector;
 use super::force_limit::too_heavy_reason;
-use super::{
-    Context, Finding, Module, Proposal, RELEASE_SHARE, Verdict, force_range_n, force_up_n,
-};
+use super::{Context, Module, Proposal, RELEASE_SHARE, Verdict};
+use crate::held_object::LiftFinding;
 use crate::perception::Percept;
 use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
@@ -40,6 +39,9 @@ const FRAMES: u32 = 5;
 /// the steady time of grip relaxation).
 const STILL_M_S: f64 = 0.0002;
 const STILL_S: f64 = 0.3;
+/// Friction utilisation at which a minimised grip is verified. Design choice: kinetic friction is a
+/// tenth lower than static friction, and the load trembles by a few per cent.
+const SECURED_UTILISATION: f64 = 0.86;
 /// Timeout of grip minimisation, s (design choice).
 const MINIMISE_MAX_S: f64 = 3.0;
 
@@ -61,6 +63,9 @@ enum Phase {
     PullingBack(PullBack),
     /// The object is suspended; the hand waits for the minimum grip.
     Minimising(GripMinimisation),
+    /// The minimised grip holds the object; the fingers close until the weaker side reaches this
+    /// force, N.
+    Securing(f64),
     /// The object stands; the fingers close until the weaker side reaches this force, N.
     Pressing(f64),
     Suspended,
@@ -74,8 +79,6 @@ struct GripMinimisation {
     /// Time without finger motion and total time, s.
     still_s: f64,
     total_s: f64,
-    /// Load since the object is suspended.
-    drop_detector: DropDetector,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,15 +106,15 @@ impl Module for LiftVerification {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.grasp;
-        let (weakest_n, strongest_n) = force_range_n(percept);
-        let at_ceiling = strongest_n > RELEASE_SHARE * context.thresholds.f2_n;
+        let (weakest_n, strongest_n) = percept.normal_range_n();
+        let at_ceiling = strongest_n > RELEASE_SHARE * context.object.thresholds.f2_n;
         let stands = self.advance(percept, context, weakest_n, at_ceiling);
         let reason = too_heavy_reason(strongest_n, context);
         let (closing_m_s, carry_ceiling) = match self.phase {
             Phase::PullingBack(tug) if tug.is_moving() => (0.0, -1.0),
             Phase::PullingBack(_) => (0.0, 0.0),
-            Phase::Minimising(trying) if trying.has_begun(context.carried_m) => (0.0, 0.0),
-            Phase::Pressing(_) => (settings.enhance_m_s, 0.0),
+            Phase::Minimising(trying) if trying.has_begun(context.object.carried_m) => (0.0, 0.0),
+            Phase::Securing(_) | Phase::Pressing(_) => (settings.enhance_m_s, 0.0),
             Phase::Travelling(_) => {
                 let gentle_m_s = percept.touch_speed_m_s(SLIP_TRAVEL_M, 1, context.settings);
                 (
@@ -130,11 +133,13 @@ impl Module for LiftVerification {
             } else {
                 Verdict::None
             },
-            finding: Finding {
-                slips: stands,
-                suspended: self.phase == Phase::Suspended,
-                minimises_grip: matches!(self.phase, Phase::Minimising(t) if t.has_begun(context.carried_m)),
-                ..Finding::default()
+            finding: match self.phase {
+                _ if stands => LiftFinding::Standing,
+                Phase::Minimising(trial) if trial.has_begun(context.object.carried_m) => {
+                    LiftFinding::MinimisesGrip
+                }
+                Phase::Suspended => LiftFinding::Suspended,
+                _ => LiftFinding::None,
             },
             ..Proposal::default()
         }
@@ -151,7 +156,7 @@ impl LiftVerification {
         at_ceiling: bool,
     ) -> bool {
         let settings = &context.settings.grasp;
-        let carried_m = context.carried_m;
+        let carried_m = context.object.carried_m;
         match &mut self.phase {
             Phase::Ready => self.phase = Phase::Travelling(settings.verification_travel_m),
             Phase::Travelling(until_m) if carried_m > *until_m => {
@@ -174,18 +179,16 @@ impl LiftVerification {
                 None => {}
             },
             Phase::Minimising(trying) => {
-                let down_n = -force_up_n(percept, context.base_from_tip);
-                let shaken = !trying.has_begun(carried_m);
-                if trying
-                    .drop_detector
-                    .update(Some(down_n), shaken, percept.step_s)
-                {
+                if context.object.drops {
                     self.phase = Phase::Pressing(weakest_n * settings.verification_press);
                     return true;
                 }
                 if trying.is_over(context) {
-                    self.phase = Phase::PullingBack(PullBack::new(carried_m));
+                    self.phase = Phase::Securing(weakest_n * reserve(percept));
                 }
+            }
+            Phase::Securing(until_n) if weakest_n >= *until_n || at_ceiling => {
+                self.phase = Phase::PullingBack(PullBack::new(carried_m));
             }
             Phase::Pressing(until_n) if weakest_n > *until_n || at_ceiling => {
                 self.phase = Phase::Travelling(carried_m + settings.verification_travel_m / 2.0);
@@ -196,18 +199,24 @@ impl LiftVerification {
     }
 }
 
+/// Returns the factor on the grip force that secures a minimised grip, ≥ 1.
+fn reserve(percept: &Percept) -> f64 {
+    let used = percept.sides.iter().map(|side| side.utilisation);
+    used.fold(1.0, |most, used| most.max(used / SECURED_UTILISATION))
+}
+
 impl GripMinimisation {
     fn has_begun(&self, carried_m: f64) -> bool {
         self.total_s > 0.0 || carried_m > self.from_m
     }
 
     fn is_over(&mut self, context: &Context<'_>) -> bool {
-        if !self.has_begun(context.carried_m) {
+        if !self.has_begun(context.object.carried_m) {
             return false;
         }
         let moves = |closing_m_s: &f64| closing_m_s.abs() > STILL_M_S;
         self.total_s += context.step_s;
-        self.still_s = if context.closing_m_s.iter().any(moves) {
+        self.still_s = if context.hand.closing_m_s.iter().any(moves) {
             0.0
         } else {
             self.still_s + context.step_s
@@ -233,10 +242,7 @@ impl PullBack {
 
     /// Returns whether the object is suspended, after enough frames.
     fn is_suspended(&mut self, percept: &Percept, context: &Context<'_>) -> Option<bool> {
-        let (down_n, carried_m) = (
-            -force_up_n(percept, context.base_from_tip),
-            context.carried_m,
-        );
+        let (down_n, carried_m) = (context.object.down_n, context.object.carried_m);
         if !self.before.is_complete() {
             self.before.add(down_n, percept.step_s);
             self.from_m = carried_m;

@@ -10,7 +10,7 @@
 //! The load must also exceed its own mean. If only the grip force seems to fall, because the zero
 //! of a sensor drifts, the load has not grown.
 
-use super::VerifiedGrip;
+use crate::held_object::VerifiedGrip;
 use robot_model::Compression;
 
 /// Excess over the load that the grip can hold: begins and ends closing (design choice: above hand

@@ -31,14 +31,11 @@
 mod behaviour_table;
 mod carry;
 mod contact_guard;
-mod drift;
-mod drop_detector;
 mod first_touch;
 mod force_limit;
 mod lift_verification;
 mod list;
 mod load_growth;
-mod load_response;
 mod probe;
 mod proposal;
 mod relax;
@@ -52,11 +49,7 @@ mod trajectory;
 mod transfer;
 
 pub(crate) use force_limit::RELEASE_SHARE;
-pub(crate) use proposal::across_axis_n;
-pub use proposal::{
-    Context, Finding, Module, PoseCommand, Proposal, Roles, Verdict, VerifiedGrip, force_range_n,
-    force_up_n, load_n, net_force_n,
-};
+pub use proposal::{Context, Module, PoseCommand, Proposal, Roles, Verdict};
 pub use selection::Selection;
 
 list::modules! {

@@ -6,7 +6,7 @@
 //! after 100 ms of light touch. Every later force maximum therefore refines the fit and F_2. Frames
 //! with slip are ignored: faces then move by more than their compression.
 
-use super::{Context, Module, Proposal, Roles, Verdict, force_range_n};
+use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::perception::{LoadedArea, Percept, StiffnessEstimate, StiffnessFit};
 use robot_model::GRASP_SIDES;
 use shm_schemas::ModuleId;
@@ -32,8 +32,8 @@ impl Module for Probe {
         let done = self.elapsed_s >= settings.probe_s;
         self.update(percept, context);
         // Rigid objects must not be pressed beyond F_2 during the probe.
-        let (_, strongest_n) = force_range_n(percept);
-        let pressing = !done && strongest_n < context.thresholds.force_ceiling_n(settings);
+        let (_, strongest_n) = percept.normal_range_n();
+        let pressing = !done && strongest_n < context.object.thresholds.force_ceiling_n(settings);
         Proposal {
             active: !done,
             closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; GRASP_SIDES],
@@ -56,10 +56,10 @@ impl Probe {
         let mean_n = percept.sides.iter().map(|f| f.normal_n).sum::<f64>() / GRASP_SIDES as f64;
         let settings = &context.settings.perception;
         let news = self.stiffness.add(
-            context.closing_m,
+            context.object.closing_m,
             mean_n,
             percept.step_s,
-            &context.compression,
+            &context.hand.compression,
             percept.sides.map(|finger| LoadedArea {
                 face_share: finger.loaded_share,
                 fingertips: finger.loaded_fingertips,

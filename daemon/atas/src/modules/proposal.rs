@@ -1,13 +1,13 @@
 //! Interface of a module: its inputs, its proposal, and its roles in the rules of tasks.
 
+use crate::executor::HandMotion;
+use crate::held_object::{HeldObject, LiftFinding};
 use crate::path::Path;
 use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
 use crate::tasks::BehaviourTable;
 use crate::teleop::TeleopTarget;
-use crate::thresholds::Thresholds;
-use nalgebra::Vector3;
-use robot_model::{Compression, GRASP_SIDES, GraspPose, Transform};
+use robot_model::{GRASP_SIDES, GraspPose};
 use shm_schemas::{ModuleId, Reason};
 
 /// Inputs of a module other than the percept.
@@ -17,76 +17,20 @@ pub struct Context<'a> {
     pub settings: &'a Settings,
     /// Time since the previous tick, s.
     pub step_s: f64,
-    /// F_1 and F_2 for the present object.
-    pub thresholds: Thresholds,
-    /// Minimum normal force per grasp side, N: F_1 at first touch, less once the object is carried.
-    pub min_force_n: f64,
-    /// Every side has touched since the approach began.
-    pub all_touched: bool,
-    /// Total measured closing since every side touched, m.
-    pub closing_m: f64,
-    /// Compression of the fingertips under force.
-    pub compression: Compression,
-    /// Distance over which the object was carried, m.
-    pub carried_m: f64,
-    /// Only the hand carries the object, as far as verified.
-    pub suspended: bool,
-    /// Lift verification minimises the grip, just above the support, where a slip is harmless.
-    pub minimises_grip: bool,
-    /// The present ratio of grip force to load has passed lift verification. The force pattern is
-    /// then no evidence of slip.
-    pub verified: bool,
-    /// Present grip relative to the verified one; `None` without lift verification.
-    pub verified_grip: Option<VerifiedGrip>,
-    /// Behaviour table of the task.
-    pub table: Option<&'a BehaviourTable>,
+    /// Estimate of the object in the hand.
+    pub object: &'a HeldObject,
+    /// Motion of the hand.
+    pub hand: &'a HandMotion<'a>,
     /// Path of the present step.
     pub path: &'a Path,
-    /// Arbitrated factor on the path speed, −1 (back) to 1.
-    pub carry_scale: f64,
-    /// Arbitrated closing speed of each grasp side in the previous tick, m/s.
-    pub closing_m_s: [f64; GRASP_SIDES],
-    /// Commanded grasp pose.
-    pub pose: &'a GraspPose,
-    /// Present closing axis, base frame, unit length, including the rotation of the wrist.
-    pub closing_axis: Vector3<f64>,
+    /// Behaviour table of the task.
+    pub table: Option<&'a BehaviourTable>,
     /// Direction of rotation, seen from above: 1 anticlockwise, −1 clockwise.
     pub turning: f64,
-    /// The wrist rotates the whole hand, where fingertips would pass each other.
-    pub turns_by_wrist: bool,
     /// Depth of a lowering step below the end of its path, m; `None` in other steps.
     pub lowering_m: Option<f64>,
     /// Teleoperation target; `None` brakes.
     pub teleop_target: Option<&'a TeleopTarget>,
-    /// Measured frame of each fingertip.
-    pub base_from_tip: &'a [Transform],
-    /// Measured mean of the fingertips of each grasp side, base frame, m.
-    pub side_m: [Vector3<f64>; GRASP_SIDES],
-    /// Ratio of tactile to joint-estimated force, ≥ 1. Limits opening when the skin reports too
-    /// much.
-    pub tactile_over_torque: f64,
-    /// Ratio of joint-estimated to tactile force, ≥ 1. Limits closing when the skin reports too
-    /// little.
-    pub torque_over_tactile: f64,
-}
-
-/// Present grip of an object, relative to the one that lift verification has shown to hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VerifiedGrip {
-    /// Filtered net load across the closing axis, N.
-    pub load_n: f64,
-    /// Load that the present grip force holds, N.
-    pub held_n: f64,
-    /// Mean load of the last second, N.
-    pub mean_n: f64,
-    /// Standard deviation of the load, N.
-    pub scatter_n: f64,
-    /// Normal force of each side, N.
-    pub normal_n: [f64; GRASP_SIDES],
-    /// Normal force of each side at the verification, N.
-    pub verified_normal_n: [f64; GRASP_SIDES],
-    /// Distance by which the fingertips are closer to each other than at the verification, m.
-    pub closed_m: f64,
 }
 
 /// Output of one module in one tick.
@@ -105,22 +49,8 @@ pub struct Proposal {
     pub pose: Option<PoseCommand>,
     /// Conclusion about the task.
     pub verdict: Verdict,
-    /// Evidence about the object.
-    pub finding: Finding,
-}
-
-/// Evidence about the held object, independent of friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Finding {
-    /// It slips through the fingers.
-    pub slips: bool,
-    /// Only the hand carries it.
-    pub suspended: bool,
-    /// The grip is to be minimised, before a verification.
-    pub minimises_grip: bool,
-    /// The zero of a sensor has moved, because the grip force does not match the opening.
-    pub drifts: bool,
+    /// Result of lift verification.
+    pub finding: LiftFinding,
 }
 
 /// Requested hand pose.
@@ -159,7 +89,7 @@ impl Default for Proposal {
             carry_ceiling: 1.0,
             pose: None,
             verdict: Verdict::None,
-            finding: Finding::default(),
+            finding: LiftFinding::None,
         }
     }
 }
@@ -196,56 +126,4 @@ pub trait Module {
 
     /// Evaluates the module from sensor information.
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal;
-}
-
-/// Returns the smallest and largest normal force over the grasp sides, N.
-#[must_use]
-pub fn force_range_n(percept: &Percept) -> (f64, f64) {
-    percept
-        .sides
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), finger| {
-            (
-                if finger.normal_n < low {
-                    finger.normal_n
-                } else {
-                    low
-                },
-                if finger.normal_n > high {
-                    finger.normal_n
-                } else {
-                    high
-                },
-            )
-        })
-}
-
-/// Returns the total tangential force of the grasp sides, N.
-#[must_use]
-pub fn load_n(percept: &Percept) -> f64 {
-    percept.sides.iter().map(|f| f.tangential_n).sum()
-}
-
-/// Returns the vertical force of the object on all gripping fingertips, base frame, N; negative for
-/// a suspended object.
-#[must_use]
-pub fn force_up_n(percept: &Percept, base_from_tip: &[Transform]) -> f64 {
-    net_force_n(percept, base_from_tip).z
-}
-
-/// Returns the part of a net force across the closing axis, N. Friction carries it.
-pub(crate) fn across_axis_n(net_n: &Vector3<f64>, closing_axis: &Vector3<f64>) -> f64 {
-    let across_n = net_n - closing_axis * net_n.dot(closing_axis);
-    libm::sqrt(across_n.norm_squared())
-}
-
-/// Returns the sum of the forces of the object on all gripping fingertips, base frame, N.
-#[must_use]
-pub fn net_force_n(percept: &Percept, base_from_tip: &[Transform]) -> Vector3<f64> {
-    percept
-        .fingertips
-        .iter()
-        .zip(base_from_tip)
-        .map(|(finger, base_from_tip)| base_from_tip.rotation * finger.force_tip_n)
-        .sum()
 }

@@ -11,7 +11,7 @@
 //! fingers therefore open down to `MINIMISE_UTILISATION`. The verified force is then the minimum.
 
 use super::slip::STEADY_SHARE;
-use super::{Context, Module, Proposal, force_range_n, load_n};
+use super::{Context, Module, Proposal};
 use crate::filter::low_pass;
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{ContactPercept, Percept};
@@ -86,17 +86,17 @@ impl Module for Relax {
     const ID: ModuleId = ModuleId::RELAX;
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
-        let (weakest_n, _) = force_range_n(percept);
-        let weakest_n = weakest_n / context.tactile_over_torque;
-        let load_n = load_n(percept);
+        let (weakest_n, _) = percept.normal_range_n();
+        let weakest_n = weakest_n / context.hand.tactile_over_torque;
+        let load_n = percept.total_tangential_n();
         self.update_slip_ratio(weakest_n, load_n, context);
         self.update_steady_time(percept, context);
         self.update_verified_ratio(weakest_n, load_n, context);
         let above = self.excess_force(weakest_n, load_n, context);
         let spare = self.utilisation_margin(percept, context);
-        let is_closed = context.verified_grip.is_none_or(|grip| grip.closed_m > 0.0);
+        let is_closed = context.object.grip.is_none_or(|grip| grip.closed_m > 0.0);
         let may = self.steady_s >= STEADY_MIN_S && spare > 0.0 && above > 0.0 && is_closed;
-        let turns = self.exceeds_torsion(percept) && context.minimises_grip;
+        let turns = self.exceeds_torsion(percept) && context.object.minimises_grip;
         if !self.opened {
             self.update_scatter(percept);
         }
@@ -118,15 +118,19 @@ impl Module for Relax {
 
 impl Relax {
     fn update_verified_ratio(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
-        self.minimised |= context.minimises_grip;
-        if context.suspended && self.minimised && load_n > LOAD_FLOOR_N {
+        self.minimised |= context.object.minimises_grip;
+        if context.object.suspended && self.minimised && load_n > LOAD_FLOOR_N {
             (self.verified_ratio, self.minimised) = (weakest_n / load_n, false);
         }
     }
 
     /// Stores the force-to-load ratio when closing starts on a suspended object.
     fn update_slip_ratio(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) {
-        let pressing = context.closing_m_s.iter().any(|closing| *closing > 0.0);
+        let pressing = context
+            .hand
+            .closing_m_s
+            .iter()
+            .any(|closing| *closing > 0.0);
         let begins = pressing && !self.pressing;
         self.pressing = pressing;
         self.opening_effect_s = if self.active {
@@ -147,9 +151,9 @@ impl Relax {
             let steady_n = dr_n.max(STEADY_SHARE * finger.tangential_n);
             finger.increment_n < steady_n
                 && finger.gross_slip_s == 0.0
-                && (context.minimises_grip || finger.utilisation_now < UNIFORM_SHEAR_BELOW)
+                && (context.object.minimises_grip || finger.utilisation_now < UNIFORM_SHEAR_BELOW)
         };
-        let steady = (context.suspended || context.minimises_grip)
+        let steady = (context.object.suspended || context.object.minimises_grip)
             && !self.pressing
             && percept.sides.iter().all(calm);
         self.steady_s = if steady {
@@ -162,7 +166,7 @@ impl Relax {
     /// Returns the low-passed share of the force above the minimum known without friction.
     fn excess_force(&mut self, weakest_n: f64, load_n: f64, context: &Context<'_>) -> f64 {
         let remembered_n = (SLIP_RATIO_MARGIN * self.slip_ratio).max(self.verified_ratio) * load_n;
-        let least_n = (MIN_FORCE_MARGIN * context.min_force_n).max(remembered_n);
+        let least_n = (MIN_FORCE_MARGIN * context.object.min_force_n).max(remembered_n);
         let above = if weakest_n > least_n {
             1.0 - least_n / weakest_n
         } else {
@@ -174,14 +178,14 @@ impl Relax {
 
     /// Returns the margin to the utilisation limit; zero if unknown.
     fn utilisation_margin(&mut self, percept: &Percept, context: &Context<'_>) -> f64 {
-        let below = if context.minimises_grip {
+        let below = if context.object.minimises_grip {
             MINIMISE_UTILISATION
         } else {
             context.settings.grasp.relax_below
         };
         let utilisation = self.update_utilisation(percept, context);
         utilisation.map_or(0.0, |utilisation| {
-            1.0 - utilisation * context.tactile_over_torque / below
+            1.0 - utilisation * context.hand.tactile_over_torque / below
         })
     }
 
@@ -209,7 +213,7 @@ impl Relax {
     fn update_utilisation(&mut self, percept: &Percept, context: &Context<'_>) -> Option<f64> {
         let step_s = context.step_s;
         let fingers = &percept.sides;
-        let scatter = if context.minimises_grip {
+        let scatter = if context.object.minimises_grip {
             0.0
         } else {
             self.scatter

@@ -11,7 +11,7 @@
 //! A stop makes the object swing, which imitates or hides a support. The hand waits until the swing
 //! has ended.
 
-use super::{Context, Module, Proposal, Roles, Verdict, force_up_n};
+use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::filter::low_pass;
 use crate::perception::Percept;
 use shm_schemas::ModuleId;
@@ -69,7 +69,7 @@ impl Module for ReleasePlaced {
             };
         }
         self.descent_s += context.step_s;
-        let up_n = force_up_n(percept, context.base_from_tip);
+        let up_n = -context.object.down_n;
         let reference_n = *self.reference_n.get_or_insert(up_n);
         let settled = self.descent_s > settings.settle_s;
         let limit_n = settings

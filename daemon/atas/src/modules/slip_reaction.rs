@@ -8,7 +8,7 @@
 //! high-pass filtered forces and accelerometer. The comparison therefore covers the control law
 //! only.
 
-use super::{Context, Module, Proposal, Roles, force_range_n};
+use super::{Context, Module, Proposal, Roles};
 use crate::perception::{ContactPercept, Percept};
 use crate::settings::Grasp;
 use robot_model::GRASP_SIDES;
@@ -41,14 +41,14 @@ impl Module for SlipReaction {
         let settings = &context.settings.grasp;
         self.since_s += context.step_s;
         let mut fingers = percept.sides.iter();
-        let slips = context.all_touched && fingers.any(|finger| slips(finger, settings));
+        let slips = context.object.all_touched && fingers.any(|finger| slips(finger, settings));
         if slips && self.since_s >= SAMPLE_S {
             self.raised = (1.0 + self.raised) * (1.0 + RAISE_SHARE) - 1.0;
             self.since_s = 0.0;
         }
-        let (weakest_n, _) = force_range_n(percept);
-        let target_n = context.thresholds.f1_n * (1.0 + self.raised);
-        let active = context.all_touched && weakest_n <= target_n;
+        let (weakest_n, _) = percept.normal_range_n();
+        let target_n = context.object.thresholds.f1_n * (1.0 + self.raised);
+        let active = context.object.all_touched && weakest_n <= target_n;
         Proposal {
             active,
             closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; GRASP_SIDES],

@@ -40,14 +40,14 @@ impl Module for Teleop {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let lead = context.teleop_target;
-        let free = lead.is_some() && !context.all_touched;
+        let free = lead.is_some() && !context.object.all_touched;
         let settings = &context.settings.teleop;
         let speed_m_s = self.speed_m_s(free, context);
         let follower = self
             .limiter
-            .get_or_insert_with(|| MotionLimiter::new(context.pose));
+            .get_or_insert_with(|| MotionLimiter::new(context.hand.pose));
         if !free {
-            follower.set_fingers(context.pose);
+            follower.set_fingers(context.hand.pose);
         }
         let wanted = lead.map(|lead| {
             if free {
@@ -63,7 +63,7 @@ impl Module for Teleop {
             speed_up_s: settings.speed_up_s,
             smooth_s: settings.smooth_s,
         };
-        let share = (speed_m_s / settings.move_m_s).min(1.0) * context.carry_scale.max(0.0);
+        let share = (speed_m_s / settings.move_m_s).min(1.0) * context.hand.carry_scale.max(0.0);
         let frame = follower.step_towards(wanted.as_ref(), &speeds, share, context.step_s);
         Proposal {
             active: wanted.is_some(),
@@ -81,8 +81,8 @@ impl Teleop {
     /// Returns the highest hand speed, m/s: lifting speed until the object has left its support.
     fn speed_m_s(&mut self, free: bool, context: &Context<'_>) -> f64 {
         let settings = context.settings;
-        let height_m = context.pose.centre_m.z;
-        if !context.all_touched {
+        let height_m = context.hand.pose.centre_m.z;
+        if !context.object.all_touched {
             (self.held_from_m, self.has_risen) = (None, false);
         }
         if free {
@@ -99,9 +99,9 @@ impl Teleop {
 
 /// Returns the target pose without motion into touched fingertips.
 fn clear_of_contacts(wanted: GraspPose, percept: &Percept, context: &Context<'_>) -> GraspPose {
-    let now_m = context.pose.centre_m;
+    let now_m = context.hand.pose.centre_m;
     let mut centre_m = wanted.centre_m;
-    for (finger, base_from_tip) in percept.fingertips.iter().zip(context.base_from_tip) {
+    for (finger, base_from_tip) in percept.fingertips.iter().zip(context.hand.base_from_tip) {
         let force_n: Vector3<f64> = base_from_tip.rotation * finger.force_tip_n;
         let floor_n = BLOCKING_SHARE * force_n.norm();
         for axis in 0..3 {

@@ -47,7 +47,7 @@ impl Module for TerminateScrew {
         let share = context.step_s / (settings.finish_filter_s + context.step_s);
         let torque_n_m = -context.turning * torque_n_m(percept, context);
         self.torque_n_m += (torque_n_m - self.torque_n_m) * share;
-        let turned_m = context.turning * context.pose.tangential_m[0];
+        let turned_m = context.turning * context.hand.pose.tangential_m[0];
         let moved_m = turned_m - self.last_m.replace(turned_m).unwrap_or(turned_m);
         let gripping = percept.sides.iter().all(|f| f.in_contact);
         self.first_turn_done |= moved_m < 0.0 && self.first_max_n_m > 0.0;
@@ -70,12 +70,12 @@ impl Module for TerminateScrew {
 /// Returns the torque of the object about the vertical through the hand's centre, N·m; positive is
 /// anticlockwise from above.
 fn torque_n_m(percept: &Percept, context: &Context<'_>) -> f64 {
-    let centre_m = (context.side_m[0] + context.side_m[1]) / GRASP_SIDES as f64;
+    let centre_m = (context.hand.side_m[0] + context.hand.side_m[1]) / GRASP_SIDES as f64;
     let of_fingertip = |(finger, tip): (&ContactPercept, &Transform)| {
         let force_n = tip.rotation * finger.force_tip_n;
         let torque_n_m = tip.rotation * finger.torque_tip_n_m;
         (torque_n_m + (tip.translation_m - centre_m).cross(&force_n)).z
     };
-    let fingertips = percept.fingertips.iter().zip(context.base_from_tip);
+    let fingertips = percept.fingertips.iter().zip(context.hand.base_from_tip);
     fingertips.map(of_fingertip).sum()
 }

@@ -19,7 +19,7 @@
 //! presses lightly down to follow the thread. When the wrist rotates the hand, excessive force
 //! slows the turn.
 
-use super::{Context, Module, PoseCommand, Proposal, Roles, force_range_n, force_up_n};
+use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::perception::Percept;
 use crate::thresholds::Thresholds;
 use robot_model::{GRASP_SIDES, GraspPose};
@@ -102,7 +102,7 @@ impl Module for Trajectory {
     };
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
-        self.first_grip.get_or_insert(*context.pose);
+        self.first_grip.get_or_insert(*context.hand.pose);
         match self.edge {
             Edge::Grip => self.grip(percept, context),
             Edge::Turn => self.adapt(percept, context),
@@ -113,7 +113,8 @@ impl Module for Trajectory {
         }
         let touching = matches!(self.edge, Edge::Grip | Edge::Turn);
         let waits = self.edge == Edge::Turn && waits_for_relief(percept, context);
-        let presses = self.edge == Edge::Grip && context.turns_by_wrist && self.gripped_s == 0.0;
+        let presses =
+            self.edge == Edge::Grip && context.hand.turns_by_wrist && self.gripped_s == 0.0;
         let closing_m_s = if presses {
             context.settings.grasp.enhance_m_s
         } else {
@@ -146,9 +147,9 @@ impl Trajectory {
 
     /// Measures how long the weaker side has pressed with the required force.
     fn grip(&mut self, percept: &Percept, context: &Context<'_>) {
-        let (weakest_n, strongest_n) = force_range_n(percept);
-        let Thresholds { f1_n, f2_n, .. } = context.thresholds;
-        let needed_n = if context.turns_by_wrist {
+        let (weakest_n, strongest_n) = percept.normal_range_n();
+        let Thresholds { f1_n, f2_n, .. } = context.object.thresholds;
+        let needed_n = if context.hand.turns_by_wrist {
             f1_n.max(WRIST_GRIP_SHARE * f2_n)
         } else {
             f1_n
@@ -175,7 +176,7 @@ impl Trajectory {
         };
         for finger in 0..GRASP_SIDES {
             let softer_n = (normal_n[1 - finger] - normal_n[finger]) / 2.0;
-            let inwards_m_s = context.closing_m_s[finger] + centring_m_s_n * softer_n;
+            let inwards_m_s = context.hand.closing_m_s[finger] + centring_m_s_n * softer_n;
             add_correction(
                 &mut self.inward_m[finger],
                 place,
@@ -192,7 +193,7 @@ impl Trajectory {
             return;
         }
         let followed_m_s =
-            CAP_FOLLOWING_M_S_N * (force_up_n(percept, context.base_from_tip) - CAP_PRESS_N);
+            CAP_FOLLOWING_M_S_N * (percept.force_up_n(context.hand.base_from_tip) - CAP_PRESS_N);
         let followed_m = self.cap_travel_m + followed_m_s * context.step_s;
         self.cap_travel_m = followed_m.clamp(-CAP_TRAVEL_MAX_M, CAP_TRAVEL_MAX_M);
     }
@@ -215,7 +216,7 @@ impl Trajectory {
             Edge::Return => (2.0 * settings.travel_m, settings.return_m_s),
         };
         let scale = if self.edge == Edge::Turn {
-            context.carry_scale.max(0.0)
+            context.hand.carry_scale.max(0.0)
         } else {
             1.0
         };
@@ -233,7 +234,7 @@ impl Trajectory {
 
     fn start_next_edge(&mut self, context: &Context<'_>) {
         if self.edge == Edge::Grip {
-            self.adopt_grip(context.pose, decay(context));
+            self.adopt_grip(context.hand.pose, decay(context));
         }
         self.edge = match self.edge {
             Edge::In => Edge::Grip,
@@ -263,7 +264,7 @@ impl Trajectory {
 
     fn pose(&self, context: &Context<'_>) -> GraspPose {
         let settings = &context.settings.screw;
-        let mut frame = self.first_grip.unwrap_or(*context.pose);
+        let mut frame = self.first_grip.unwrap_or(*context.hand.pose);
         let (clearance_m, travel_m) = (settings.clearance_m, settings.travel_m);
         let way = self.position_m / (2.0 * travel_m);
         let (along, away_m) = match self.edge {
@@ -292,15 +293,23 @@ impl Trajectory {
 }
 
 fn decay(context: &Context<'_>) -> f64 {
-    if context.turns_by_wrist { 1.0 } else { DECAY }
+    if context.hand.turns_by_wrist {
+        1.0
+    } else {
+        DECAY
+    }
 }
 
 /// Returns whether Module 3 opens fingers above F_2 during wrist rotation. On straight paths the
 /// fingertips leave the cap by themselves.
 fn waits_for_relief(percept: &Percept, context: &Context<'_>) -> bool {
-    let (_, strongest_n) = force_range_n(percept);
-    let opens = context.closing_m_s.iter().any(|closing| *closing < 0.0);
-    context.turns_by_wrist && opens && strongest_n > context.thresholds.f2_n
+    let (_, strongest_n) = percept.normal_range_n();
+    let opens = context
+        .hand
+        .closing_m_s
+        .iter()
+        .any(|closing| *closing < 0.0);
+    context.hand.turns_by_wrist && opens && strongest_n > context.object.thresholds.f2_n
 }
 
 fn offset_at(inward_m: &[f64; BINS], place: f64) -> f64 {

@@ -33,7 +33,7 @@ impl Module for Transfer {
     };
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
-        let scaled_s = context.step_s * context.carry_scale;
+        let scaled_s = context.step_s * context.hand.carry_scale;
         self.path_s = (self.path_s + scaled_s).max(0.0);
         let conveyed = self.path_s >= context.path.duration_s();
         let depth_max_m = context.lowering_m.unwrap_or(0.0);

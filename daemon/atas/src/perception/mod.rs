@@ -8,6 +8,7 @@
 //! force is therefore rotated into the tip frame and split along the patch normal.
 
 mod fingertip;
+mod forces;
 mod friction;
 mod grasp_side;
 mod increment;

@@ -1,6 +1,8 @@
 //! Test bench for one module.
 
 use atas_core::Settings;
+use atas_core::executor::HandMotion;
+use atas_core::held_object::HeldObject;
 use atas_core::modules::{Context, IDS, Modules, Proposal, Selection};
 use atas_core::path::{Path, Speeds};
 use atas_core::perception::{ContactPercept, Percept};
@@ -35,16 +37,12 @@ pub(crate) struct Bench {
     pub(crate) settings: Settings,
     pub(crate) path: Path,
     pub(crate) table: Option<BehaviourTable>,
-    pub(crate) least_n: f64,
-    pub(crate) all_touched: bool,
-    pub(crate) closing_m: f64,
-    pub(crate) carried_m: f64,
+    /// Estimate of the object; the bench sets thresholds and vertical load.
+    pub(crate) object: HeldObject,
     pub(crate) carry_scale: f64,
     pub(crate) closing_m_s: [f64; GRASP_SIDES],
     pub(crate) frame: GraspPose,
     pub(crate) lowering_m: Option<f64>,
-    pub(crate) hangs: bool,
-    pub(crate) proved: bool,
     pub(crate) lead: Option<TeleopTarget>,
 }
 
@@ -56,16 +54,16 @@ impl Bench {
             settings: Settings::default(),
             path: path(),
             table: None,
-            least_n: 0.5,
-            all_touched: true,
-            closing_m: 0.0,
-            carried_m: 0.0,
+            object: HeldObject {
+                all_touched: true,
+                suspended: true,
+                min_force_n: 0.5,
+                ..HeldObject::untouched(Thresholds::for_unknown_object(&Settings::default().grasp))
+            },
             carry_scale: 1.0,
             closing_m_s: [0.0; GRASP_SIDES],
             frame: path().pose_at(0.0),
             lowering_m: None,
-            hangs: true,
-            proved: false,
             lead: None,
         }
     }
@@ -98,41 +96,43 @@ impl Bench {
 
     /// F_1 is 0.5 N, F_2 is 4 N.
     pub(crate) fn evaluate(&mut self, percept: &Percept) -> Proposal {
-        let context = Context {
-            settings: &self.settings,
-            step_s: 1e-3,
-            thresholds: Thresholds {
-                f1_n: 0.5,
-                f2_n: 4.0,
-                source: if self.settings.grasp.f2_max_n > 4.0 {
-                    ForceLimitSource::Object
-                } else {
-                    ForceLimitSource::Hand
-                },
-            },
-            min_force_n: self.least_n,
-            all_touched: self.all_touched,
-            closing_m: self.closing_m,
-            compression: robot_model::Skin::DOME_41.compression,
-            carried_m: self.carried_m,
-            suspended: self.hangs,
-            minimises_grip: false,
-            verified: self.proved,
-            verified_grip: None,
-            table: self.table.as_ref(),
-            path: &self.path,
+        let base_from_tip = self.base_from_tip();
+        let motion = HandMotion {
             carry_scale: self.carry_scale,
             closing_m_s: self.closing_m_s,
             pose: &self.frame,
             closing_axis: self.frame.closing_axis(),
+            turns_by_wrist: false,
+            base_from_tip: &base_from_tip,
+            side_m: base_from_tip.map(|tip| tip.translation_m),
+            compression: robot_model::Skin::DOME_41.compression,
+            tactile_over_torque: 1.0,
+            torque_over_tactile: 1.0,
+        };
+        let thresholds = Thresholds {
+            f1_n: 0.5,
+            f2_n: 4.0,
+            source: if self.settings.grasp.f2_max_n > 4.0 {
+                ForceLimitSource::Object
+            } else {
+                ForceLimitSource::Hand
+            },
+        };
+        let object = HeldObject {
+            thresholds,
+            down_n: -percept.force_up_n(&base_from_tip),
+            ..self.object
+        };
+        let context = Context {
+            settings: &self.settings,
+            step_s: 1e-3,
+            object: &object,
+            hand: &motion,
+            path: &self.path,
+            table: self.table.as_ref(),
             turning: -1.0,
             lowering_m: self.lowering_m,
             teleop_target: self.lead.as_ref(),
-            base_from_tip: &self.base_from_tip(),
-            side_m: self.base_from_tip().map(|tip| tip.translation_m),
-            turns_by_wrist: false,
-            tactile_over_torque: 1.0,
-            torque_over_tactile: 1.0,
         };
         let proposals =
             self.modules

@@ -2,9 +2,10 @@
 
 use crate::support::{hand_of, home_rad, robot};
 use atas_core::arbitration::Intent;
+use atas_core::held_object::LiftFinding;
 use atas_core::kinematics::HandServo;
+use atas_core::modules::PoseCommand;
 use atas_core::modules::Verdict;
-use atas_core::modules::{Finding, PoseCommand};
 use atas_core::perception::Percept;
 use robot_model::{GRASP_SIDES, GraspPose, HandSide, RobotModel};
 
@@ -18,7 +19,7 @@ fn refused_closing_does_not_wind_up() {
         pose: None,
         closing_m_s: [0.002; GRASP_SIDES],
         verdict: Verdict::None,
-        finding: Finding::default(),
+        finding: LiftFinding::None,
     };
     for _ in 0..2000 {
         let _refused = servo.update(hand, &closing, &Percept::default(), 1e-3);
@@ -51,7 +52,7 @@ fn shared_drive_closing_is_not_reported_as_opening() {
             }),
             closing_m_s: [0.0; GRASP_SIDES],
             verdict: Verdict::None,
-            finding: Finding::default(),
+            finding: LiftFinding::None,
         };
         servo.update(hand, &intent, &Percept::default(), 1e-3)
     };

@@ -11,6 +11,7 @@ mod gate;
 mod gate_bench;
 mod goal;
 mod grip;
+mod held_object;
 mod intake;
 mod intake_series;
 mod joints;

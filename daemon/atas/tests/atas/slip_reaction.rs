@@ -41,9 +41,9 @@ fn slip_reaction_never_opens_or_limits_approach() {
     let mut bench = Bench::new(ModuleId::SLIP_REACTION);
     let proposal = bench.evaluate(&pressed(9.0));
     assert_eq!((proposal.active, proposal.closing_m_s), (false, [0.0; 2]));
-    bench.all_touched = false;
+    bench.object.all_touched = false;
     let proposal = bench.evaluate_for(100, &with_utilisation(0.3, 1.0));
     assert_eq!((proposal.active, proposal.closing_m_s), (false, [0.0; 2]));
-    bench.all_touched = true;
+    bench.object.all_touched = true;
     assert!(bench.evaluate(&pressed(0.3)).closing_m_s[0] > 0.0);
 }

@@ -34,20 +34,22 @@ const BOUND_MIN_N: f64 = 0.1;
 
 /// Drift of the grip force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Drift {
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Drift {
     /// Measured force beyond the bounds of the opening, N per side; negative if it is missing.
-    pub(super) force_n: f64,
+    pub force_n: f64,
     /// The drift is beyond creep and hysteresis.
-    pub(super) is_reported: bool,
+    pub is_reported: bool,
     /// The measured force is beyond what a load or a support adds at the same opening.
     is_excessive: bool,
     /// The true force may be twice the verified one; further closing may crush the object.
-    pub(super) stops_closing: bool,
+    pub stops_closing: bool,
 }
 
 impl Drift {
     /// Returns the force that only the drift reports, N. Opening in response would drop the object.
-    pub(super) fn excess_n(&self) -> f64 {
+    #[must_use]
+    pub fn excess_n(&self) -> f64 {
         if self.is_excessive { self.force_n } else { 0.0 }
     }
 

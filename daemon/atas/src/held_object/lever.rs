@@ -1,0 +1,85 @@
+//! Lever of the centre of mass: detects that the carried object rotates in the hand.
+//!
+//! An off-centre mass loads the fingertips with a moment about the closing axis. The lever (moment
+//! over load) shrinks when the object rotates and its centre of mass swings below the grip.
+
+use crate::filter::low_pass;
+use crate::perception::Percept;
+use shm_schemas::{Cause, Reason};
+
+/// Filter time constant of moment and lever, s (design choice: one period of hand tremor).
+const FILTER_S: f64 = 0.05;
+/// Total load below which noise requires a slower filter, N (design choice).
+const LIGHT_LOAD_N: f64 = 0.3;
+/// Minimum total load for a lever estimate, N (design choice: several times the sensor noise).
+const LOAD_MIN_N: f64 = 0.05;
+/// Pairs of minimum torsion ratio and maximum remaining lever share of a rotated object (design
+/// choice, measured with centres of mass up to 5 mm off-centre).
+const ROTATED: [[f64; 2]; 2] = [[0.6, 0.9], [0.5, 0.7]];
+/// Minimum duration of a rotation, s (design choice: longer than one swing).
+const ROTATING_S: f64 = 0.3;
+
+/// Lever since the start of the lift.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Lever {
+    /// Filtered lever about the closing axis, m.
+    now_m: f64,
+    /// Signed lever, m: positive 90° anticlockwise of the closing axis, seen from above.
+    signed_m: f64,
+    torsion: f64,
+    max_m: f64,
+    torsion_max: f64,
+    rotated_s: f64,
+}
+
+impl Lever {
+    /// Adds the frames of one tick.
+    pub(super) fn update(&mut self, percept: &Percept) {
+        let load_n = percept.total_tangential_n();
+        if load_n < LOAD_MIN_N {
+            return;
+        }
+        let filter_s = FILTER_S * (1.0 + LIGHT_LOAD_N / load_n);
+        let filter = |before, now| low_pass(before, now, percept.step_s, filter_s);
+        // The sides face each other, so the moments about their normals have opposite signs.
+        let [first, second] = &percept.sides;
+        let lever_m = (first.moment_n_m - second.moment_n_m) / load_n;
+        self.now_m = filter(self.now_m, lever_m.abs());
+        self.signed_m = filter(self.signed_m, lever_m);
+        self.torsion = filter(self.torsion, first.torsion.max(second.torsion));
+        self.max_m = self.max_m.max(self.now_m);
+        self.torsion_max = self.torsion_max.max(self.torsion);
+        self.rotated_s = if self.has_rotated() {
+            self.rotated_s + percept.step_s
+        } else {
+            0.0
+        };
+    }
+
+    fn has_rotated(&self) -> bool {
+        let rotated = |[torsion, remaining]: &[f64; 2]| {
+            self.torsion_max > *torsion && self.now_m < remaining * self.max_m
+        };
+        ROTATED.iter().any(rotated)
+    }
+
+    /// Returns the largest lever so far, m; positive 90° anticlockwise of the closing axis.
+    pub(super) fn max_m(&self) -> f64 {
+        libm::copysign(self.max_m, self.signed_m)
+    }
+
+    /// Returns the reason if the object has rotated.
+    pub(super) fn rotation(&self) -> Option<Reason> {
+        self.has_rotated().then(|| self.reason())
+    }
+
+    /// Returns the reason if the object keeps rotating.
+    pub(super) fn turning(&self) -> Option<Reason> {
+        (self.rotated_s > ROTATING_S).then(|| self.reason())
+    }
+
+    fn reason(&self) -> Reason {
+        Reason::with_limit(Cause::TURNED_IN_HAND, self.now_m, self.max_m)
+    }
+}

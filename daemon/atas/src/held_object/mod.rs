@@ -1,0 +1,503 @@
+//! Held object: estimates of the object in the hand, from tactile forces and hand motion.
+//!
+//! Once per tick, before the modules, [`HeldObjectEstimator::update`] computes a [`HeldObject`].
+//! Modules and executor read it and keep no estimate of their own. Lift verification returns its
+//! result by [`HeldObjectEstimator::receive`]. The guide's page "Estimates of a held object" shows
+//! the equations.
+//!
+//! | file | estimate | evidence |
+//! |---|---|---|
+//! | `contact` | touch, closing distance, carried distance | contact, hand pose |
+//! | `verified_grip` | load, load that the grip holds, slide under an overload | force ratio |
+//! | `load_response` | load that the grip holds, before the verification | closing without effect |
+//! | `drop_detector` | drop | decrease of the vertical load |
+//! | `weight` | weight, slip distance, loss | vertical load |
+//! | `lever` | lever of the centre of mass, rotation | moment about the closing axis |
+//! | `drift` | drift of the tactile zero | force against opening |
+
+mod contact;
+mod drift;
+mod drop_detector;
+mod lever;
+mod load_response;
+mod verified_grip;
+mod weight;
+
+pub use drift::Drift;
+pub use verified_grip::VerifiedGrip;
+
+use self::contact::Contact;
+use self::drop_detector::DropDetector;
+use self::lever::Lever;
+use self::load_response::LoadResponse;
+use self::verified_grip::GripVerification;
+use self::weight::Weight;
+use crate::executor::HandMotion;
+use crate::perception::{Percept, StiffnessFit};
+use crate::settings::Settings;
+use crate::thresholds::Thresholds;
+use nalgebra::Vector3;
+use robot_model::GraspPose;
+use shm_schemas::{Cause, Reason};
+
+/// Contact loss of a gripped object until it counts as lost, s (design choice: longer than contact
+/// bounce).
+const LOST_AFTER_S: f64 = 0.05;
+/// Carried distance above which only the hand holds the object, m (design choice).
+const SUSPENDED_MIN_M: f64 = 0.001;
+/// Swing time of a load after a change of speed, s (design choice).
+const SWING_S: f64 = 0.15;
+/// Duration of a drift before a warning, s (design choice: longer than a disturbance).
+const DRIFT_WARNING_S: f64 = 0.5;
+
+/// Estimate of the object in the hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HeldObject {
+    /// F_1 and F_2.
+    pub thresholds: Thresholds,
+    /// Minimum normal force per grasp side, N: F_1 at first touch, less once the object is carried.
+    pub min_force_n: f64,
+    /// Every side has touched since the fingers began to close.
+    pub all_touched: bool,
+    /// Total measured closing since every side touched, m.
+    pub closing_m: f64,
+    /// Distance over which the object was carried, m.
+    pub carried_m: f64,
+    /// Vertical load on the hand, N, positive downwards.
+    pub down_n: f64,
+    /// Only the hand carries the object, as far as verified.
+    pub suspended: bool,
+    /// The object is suspended above its support and not being set down.
+    pub carried_freely: bool,
+    /// Lift verification minimises the grip, just above the support, where a slip is harmless.
+    pub minimises_grip: bool,
+    /// A change of speed makes the object swing.
+    pub swings: bool,
+    /// The object slips through the fingers, because its load decreases.
+    pub drops: bool,
+    /// The present grip has been shown to hold the present load. The force pattern is then no
+    /// evidence of slip.
+    pub load_is_held: bool,
+    /// Present grip relative to the verified one; `None` without lift verification.
+    pub grip: Option<VerifiedGrip>,
+    /// Drift of the tactile zero.
+    pub drift: Drift,
+}
+
+impl HeldObject {
+    /// Returns the estimate before the first touch.
+    #[must_use]
+    pub fn untouched(thresholds: Thresholds) -> Self {
+        Self {
+            thresholds,
+            min_force_n: thresholds.f1_n,
+            all_touched: false,
+            closing_m: 0.0,
+            carried_m: 0.0,
+            down_n: 0.0,
+            suspended: false,
+            carried_freely: false,
+            minimises_grip: false,
+            swings: false,
+            drops: false,
+            load_is_held: false,
+            grip: None,
+            drift: Drift::default(),
+        }
+    }
+}
+
+/// Properties of the present step that the estimator depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StepFacts {
+    /// The fingers close towards the first touch.
+    pub searches: bool,
+    /// Lift verification decides whether the object is suspended; otherwise it is assumed to be.
+    pub verifies_lift: bool,
+    /// The hand sets the object down.
+    pub lowers: bool,
+    /// A slip or a rotation of the object would be a failure of the task.
+    pub is_monitored: bool,
+}
+
+/// Result of lift verification in one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum LiftFinding {
+    /// No result yet.
+    #[default]
+    None,
+    /// The object stands on its support, or drops from a minimised grip.
+    Standing,
+    /// The grip is to be minimised, before the next verification.
+    MinimisesGrip,
+    /// Only the hand carries the object.
+    Suspended,
+}
+
+/// Estimator of the held object of one hand.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HeldObjectEstimator {
+    object: HeldObject,
+    stiffness: Option<StiffnessFit>,
+    /// The fingers have gripped it, and nothing has opened them since.
+    is_gripped: bool,
+    /// It was found in the hand: its origin is unknown.
+    is_found: bool,
+    contact: Contact,
+    no_contact_s: f64,
+    /// Lift verification has succeeded.
+    is_verified: bool,
+    /// Speed factor of the hand in the previous tick, and remaining swing time, s.
+    carry_scale: f64,
+    swing_s: f64,
+    verification: GripVerification,
+    response: LoadResponse,
+    drop_detector: DropDetector,
+    /// Duration of a drop, and of a drift, s.
+    drop_s: f64,
+    drift_s: f64,
+    weight: Weight,
+    lever: Lever,
+}
+
+impl HeldObjectEstimator {
+    /// Creates the estimator of an object that is not yet touched.
+    #[must_use]
+    pub fn new(thresholds: Thresholds) -> Self {
+        Self {
+            object: HeldObject::untouched(thresholds),
+            stiffness: None,
+            is_gripped: false,
+            is_found: false,
+            contact: Contact::default(),
+            no_contact_s: 0.0,
+            is_verified: false,
+            carry_scale: 0.0,
+            swing_s: 0.0,
+            verification: GripVerification::default(),
+            response: LoadResponse::default(),
+            drop_detector: DropDetector::default(),
+            drop_s: 0.0,
+            drift_s: 0.0,
+            weight: Weight::default(),
+            lever: Lever::default(),
+        }
+    }
+
+    /// Creates the estimator of an object that the hand already holds at `centre_m`, base frame.
+    #[must_use]
+    pub fn for_found_object(thresholds: Thresholds, centre_m: Vector3<f64>) -> Self {
+        Self {
+            is_gripped: true,
+            is_found: true,
+            contact: Contact::found(centre_m),
+            verification: GripVerification::for_found_grip(),
+            ..Self::new(thresholds)
+        }
+    }
+
+    /// Begins another search: forgets the contact, but neither thresholds nor stiffness.
+    pub fn begin_search(&mut self) {
+        *self = Self {
+            stiffness: self.stiffness,
+            is_gripped: self.is_gripped,
+            is_found: self.is_found,
+            no_contact_s: self.no_contact_s,
+            ..Self::new(self.object.thresholds)
+        };
+    }
+
+    /// Updates the estimate from one tick: percept, motion of the hand, measured distance of the
+    /// fingertips, m, duration of the tick, s, and properties of the step.
+    pub fn update(
+        &mut self,
+        percept: &Percept,
+        hand: &HandMotion<'_>,
+        (gap_m, step_s): (f64, f64),
+        step: StepFacts,
+        settings: &Settings,
+    ) {
+        let touches = percept.sides.iter().all(|side| side.in_contact);
+        self.no_contact_s = if touches {
+            0.0
+        } else {
+            self.no_contact_s + step_s
+        };
+        if step.searches && touches {
+            self.contact.touch(gap_m);
+        }
+        let net_n = percept.net_force_n(hand.base_from_tip);
+        self.update_swing(hand.carry_scale, step_s);
+        self.update_support(hand.pose, gap_m, step, settings);
+        self.update_grip(percept, &net_n, hand, settings);
+        self.update_drop(percept);
+        if step.is_monitored && self.is_carried() && !self.is_found {
+            self.update_in_hand(percept);
+        }
+    }
+
+    fn update_support(
+        &mut self,
+        now: &GraspPose,
+        gap_m: f64,
+        step: StepFacts,
+        settings: &Settings,
+    ) {
+        let f1_n = self.object.thresholds.f1_n;
+        let min_force_n = if self.is_carried() && settings.grasp.carry_min_n < f1_n {
+            settings.grasp.carry_min_n
+        } else {
+            f1_n
+        };
+        let suspended = self.is_verified || !step.verifies_lift;
+        let carried_m = self.contact.carried_m(now);
+        let carried_freely = suspended && carried_m > SUSPENDED_MIN_M && !step.lowers;
+        self.object = HeldObject {
+            min_force_n,
+            all_touched: self.contact.all_touched(),
+            closing_m: self.contact.closing_m(gap_m),
+            carried_m,
+            suspended,
+            carried_freely,
+            swings: (carried_freely || self.object.minimises_grip) && self.swing_s > 0.0,
+            ..self.object
+        };
+    }
+
+    fn update_swing(&mut self, carry_scale: f64, step_s: f64) {
+        self.swing_s = if self.carry_scale == carry_scale {
+            self.swing_s - step_s
+        } else {
+            SWING_S
+        };
+        self.carry_scale = carry_scale;
+    }
+
+    /// Updates the load, the load that the grip holds, and the drift of the tactile zero.
+    fn update_grip(
+        &mut self,
+        percept: &Percept,
+        net_n: &Vector3<f64>,
+        hand: &HandMotion<'_>,
+        settings: &Settings,
+    ) {
+        let object = &mut self.object;
+        object.down_n = -net_n.z;
+        let across_n = across_axis_n(net_n, &hand.closing_axis);
+        let opening_m = hand.pose.half_opening_m.iter().sum();
+        self.verification.update(percept, across_n, opening_m);
+        let lifts = object.carried_m > 0.0 && !object.suspended;
+        let forces_n = (percept.total_normal_n(), object.down_n);
+        let without_response = self
+            .response
+            .is_unresponsive(lifts.then_some(forces_n), percept.step_s);
+        object.load_is_held = self.verification.is_held() || without_response;
+        object.grip = self.verification.verified_grip();
+        let object_m_n = settings.grasp.compression_m / object.thresholds.f2_n;
+        object.drift = object.grip.map_or(Drift::default(), |grip| {
+            Drift::estimate(&grip, &hand.compression, object_m_n)
+        });
+        self.drift_s = if object.drift.is_reported {
+            self.drift_s + percept.step_s
+        } else {
+            0.0
+        };
+    }
+
+    fn update_drop(&mut self, percept: &Percept) {
+        let object = &mut self.object;
+        let hangs = object.carried_freely || object.minimises_grip;
+        let load_n = hangs.then_some(object.down_n);
+        object.drops = self
+            .drop_detector
+            .update(load_n, object.swings, percept.step_s);
+        self.drop_s = if object.drops && self.is_verified {
+            self.drop_s + percept.step_s
+        } else {
+            0.0
+        };
+    }
+
+    fn update_in_hand(&mut self, percept: &Percept) {
+        if self.object.carried_m <= 0.0 || percept.step_s <= 0.0 {
+            return;
+        }
+        self.lever.update(percept);
+        if self.is_verified {
+            let HeldObject { down_n, drops, .. } = self.object;
+            self.weight.update(down_n, drops, percept.step_s);
+        }
+    }
+
+    /// Receives the result of lift verification; `is_monitored` as in [`StepFacts`].
+    pub fn receive(&mut self, finding: LiftFinding, is_monitored: bool) {
+        let minimised = self.object.minimises_grip && finding == LiftFinding::None;
+        self.object.minimises_grip = finding == LiftFinding::MinimisesGrip;
+        match finding {
+            LiftFinding::Suspended if !self.is_verified => {
+                self.verification.set_verified();
+                self.is_verified = true;
+            }
+            LiftFinding::Standing => {
+                self.verification.forget();
+                if is_monitored && self.is_carried() && !self.is_found {
+                    self.weight.stands(self.object.carried_m);
+                }
+            }
+            LiftFinding::None if minimised => self.verification.set_held(),
+            _ => {}
+        }
+    }
+
+    /// Sets stiffness and thresholds after the probe: the fingers grip the object.
+    pub fn set_stiffness(&mut self, fit: StiffnessFit, thresholds: Thresholds) {
+        self.stiffness = Some(fit);
+        self.is_gripped = true;
+        self.object.thresholds = thresholds;
+    }
+
+    /// Forgets stiffness and thresholds, for another probe.
+    pub fn reset_probe(&mut self, thresholds: Thresholds) {
+        (self.stiffness, self.object.thresholds) = (None, thresholds);
+    }
+
+    /// Begins to lift a gripped object from `centre_m`, base frame.
+    pub fn lift(&mut self, centre_m: Vector3<f64>) {
+        self.contact.lift(centre_m);
+    }
+
+    /// The fingers open, or the cap on its neck turns with them: the hand holds nothing by itself.
+    pub fn let_go(&mut self) {
+        self.is_gripped = false;
+    }
+
+    /// Restarts the estimates of slip, rotation and loss, because other motion resembles them.
+    pub fn restart_in_hand(&mut self) {
+        (self.weight, self.lever) = (Weight::default(), Lever::default());
+    }
+
+    /// Keeps an object without load only while it touches every side: something else may carry it.
+    pub fn keep_if_touched(&mut self) {
+        self.is_gripped &= self.no_contact_s <= LOST_AFTER_S;
+        self.restart_in_hand();
+    }
+}
+
+impl HeldObjectEstimator {
+    /// Estimate of this tick.
+    #[must_use]
+    pub fn object(&self) -> &HeldObject {
+        &self.object
+    }
+
+    /// F_1 and F_2.
+    #[must_use]
+    pub fn thresholds(&self) -> Thresholds {
+        self.object.thresholds
+    }
+
+    /// Estimated stiffness, once known.
+    #[must_use]
+    pub fn stiffness(&self) -> Option<StiffnessFit> {
+        self.stiffness
+    }
+
+    /// Returns true if the hand grips an object that touches every side.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.is_gripped && !self.has_lost_contact()
+    }
+
+    /// The fingers have gripped an object, and nothing has opened them since.
+    #[must_use]
+    pub fn is_gripped(&self) -> bool {
+        self.is_gripped
+    }
+
+    /// The object was found in the hand.
+    #[must_use]
+    pub fn is_found(&self) -> bool {
+        self.is_found
+    }
+
+    /// Lift verification has succeeded.
+    #[must_use]
+    pub fn is_verified(&self) -> bool {
+        self.is_verified
+    }
+
+    /// A side has not touched for longer than contact bounce.
+    #[must_use]
+    pub fn has_lost_contact(&self) -> bool {
+        self.no_contact_s > LOST_AFTER_S
+    }
+
+    /// The hand has begun to carry a gripped object.
+    #[must_use]
+    pub fn is_carried(&self) -> bool {
+        self.is_gripped && self.contact.is_lifted()
+    }
+
+    /// Duration of a drop of a verified object, s.
+    #[must_use]
+    pub fn drop_s(&self) -> f64 {
+        self.drop_s
+    }
+
+    /// Time since the grip was last shown to hold its load, s; infinite if it never was.
+    #[must_use]
+    pub fn unheld_s(&self) -> f64 {
+        self.verification.unheld_s()
+    }
+
+    /// Estimated distance of a slide under a sudden load, m.
+    #[must_use]
+    pub fn overload_m(&self) -> f64 {
+        self.verification.overload_m()
+    }
+
+    /// Lever of the centre of mass, m; positive 90° anticlockwise of the closing axis.
+    #[must_use]
+    pub fn lever_m(&self) -> f64 {
+        self.lever.max_m()
+    }
+
+    /// Returns the reason if the object no longer loads the hand.
+    #[must_use]
+    pub fn loss(&self) -> Option<Reason> {
+        self.weight.loss().filter(|_| self.is_gripped)
+    }
+
+    /// Returns the reason if the object keeps rotating in the hand.
+    #[must_use]
+    pub fn turning(&self) -> Option<Reason> {
+        self.lever.turning()
+    }
+
+    /// Returns the reason if the object has moved in the hand, or no longer loads it fully: a
+    /// completed task has then failed.
+    #[must_use]
+    pub fn failure(&self) -> Option<Reason> {
+        let slip = self.weight.slip().or_else(|| self.weight.lightening());
+        slip.or_else(|| self.lever.rotation())
+    }
+
+    /// Returns the warning reason if the grip force does not match the opening of the hand.
+    #[must_use]
+    pub fn drift_warning(&self) -> Option<Reason> {
+        let grip = self.object.grip?;
+        let mean_n = |normal_n: &[f64]| normal_n.iter().sum::<f64>() / normal_n.len() as f64;
+        let [now_n, verified_n] = [grip.normal_n, grip.verified_normal_n].map(|n| mean_n(&n));
+        (self.drift_s > DRIFT_WARNING_S)
+            .then(|| Reason::with_limit(Cause::FORCE_AGAINST_OPENING, now_n, verified_n))
+    }
+}
+
+/// Returns the part of a net force across the closing axis, N. Friction carries it.
+fn across_axis_n(net_n: &Vector3<f64>, closing_axis: &Vector3<f64>) -> f64 {
+    let across_n = net_n - closing_axis * net_n.dot(closing_axis);
+    libm::sqrt(across_n.norm_squared())
+}
