@@ -175,7 +175,7 @@ const HELPS: &[Help] = &[
             "atas eval disturbances --objects wood,sponge --seeds 2 --markdown",
             "atas eval disturbances --engine mujoco --objects wood --seeds 1 --cases bump,ramp",
         ],
-        "one object: task, engine, objects, seeds, first_seed, purpose, rows{case, policy, setting, trials, allowed, kept, kept_allowed, crushed, dropped, put_back, not_lifted, discarded, slip_mm, slipped, answered, slip_to_command_ms, over_grip}, discarded{REASON}",
+        "one object: task, engine, objects, seeds, first_seed, purpose, rows{case, policy, setting, trials, allowed, kept, kept_allowed, catchable, caught, crushed, dropped, put_back, not_lifted, discarded, slip_mm, slipped, answered, slip_to_command_ms, over_grip}, discarded{REASON}",
     ),
     Help(
         "eval gentleness",

@@ -6,6 +6,8 @@ use crate::judge::Load;
 
 /// Gravity, m/s².
 const GRAVITY_M_S2: f64 = 9.81;
+/// Ratio of kinetic to static friction of both engines.
+const KINETIC_SHARE: f64 = 0.9;
 
 /// Disturbance of one object in one hand.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +54,18 @@ impl Applied {
     /// Returns true if the hand could hold the object throughout: by friction, below the crush
     /// force and the hand's maximum.
     pub(super) fn is_allowed(&self, load: &Load) -> bool {
+        let largest_n = self.largest_needed_n();
+        largest_n < load.hand_max_n && largest_n < load.crush_n
+    }
+
+    /// Returns true if the hand could stop the object although it slides: by kinetic friction, below
+    /// F_2. A load begins faster than a servo closes, so the object slides first.
+    pub(super) fn is_catchable(&self, load: &Load) -> bool {
+        self.is_allowed(load) && self.largest_needed_n() / KINETIC_SHARE < load.f2_n
+    }
+
+    /// Returns the largest grip force per side that the disturbance needs, N.
+    fn largest_needed_n(&self) -> f64 {
         // Loads are largest at the begin (step, impulse) or at the end (ramp).
         let lifting_m_s2 = match self.disturbance {
             Disturbance::Bump(height_m) => {
@@ -61,10 +75,10 @@ impl Applied {
             _ => 0.0,
         };
         let inertial_n = self.weight_n * lifting_m_s2 / GRAVITY_M_S2;
-        [0.0, RAMP_S].into_iter().all(|since_s| {
-            let needed_n = self.needed_with_n(self.force_n(since_s), inertial_n);
-            needed_n < load.hand_max_n && needed_n < load.crush_n
-        })
+        [0.0, RAMP_S]
+            .map(|since_s| self.needed_with_n(self.force_n(since_s), inertial_n))
+            .into_iter()
+            .fold(0.0, f64::max)
     }
 
     /// Two fingertips with Coulomb friction: together they carry the force across the closing axis,
@@ -112,6 +126,31 @@ mod tests {
         check(Course::Ramp, 4.0, 6.0);
         check(Course::Impulse, 0.0, 6.0);
         check(Course::Impulse, 0.05, 0.0);
+    }
+
+    #[test]
+    fn sliding_object_needs_more_force() {
+        let step = |weights| {
+            applied(
+                Disturbance::Load(Course::Step, weights, Direction::Down),
+                [0.0, 0.0, -1.0],
+            )
+        };
+        let load = Load {
+            needed_n: 3.0,
+            gripped_n: 3.0,
+            steady_n: 3.0,
+            crush_n: f64::INFINITY,
+            f2_n: 8.0,
+            hand_max_n: 8.0,
+        };
+        for (weights, allowed, catchable) in
+            [(1.0, true, true), (1.5, true, false), (2.0, false, false)]
+        {
+            let step = step(weights);
+            let verdicts = (step.is_allowed(&load), step.is_catchable(&load));
+            assert_eq!(verdicts, (allowed, catchable), "{weights} × weight");
+        }
     }
 
     #[test]

@@ -36,6 +36,10 @@ pub struct DisturbanceRow {
     pub kept: u64,
     /// Kept objects among the allowed trials.
     pub kept_allowed: u64,
+    /// Trials in which F_2 and kinetic friction could stop the sliding object.
+    pub catchable: u64,
+    /// Kept objects among the catchable trials with a slip of at most 3 mm.
+    pub caught: u64,
     /// Crushed objects.
     pub crushed: u64,
     /// Dropped objects.
@@ -82,9 +86,9 @@ impl DisturbanceReport {
         let policies = self.policies();
         let mut text = "| disturbance | allowed |".to_owned();
         for policy in &policies {
-            text += &format!(" {policy}: kept | slip mm | response ms | over-grip |");
+            text += &format!(" {policy}: kept | caught | slip mm | response ms | over-grip |");
         }
-        text += &format!("\n|---|---|{}\n", "---|".repeat(4 * policies.len()));
+        text += &format!("\n|---|---|{}\n", "---|".repeat(5 * policies.len()));
         for rows in self.rows.chunks(policies.len()) {
             text += &format!("| {} | {} |", rows[0].case, rows[0].allowed);
             for row in rows {
@@ -122,6 +126,8 @@ impl DisturbanceRow {
             allowed: count(&|end| end.allowed),
             kept: with(Outcome::Kept),
             kept_allowed: count(&|end| end.allowed && end.outcome == Outcome::Kept),
+            catchable: count(&|end| end.catchable),
+            caught: count(&Ending::is_caught),
             crushed: with(Outcome::Crushed),
             dropped: with(Outcome::Dropped),
             put_back: with(Outcome::PutBack),
@@ -135,9 +141,9 @@ impl DisturbanceRow {
         }
     }
 
-    /// Returns outcomes, slip, response and over-grip as text.
+    /// Returns outcomes, caught objects, slip, response and over-grip as text.
     #[must_use]
-    pub fn cells(&self) -> [String; 4] {
+    pub fn cells(&self) -> [String; 5] {
         let lost = [
             (self.dropped, "dropped"),
             (self.crushed, "crushed"),
@@ -165,6 +171,7 @@ impl DisturbanceRow {
                 self.trials,
                 lost.collect::<String>()
             ),
+            format!("{} of {}", self.caught, self.catchable),
             pair(self.slip_mm, 2),
             response,
             self.over_grip

@@ -14,6 +14,8 @@ const LIFT_LIMIT_S: f64 = 40.0;
 const SETTLE_S: f64 = 6.0;
 /// Time from the disturbance to the end, s. Design choice: five times the ramp.
 const WATCHED_S: f64 = 5.0;
+/// Largest slip of a caught object, m (design choice: as for a successful task).
+const CAUGHT_SLIP_M: f64 = 0.003;
 /// Length of the average of the force at the end, s. Design choice: several periods of tremor.
 const FORCE_S: f64 = 0.5;
 
@@ -38,6 +40,8 @@ pub(super) struct Ending {
     pub(super) outcome: Outcome,
     /// Friction could hold the object throughout.
     pub(super) allowed: bool,
+    /// F_2 and kinetic friction could stop the sliding object.
+    pub(super) catchable: bool,
     /// Slip in the hand since the disturbance, m; `None` unless lifted before.
     pub(super) slip_m: Option<f64>,
     pub(super) slipped: bool,
@@ -46,6 +50,14 @@ pub(super) struct Ending {
     pub(super) over_grip: Option<f64>,
     /// Reason if the engine could not simulate the trial.
     pub(super) discarded: Option<String>,
+}
+
+impl Ending {
+    /// Returns true for a catchable object that was kept and slid by at most `CAUGHT_SLIP_M`.
+    pub(super) fn is_caught(&self) -> bool {
+        let slid_little = self.slip_m.is_some_and(|slip_m| slip_m <= CAUGHT_SLIP_M);
+        self.catchable && self.outcome == Outcome::Kept && slid_little
+    }
 }
 
 /// Runs one case with one gripper.
@@ -59,6 +71,7 @@ pub(super) fn run(
     let mut ending = Ending {
         outcome: Outcome::NotLifted,
         allowed: applied.is_allowed(&trial.load()),
+        catchable: applied.is_catchable(&trial.load()),
         slip_m: None,
         slipped: false,
         latency_ms: None,

@@ -136,6 +136,7 @@ fn print_disturbances(report: &DisturbanceReport, output: &mut Output) -> anyhow
         "policy",
         "allowed",
         "kept",
+        "caught",
         "slip mm",
         "response ms",
         "over-grip",

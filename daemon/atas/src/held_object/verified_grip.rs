@@ -14,7 +14,8 @@ use crate::limits::{GRAVITY_M_S2, NORMAL_MIN_N};
 use crate::perception::Percept;
 use robot_model::GRASP_SIDES;
 
-/// Filter time constant of the load ratio, s (design choice: suppresses frame noise).
+/// Filter time constant of the ratio of filtered load to filtered force, s (design choice: suppresses
+/// frame noise).
 const RATIO_FILTER_S: f64 = 0.03;
 /// Permitted multiple of the load that the grip can hold (design choice: covers hand tremor).
 const MARGIN: f64 = 1.05;
@@ -117,8 +118,7 @@ impl GripVerification {
     pub(super) fn update(&mut self, percept: &Percept, load_n: f64, opening_m: f64) {
         let step_s = percept.step_s;
         self.opening_m = opening_m;
-        let noisier = 1.0 + LIGHT_LOAD_N / load_n.max(NORMAL_MIN_N);
-        let filter_s = LOAD_FILTER_S * noisier;
+        let filter_s = LOAD_FILTER_S * (1.0 + LIGHT_LOAD_N / load_n.max(NORMAL_MIN_N));
         self.load_n = low_pass(self.load_n, load_n, step_s, filter_s);
         for (normal_n, side) in self.normal_n.iter_mut().zip(&percept.sides) {
             *normal_n = low_pass(*normal_n, side.normal_n, step_s, filter_s);
@@ -127,9 +127,9 @@ impl GripVerification {
         let off_n = self.load_n - self.mean_load_n;
         self.scatter_n2 = low_pass(self.scatter_n2, off_n * off_n, step_s, SCATTER_S);
         self.update_overload(step_s);
-        let ratio = load_n / percept.total_normal_n().max(NORMAL_MIN_N);
+        let ratio = self.load_n / self.total_normal_n().max(NORMAL_MIN_N);
         let before = self.load_ratio.unwrap_or(ratio);
-        let filtered = low_pass(before, ratio, step_s, RATIO_FILTER_S * noisier);
+        let filtered = low_pass(before, ratio, step_s, RATIO_FILTER_S);
         self.load_ratio = Some(filtered);
         if self.measuring_s > 0.0 {
             self.measuring_s -= step_s;
