@@ -6,6 +6,7 @@
 //! and tangential forces. Least squares over the finger joints gives the normal force per grasp
 //! side. Without torque readings (all zero), the check is inactive.
 
+use crate::filter::{Dwell, low_pass};
 use crate::perception::{ContactPercept, Percept};
 use crate::settings::Safety;
 use nalgebra::Vector3;
@@ -40,8 +41,8 @@ pub(super) struct TorqueForceCheck {
     /// mean if only that is known.
     tactile_n: [f64; GRASP_SIDES],
     torque_n: [f64; GRASP_SIDES],
-    /// Duration of the present disagreement, s.
-    disagreed_s: f64,
+    /// Duration of the present disagreement.
+    disagreement: Dwell,
 }
 
 impl TorqueForceCheck {
@@ -51,7 +52,7 @@ impl TorqueForceCheck {
             free_n_m: HandVector::zeros(model.joints().len()),
             tactile_n: [0.0; GRASP_SIDES],
             torque_n: [0.0; GRASP_SIDES],
-            disagreed_s: 0.0,
+            disagreement: Dwell::default(),
         }
     }
 
@@ -73,7 +74,8 @@ impl TorqueForceCheck {
     /// Returns tactile and torque-estimated force, N, after a disagreement of `MISMATCH_S`.
     pub(super) fn mismatch(&self) -> Option<[f64; 2]> {
         let worst = usize::from(self.difference_n(1) > self.difference_n(0));
-        (self.disagreed_s > MISMATCH_S).then(|| [self.tactile_n[worst], self.torque_n[worst]])
+        (self.disagreement.seconds() > MISMATCH_S)
+            .then(|| [self.tactile_n[worst], self.torque_n[worst]])
     }
 
     fn difference_n(&self, side: usize) -> f64 {
@@ -82,7 +84,7 @@ impl TorqueForceCheck {
 
     /// Updates the disagreement timer. The tolerance is stricter once a mismatch is reported.
     fn update_timer(&mut self, settings: &Safety, step_s: f64) {
-        let allowed = if self.disagreed_s > MISMATCH_S {
+        let allowed = if self.disagreement.seconds() > MISMATCH_S {
             AGREEMENT_SHARE
         } else {
             1.0
@@ -91,11 +93,7 @@ impl TorqueForceCheck {
             let least_n = self.tactile_n[side].min(self.torque_n[side]).max(0.0);
             self.difference_n(side) > allowed * tolerated_n(least_n, settings)
         });
-        self.disagreed_s = if disagrees {
-            self.disagreed_s + step_s
-        } else {
-            0.0
-        };
+        self.disagreement.update(disagrees, step_s);
     }
 
     /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact
@@ -111,10 +109,9 @@ impl TorqueForceCheck {
     ) {
         let touches = percept.sides.iter().any(|side| side.in_contact);
         if !touches && !grips && closing_s < CLOSING_LEARN_S {
-            let share = step_s / (FREE_FILTER_S + step_s);
-            let learnt = |free, now| free + (now - free) * share;
+            let learnt = |free, now| low_pass(free, now, step_s, FREE_FILTER_S);
             self.free_n_m = self.free_n_m.zip_map(effort_n_m, learnt);
-            (self.tactile_n, self.torque_n, self.disagreed_s) = Default::default();
+            (self.tactile_n, self.torque_n, self.disagreement) = Default::default();
             return;
         }
         let loaded_n_m = effort_n_m.zip_map(&self.free_n_m, |now, free| now - free);
@@ -128,10 +125,9 @@ impl TorqueForceCheck {
                 ([felt_n; GRASP_SIDES], [borne_n; GRASP_SIDES])
             }
         };
-        let share = step_s / (FILTER_S + step_s);
         for side in 0..GRASP_SIDES {
-            self.tactile_n[side] += (felt_n[side] - self.tactile_n[side]) * share;
-            self.torque_n[side] += (borne_n[side] - self.torque_n[side]) * share;
+            self.tactile_n[side] = low_pass(self.tactile_n[side], felt_n[side], step_s, FILTER_S);
+            self.torque_n[side] = low_pass(self.torque_n[side], borne_n[side], step_s, FILTER_S);
         }
         self.update_timer(settings, step_s);
     }

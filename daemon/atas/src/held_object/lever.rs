@@ -3,7 +3,7 @@
 //! An off-centre mass loads the fingertips with a moment about the closing axis. The lever (moment
 //! over load) shrinks when the object rotates and its centre of mass swings below the grip.
 
-use crate::filter::low_pass;
+use crate::filter::{Dwell, low_pass};
 use crate::perception::Percept;
 use shm_schemas::{Cause, Reason};
 
@@ -30,7 +30,7 @@ pub(super) struct Lever {
     torsion: f64,
     max_m: f64,
     torsion_max: f64,
-    rotated_s: f64,
+    rotated: Dwell,
 }
 
 impl Lever {
@@ -50,11 +50,7 @@ impl Lever {
         self.torsion = filter(self.torsion, first.torsion.max(second.torsion));
         self.max_m = self.max_m.max(self.now_m);
         self.torsion_max = self.torsion_max.max(self.torsion);
-        self.rotated_s = if self.has_rotated() {
-            self.rotated_s + percept.step_s
-        } else {
-            0.0
-        };
+        self.rotated.update(self.has_rotated(), percept.step_s);
     }
 
     fn has_rotated(&self) -> bool {
@@ -76,7 +72,7 @@ impl Lever {
 
     /// Returns the reason if the object keeps rotating.
     pub(super) fn turning(&self) -> Option<Reason> {
-        (self.rotated_s > ROTATING_S).then(|| self.reason())
+        (self.rotated.seconds() > ROTATING_S).then(|| self.reason())
     }
 
     fn reason(&self) -> Reason {

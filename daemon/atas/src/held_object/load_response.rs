@@ -4,6 +4,8 @@
 //! a load response, neither shear from misaligned faces nor a wrong friction reading justifies more
 //! force. The method needs no friction coefficient.
 
+use crate::filter::low_pass;
+
 /// Growth factor of the normal force that requires a load response (design choice).
 const CLOSING_GROWTH: f64 = 1.25;
 /// Smallest load response: share, and minimum in N (design choice: well above noise).
@@ -43,9 +45,8 @@ impl LoadResponse {
             reference_normal_n: normal_n,
             reference_load_n: load_n,
         });
-        let share = step_s / (FILTER_S + step_s);
-        measured.normal_n += (normal_n - measured.normal_n) * share;
-        measured.load_n += (load_n - measured.load_n) * share;
+        measured.normal_n = low_pass(measured.normal_n, normal_n, step_s, FILTER_S);
+        measured.load_n = low_pass(measured.load_n, load_n, step_s, FILTER_S);
         let change_n = (measured.load_n - measured.reference_load_n).abs();
         if change_n > LOAD_FLOOR_N.max(LOAD_SHARE * measured.reference_load_n.abs()) {
             (measured.reference_normal_n, measured.reference_load_n) =

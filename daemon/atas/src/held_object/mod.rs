@@ -33,6 +33,7 @@ use self::load_response::LoadResponse;
 use self::verified_grip::GripVerification;
 use self::weight::Weight;
 use crate::executor::HandMotion;
+use crate::filter::Dwell;
 use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
 use crate::thresholds::Thresholds;
@@ -147,7 +148,7 @@ pub struct HeldObjectEstimator {
     /// It was found in the hand: its origin is unknown.
     is_found: bool,
     contact: Contact,
-    no_contact_s: f64,
+    no_contact: Dwell,
     /// Lift verification has succeeded.
     is_verified: bool,
     /// Speed factor of the hand in the previous tick, and remaining swing time, s.
@@ -156,9 +157,9 @@ pub struct HeldObjectEstimator {
     verification: GripVerification,
     response: LoadResponse,
     drop_detector: DropDetector,
-    /// Duration of a drop, and of a drift, s.
-    drop_s: f64,
-    drift_s: f64,
+    /// Duration of a drop of a verified object, and of a drift.
+    dropping: Dwell,
+    drifting: Dwell,
     weight: Weight,
     lever: Lever,
 }
@@ -173,15 +174,15 @@ impl HeldObjectEstimator {
             is_gripped: false,
             is_found: false,
             contact: Contact::default(),
-            no_contact_s: 0.0,
+            no_contact: Dwell::default(),
             is_verified: false,
             carry_scale: 0.0,
             swing_s: 0.0,
             verification: GripVerification::default(),
             response: LoadResponse::default(),
             drop_detector: DropDetector::default(),
-            drop_s: 0.0,
-            drift_s: 0.0,
+            dropping: Dwell::default(),
+            drifting: Dwell::default(),
             weight: Weight::default(),
             lever: Lever::default(),
         }
@@ -205,7 +206,7 @@ impl HeldObjectEstimator {
             stiffness: self.stiffness,
             is_gripped: self.is_gripped,
             is_found: self.is_found,
-            no_contact_s: self.no_contact_s,
+            no_contact: self.no_contact,
             ..Self::new(self.object.thresholds)
         };
     }
@@ -221,11 +222,7 @@ impl HeldObjectEstimator {
         settings: &Settings,
     ) {
         let touches = percept.sides.iter().all(|side| side.in_contact);
-        self.no_contact_s = if touches {
-            0.0
-        } else {
-            self.no_contact_s + step_s
-        };
+        self.no_contact.update(!touches, step_s);
         if step.searches && touches {
             self.contact.touch(gap_m);
         }
@@ -300,11 +297,8 @@ impl HeldObjectEstimator {
         object.drift = object.grip.map_or(Drift::default(), |grip| {
             Drift::estimate(&grip, &hand.compression, object_m_n)
         });
-        self.drift_s = if object.drift.is_reported {
-            self.drift_s + percept.step_s
-        } else {
-            0.0
-        };
+        self.drifting
+            .update(object.drift.is_reported, percept.step_s);
     }
 
     fn update_drop(&mut self, percept: &Percept) {
@@ -314,11 +308,8 @@ impl HeldObjectEstimator {
         object.drops = self
             .drop_detector
             .update(load_n, object.swings, percept.step_s);
-        self.drop_s = if object.drops && self.is_verified {
-            self.drop_s + percept.step_s
-        } else {
-            0.0
-        };
+        self.dropping
+            .update(object.drops && self.is_verified, percept.step_s);
     }
 
     fn update_in_hand(&mut self, percept: &Percept) {
@@ -381,7 +372,7 @@ impl HeldObjectEstimator {
 
     /// Keeps an object without load only while it touches every side: something else may carry it.
     pub fn keep_if_touched(&mut self) {
-        self.is_gripped &= self.no_contact_s <= LOST_AFTER_S;
+        self.is_gripped &= !self.has_lost_contact();
         self.restart_in_hand();
     }
 }
@@ -432,7 +423,7 @@ impl HeldObjectEstimator {
     /// A side has not touched for longer than contact bounce.
     #[must_use]
     pub fn has_lost_contact(&self) -> bool {
-        self.no_contact_s > LOST_AFTER_S
+        self.no_contact.seconds() > LOST_AFTER_S
     }
 
     /// The hand has begun to carry a gripped object.
@@ -444,7 +435,7 @@ impl HeldObjectEstimator {
     /// Duration of a drop of a verified object, s.
     #[must_use]
     pub fn drop_s(&self) -> f64 {
-        self.drop_s
+        self.dropping.seconds()
     }
 
     /// Time since the grip was last shown to hold its load, s; infinite if it never was.
@@ -491,7 +482,7 @@ impl HeldObjectEstimator {
         let grip = self.object.grip?;
         let mean_n = |normal_n: &[f64]| normal_n.iter().sum::<f64>() / normal_n.len() as f64;
         let [now_n, verified_n] = [grip.normal_n, grip.verified_normal_n].map(|n| mean_n(&n));
-        (self.drift_s > DRIFT_WARNING_S)
+        (self.drifting.seconds() > DRIFT_WARNING_S)
             .then(|| Reason::with_limit(Cause::FORCE_AGAINST_OPENING, now_n, verified_n))
     }
 }

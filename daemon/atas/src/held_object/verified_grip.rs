@@ -9,7 +9,7 @@
 //!
 //! A load that exceeds this bound accelerates the object; integrated twice, it gives the slide.
 
-use crate::filter::low_pass;
+use crate::filter::{Dwell, low_pass};
 use crate::limits::{GRAVITY_M_S2, NORMAL_MIN_N};
 use crate::perception::Percept;
 use robot_model::GRASP_SIDES;
@@ -75,8 +75,8 @@ pub(super) struct GripVerification {
     verification: Option<Verification>,
     /// Remaining time for which the ratio of a found grip is measured, s.
     measuring_s: f64,
-    /// Time since the grip last held its load, s; infinite if it never did.
-    unheld_s: f64,
+    /// Time since the grip last held its load; infinite if it never did.
+    unheld: Dwell,
     /// Speed, m/s, and distance, m, of a slide under a load beyond what the grip can hold.
     overload_m_s: f64,
     overload_m: f64,
@@ -94,7 +94,7 @@ impl Default for GripVerification {
             held_ratio: None,
             verification: None,
             measuring_s: 0.0,
-            unheld_s: f64::INFINITY,
+            unheld: Dwell::FOREVER,
             overload_m_s: 0.0,
             overload_m: 0.0,
         }
@@ -108,7 +108,7 @@ impl GripVerification {
     pub(super) fn for_found_grip() -> Self {
         Self {
             held_ratio: Some(0.0),
-            unheld_s: 0.0,
+            unheld: Dwell::default(),
             measuring_s: MEASURING_S,
             ..Self::default()
         }
@@ -135,11 +135,7 @@ impl GripVerification {
             self.measuring_s -= step_s;
             self.held_ratio = self.held_ratio.map(|held| held.max(filtered));
         }
-        self.unheld_s = if self.is_held() {
-            0.0
-        } else {
-            self.unheld_s + step_s
-        };
+        self.unheld.update(!self.is_held(), step_s);
     }
 
     /// A minimised grip has held the suspended object without a drop.
@@ -208,7 +204,7 @@ impl GripVerification {
 
     /// Time since the grip last held its load, s; infinite if it never did.
     pub(super) fn unheld_s(&self) -> f64 {
-        self.unheld_s
+        self.unheld.seconds()
     }
 }
 

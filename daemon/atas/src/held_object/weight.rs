@@ -6,7 +6,7 @@
 //!   still reports grip force. A weight does not change: at the end of a task, a smaller load means
 //!   that the hand does not carry the object alone.
 
-use crate::filter::low_pass;
+use crate::filter::{Dwell, low_pass};
 use crate::limits::GRAVITY_M_S2;
 use shm_schemas::{Cause, Reason};
 
@@ -40,7 +40,7 @@ pub(super) struct Weight {
     slip_m: f64,
     /// Carried distance at which the object was last found standing, m.
     stood_at_m: f64,
-    loss_s: f64,
+    lost: Dwell,
     /// Magnitude of the present vertical load, N.
     load_n: f64,
 }
@@ -74,17 +74,15 @@ impl Weight {
         }
         self.max_n = (self.max_n * WEIGHT_MAX_S / (WEIGHT_MAX_S + step_s)).max(self.weight_n);
         self.load_n = down_n.abs();
-        self.loss_s = if self.load_n < LOSS_SHARE * self.max_n {
-            self.loss_s + step_s
-        } else {
-            0.0
-        };
+        let is_lost = self.load_n < LOSS_SHARE * self.max_n;
+        self.lost.update(is_lost, step_s);
     }
 
     /// Returns the reason if the object no longer loads the hand.
     pub(super) fn loss(&self) -> Option<Reason> {
         let least_n = LOSS_SHARE * self.max_n;
-        (self.loss_s > LOSS_S).then(|| Reason::with_limit(Cause::LOST_OBJECT, self.load_n, least_n))
+        (self.lost.seconds() > LOSS_S)
+            .then(|| Reason::with_limit(Cause::LOST_OBJECT, self.load_n, least_n))
     }
 
     /// Returns the reason if the hand no longer carries the whole weight.

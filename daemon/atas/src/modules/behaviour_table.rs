@@ -8,6 +8,7 @@
 use super::force_limit::{exceeds_f2, too_heavy_reason};
 use super::slip::{exceeds_utilisation, is_loading, is_turning, slips_grossly};
 use super::{Context, Module, Proposal, Roles, Verdict};
+use crate::filter::Dwell;
 use crate::perception::{ContactPercept, Percept};
 use robot_model::GRASP_SIDES;
 use shm_schemas::{ModuleId, SensorBit};
@@ -31,8 +32,8 @@ pub(super) struct BehaviourTable {
     /// Remaining time of [`SensorBit::SLIPPING`], s.
     latch_s: f64,
     above_f2: bool,
-    /// Duration of low utilisation on every side, s.
-    low_utilisation_s: f64,
+    /// Duration of low utilisation on every side.
+    low_utilisation: Dwell,
     back_s: f64,
 }
 
@@ -99,11 +100,8 @@ impl BehaviourTable {
                 && finger.gross_slip_s == 0.0
         };
         let spares = percept.sides.iter().all(spare);
-        self.low_utilisation_s = if spares && !slips {
-            self.low_utilisation_s + context.step_s
-        } else {
-            0.0
-        };
+        self.low_utilisation
+            .update(spares && !slips, context.step_s);
     }
 
     fn is_set(&self, bit: SensorBit, percept: &Percept, context: &Context<'_>) -> bool {
@@ -114,7 +112,7 @@ impl BehaviourTable {
             SensorBit::SLIPPING => self.latch_s > 0.0,
             SensorBit::ABOVE_F2 => self.above_f2,
             SensorBit::LIFTED => context.object.carried_m > LIFTED_M,
-            SensorBit::FRICTION_MARGIN => self.low_utilisation_s > LOW_UTILISATION_S,
+            SensorBit::FRICTION_MARGIN => self.low_utilisation.seconds() > LOW_UTILISATION_S,
             _ => false,
         }
     }

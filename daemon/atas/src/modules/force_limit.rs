@@ -8,7 +8,7 @@
 //! object that slips on every side at F_2 is refused.
 
 use super::{Context, Module, Proposal, Verdict};
-use crate::filter::low_pass;
+use crate::filter::{Dwell, low_pass};
 use crate::perception::Percept;
 use crate::thresholds::ForceLimitSource;
 use robot_model::GRASP_SIDES;
@@ -25,8 +25,8 @@ pub(super) struct ForceLimit {
     active: bool,
     /// Low-passed smallest momentary utilisation of the sides.
     slip_utilisation: f64,
-    /// Duration of gross slip at F_2, s.
-    gross_slip_s: f64,
+    /// Duration of gross slip at F_2.
+    slipping_out: Dwell,
 }
 
 impl Module for ForceLimit {
@@ -97,11 +97,7 @@ impl ForceLimit {
         let sliding = self.active
             && !context.object.load_is_held
             && self.slip_utilisation > settings.too_heavy_gross;
-        self.gross_slip_s = if sliding {
-            self.gross_slip_s + context.step_s
-        } else {
-            0.0
-        };
-        self.gross_slip_s > settings.too_heavy_s
+        self.slipping_out.update(sliding, context.step_s);
+        self.slipping_out.seconds() > settings.too_heavy_s
     }
 }

@@ -15,6 +15,7 @@
 
 use super::force_limit::too_heavy_reason;
 use super::{Context, Module, Proposal, RELEASE_SHARE, Verdict};
+use crate::filter::Dwell;
 use crate::held_object::LiftFinding;
 use crate::perception::Percept;
 use robot_model::GRASP_SIDES;
@@ -76,8 +77,8 @@ enum Phase {
 struct GripMinimisation {
     /// Carried distance to restore after the pull-back, m.
     from_m: f64,
-    /// Time without finger motion and total time, s.
-    still_s: f64,
+    /// Time without finger motion, and total time, s.
+    still: Dwell,
     total_s: f64,
 }
 
@@ -199,10 +200,10 @@ impl LiftVerification {
     }
 }
 
-/// Returns the factor on the grip force that secures a minimised grip, ≥ 1.
+/// Returns the factor on the grip force that secures a minimised grip against a shake, ≥ 1.
 fn reserve(percept: &Percept) -> f64 {
     let used = percept.sides.iter().map(|side| side.utilisation);
-    used.fold(1.0, |most, used| most.max(used / SECURED_UTILISATION))
+    used.fold(SECURED_UTILISATION, f64::max) / SECURED_UTILISATION
 }
 
 impl GripMinimisation {
@@ -216,12 +217,9 @@ impl GripMinimisation {
         }
         let moves = |closing_m_s: &f64| closing_m_s.abs() > STILL_M_S;
         self.total_s += context.step_s;
-        self.still_s = if context.hand.closing_m_s.iter().any(moves) {
-            0.0
-        } else {
-            self.still_s + context.step_s
-        };
-        self.still_s > STILL_S || self.total_s > MINIMISE_MAX_S
+        let still = !context.hand.closing_m_s.iter().any(moves);
+        self.still.update(still, context.step_s);
+        self.still.seconds() > STILL_S || self.total_s > MINIMISE_MAX_S
     }
 }
 

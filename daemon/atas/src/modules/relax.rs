@@ -12,7 +12,7 @@
 
 use super::slip::STEADY_SHARE;
 use super::{Context, Module, Proposal};
-use crate::filter::low_pass;
+use crate::filter::{Dwell, low_pass};
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{ContactPercept, Percept};
 use robot_model::GRASP_SIDES;
@@ -48,8 +48,10 @@ const START_EXCESS: f64 = 0.05;
 const OPENING_EFFECT_S: f64 = 0.5;
 /// Momentary utilisation above which the shear is too uniform to open (design choice).
 const UNIFORM_SHEAR_BELOW: f64 = 0.9;
-/// Margin factor on the force-to-load ratio at the last slip (design choice).
-const SLIP_RATIO_MARGIN: f64 = 1.04;
+/// Margin factor on the force-to-load ratio at the last slip. Design choice: kinetic friction is a
+/// tenth lower than static friction, and the load trembles by a few per cent. At 1.04, an object
+/// that slips once may slide on slowly, without a change of the load.
+const SLIP_RATIO_MARGIN: f64 = 1.15;
 /// Time constant of the element scatter, s (design choice: most of the closing during a lift).
 const SCATTER_S: f64 = 0.3;
 /// Load below which no object is suspended, N (design choice: noise of two fingertips).
@@ -64,8 +66,8 @@ pub(super) struct Relax {
     excess: f64,
     /// Low-passed largest torsion ratio of the sides.
     torsion: f64,
-    /// Time without disturbance, s.
-    steady_s: f64,
+    /// Time without disturbance.
+    steady: Dwell,
     active: bool,
     /// Remaining attribution time, s.
     opening_effect_s: f64,
@@ -95,7 +97,7 @@ impl Module for Relax {
         let above = self.excess_force(weakest_n, load_n, context);
         let spare = self.utilisation_margin(percept, context);
         let is_closed = context.object.grip.is_none_or(|grip| grip.closed_m > 0.0);
-        let may = self.steady_s >= STEADY_MIN_S && spare > 0.0 && above > 0.0 && is_closed;
+        let may = self.steady.seconds() >= STEADY_MIN_S && spare > 0.0 && above > 0.0 && is_closed;
         let turns = self.exceeds_torsion(percept) && context.object.minimises_grip;
         if !self.opened {
             self.update_scatter(percept);
@@ -156,11 +158,7 @@ impl Relax {
         let steady = (context.object.suspended || context.object.minimises_grip)
             && !self.pressing
             && percept.sides.iter().all(calm);
-        self.steady_s = if steady {
-            self.steady_s + context.step_s
-        } else {
-            0.0
-        };
+        self.steady.update(steady, context.step_s);
     }
 
     /// Returns the low-passed share of the force above the minimum known without friction.

@@ -85,8 +85,7 @@ impl Module for ReleasePlaced {
             let slow_s = ADAPTATION_TRAVEL_M / lowering_speed_m_s(percept, context);
             self.update_scatter(up_n - reference_n, percept.step_s, slow_s);
             let filter_s = if settled { slow_s } else { SETTLING_FILTER_S };
-            let share = context.step_s / (filter_s + context.step_s);
-            self.reference_n = Some(reference_n + (up_n - reference_n) * share);
+            self.reference_n = Some(low_pass(reference_n, up_n, context.step_s, filter_s));
         }
         let placed = self.rising_s >= settings.rise_s && self.rising_frames >= RISING_FRAMES_MIN;
         Proposal {

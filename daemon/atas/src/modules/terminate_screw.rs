@@ -18,6 +18,7 @@
 //! force where a fingertip rolls on the cap.
 
 use super::{Context, Module, Proposal, Roles, Verdict};
+use crate::filter::low_pass;
 use crate::perception::{ContactPercept, Percept};
 use robot_model::{GRASP_SIDES, Transform};
 use shm_schemas::ModuleId;
@@ -44,9 +45,9 @@ impl Module for TerminateScrew {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let settings = &context.settings.screw;
-        let share = context.step_s / (settings.finish_filter_s + context.step_s);
         let torque_n_m = -context.turning * torque_n_m(percept, context);
-        self.torque_n_m += (torque_n_m - self.torque_n_m) * share;
+        let filter_s = settings.finish_filter_s;
+        self.torque_n_m = low_pass(self.torque_n_m, torque_n_m, context.step_s, filter_s);
         let turned_m = context.turning * context.hand.pose.tangential_m[0];
         let moved_m = turned_m - self.last_m.replace(turned_m).unwrap_or(turned_m);
         let gripping = percept.sides.iter().all(|f| f.in_contact);

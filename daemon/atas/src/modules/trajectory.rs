@@ -20,6 +20,7 @@
 //! slows the turn.
 
 use super::{Context, Module, PoseCommand, Proposal, Roles};
+use crate::filter::Dwell;
 use crate::perception::Percept;
 use crate::thresholds::Thresholds;
 use robot_model::{GRASP_SIDES, GraspPose};
@@ -73,7 +74,7 @@ pub(super) struct Trajectory {
     /// Offset e(s) of each side, m, positive inwards.
     inward_m: [[f64; BINS]; GRASP_SIDES],
     /// Time for which the grip force has been sufficient, s.
-    gripped_s: f64,
+    gripped: Dwell,
     /// Vertical travel with the cap, m; negative is down.
     cap_travel_m: f64,
 }
@@ -86,7 +87,7 @@ impl Default for Trajectory {
             speed_m_s: 0.0,
             first_grip: None,
             inward_m: [[0.0; BINS]; GRASP_SIDES],
-            gripped_s: 0.0,
+            gripped: Dwell::default(),
             cap_travel_m: 0.0,
         }
     }
@@ -114,7 +115,7 @@ impl Module for Trajectory {
         let touching = matches!(self.edge, Edge::Grip | Edge::Turn);
         let waits = self.edge == Edge::Turn && waits_for_relief(percept, context);
         let presses =
-            self.edge == Edge::Grip && context.hand.turns_by_wrist && self.gripped_s == 0.0;
+            self.edge == Edge::Grip && context.hand.turns_by_wrist && self.gripped.seconds() == 0.0;
         let closing_m_s = if presses {
             context.settings.grasp.enhance_m_s
         } else {
@@ -155,11 +156,7 @@ impl Trajectory {
             f1_n
         };
         let firm = weakest_n > needed_n || strongest_n > f2_n;
-        self.gripped_s = if firm {
-            self.gripped_s + context.step_s
-        } else {
-            0.0
-        };
+        self.gripped.update(firm, context.step_s);
         self.follow_cap(percept, context);
     }
 
@@ -202,7 +199,7 @@ impl Trajectory {
     fn advance(&mut self, percept: &Percept, context: &Context<'_>) -> bool {
         let settings = &context.settings.screw;
         let (length_m, top_m_s) = match self.edge {
-            Edge::Grip => return self.gripped_s >= settings.grip_s,
+            Edge::Grip => return self.gripped.seconds() >= settings.grip_s,
             Edge::In => (settings.clearance_m - GRIP_GAP_M, settings.in_m_s),
             Edge::Turn => {
                 let responsive_m_s =
@@ -243,7 +240,8 @@ impl Trajectory {
             Edge::Out => Edge::Return,
             Edge::Return => Edge::In,
         };
-        (self.position_m, self.speed_m_s, self.gripped_s) = (0.0, 0.0, 0.0);
+        (self.position_m, self.speed_m_s) = (0.0, 0.0);
+        self.gripped = Dwell::default();
     }
 
     /// Starts the turn at the opening at which the grip was reached.
