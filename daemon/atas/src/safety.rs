@@ -246,6 +246,9 @@ impl Gate {
 
     fn limit(&mut self, wanted_rad: &RobotVector, step_s: f64) {
         for (index, &wanted_rad) in wanted_rad.iter().enumerate() {
+            if self.rests_at(index, wanted_rad) {
+                continue;
+            }
             // Acceleration and jerk limits are in radians.
             let unit = self.joints[index].radian();
             let joint = in_radians(&self.joints[index]);
@@ -260,6 +263,16 @@ impl Gate {
             self.velocity_rad_s[index] = next.velocity_rad_s * unit;
             self.acceleration_rad_s2[index] = next.acceleration_rad_s2 * unit;
         }
+    }
+
+    /// Returns true if the joint rests at its request, and thus stays there.
+    fn rests_at(&self, joint: usize, wanted_rad: f64) -> bool {
+        let position_rad = self.position_rad[joint];
+        position_rad == wanted_rad
+            && position_rad == self.requested_rad[joint]
+            && position_rad == within(&self.joints[joint], position_rad)
+            && self.velocity_rad_s[joint] == 0.0
+            && self.acceleration_rad_s2[joint] == 0.0
     }
 
     /// Detects a blocked or dead joint; further motion would only build up force.

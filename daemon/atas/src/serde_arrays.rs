@@ -29,30 +29,3 @@ pub(crate) mod nested {
         Ok(<[Array<T, M>; N]>::deserialize(deserializer)?.map(|array| array.0))
     }
 }
-
-/// Optional large array.
-pub(crate) mod optional {
-    use super::*;
-
-    pub(crate) fn serialize<S, T, const M: usize>(
-        array: &Option<[T; M]>,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error>
-    where
-        S: Serializer,
-        T: Copy + Serialize,
-    {
-        array.map(Array).serialize(serializer)
-    }
-
-    pub(crate) fn deserialize<'de, D, T, const M: usize>(
-        deserializer: D,
-    ) -> Result<Option<[T; M]>, D::Error>
-    where
-        D: Deserializer<'de>,
-        T: Deserialize<'de>,
-    {
-        let array = Option::<Array<T, M>>::deserialize(deserializer)?;
-        Ok(array.map(|array| array.0))
-    }
-}

@@ -86,8 +86,9 @@ impl HandPose {
 
 impl HandModel {
     /// Computes the pose. A joint position that is not finite makes only the frames behind it not
-    /// finite; a missing one counts as 0.
+    /// finite; a missing one counts as 0. Inlined: a return would copy the pose.
     #[must_use]
+    #[inline]
     pub fn forward(&self, q_rad: &HandVector) -> HandPose {
         // Each field is set alone. A copy of a constant would copy the storage of unused frames
         // too.

@@ -104,9 +104,14 @@ impl Controller {
         let effort_n_m = self.joints.effort_n_m();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
             let q_rad = HandVector::from_slice(&measured_rad[range.clone()]);
-            let pose = hand.model().forward(&q_rad);
             let effort_n_m = effort_n_m.map(|all| HandVector::from_slice(&all[range]));
-            hand.update_measured(&pose, effort_n_m.as_ref(), &self.settings, self.step_s);
+            let effort_n_m = effort_n_m.as_ref();
+            if hand.needs_pose() {
+                let pose = hand.model().forward(&q_rad);
+                hand.update_measured(&pose, effort_n_m, &self.settings, self.step_s);
+            } else {
+                hand.update_resting(effort_n_m, self.step_s);
+            }
         }
     }
 

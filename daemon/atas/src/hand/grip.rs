@@ -1,11 +1,13 @@
 //! Grip state beyond the task: force limit of the held object, and holding of a found object.
 
 use super::HandControl;
+use super::torque_force_check::TorqueForceCheck;
 use crate::executor::TaskExecutor;
 use crate::perception::Percept;
 use crate::planning::{Waypoints, home_pose};
 use crate::safety::Grip;
 use crate::settings::Settings;
+use robot_model::HandVector;
 use shm_schemas::{Cause, EventKind, ModuleEvent, Reason};
 
 impl HandControl {
@@ -55,6 +57,26 @@ impl HandControl {
             _ if touches(self.perception.percept()) => self.force_limit_n,
             _ => 0.0,
         };
+    }
+
+    /// Returns false for an idle hand without contact; nothing uses its measured pose.
+    #[must_use]
+    pub(crate) fn needs_pose(&self) -> bool {
+        self.is_busy()
+            || self
+                .perception
+                .percept()
+                .sides
+                .iter()
+                .any(|side| side.in_contact)
+    }
+
+    /// Processes the servo torques, N·m, of a hand that does not need its measured pose.
+    pub(crate) fn update_resting(&mut self, effort_n_m: Option<&HandVector>, step_s: f64) {
+        match effort_n_m {
+            Some(effort_n_m) => self.torque_check.learn_free(effort_n_m, step_s),
+            None => self.torque_check = TorqueForceCheck::new(&self.model),
+        }
     }
 
     /// F_2 of the held object, N; zero for an empty hand.

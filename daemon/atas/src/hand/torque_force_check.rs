@@ -96,6 +96,13 @@ impl TorqueForceCheck {
         self.disagreement.update(disagrees, step_s);
     }
 
+    /// Learns the torques, N·m, of fingers that are free.
+    pub(super) fn learn_free(&mut self, effort_n_m: &HandVector, step_s: f64) {
+        let learnt = |free, now| low_pass(free, now, step_s, FREE_FILTER_S);
+        self.free_n_m = self.free_n_m.zip_map(effort_n_m, learnt);
+        (self.tactile_n, self.torque_n, self.disagreement) = Default::default();
+    }
+
     /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact
     /// or grip are free, unless they have been closing towards contact for `CLOSING_LEARN_S`.
     pub(super) fn update(
@@ -109,10 +116,7 @@ impl TorqueForceCheck {
     ) {
         let touches = percept.sides.iter().any(|side| side.in_contact);
         if !touches && !grips && closing_s < CLOSING_LEARN_S {
-            let learnt = |free, now| low_pass(free, now, step_s, FREE_FILTER_S);
-            self.free_n_m = self.free_n_m.zip_map(effort_n_m, learnt);
-            (self.tactile_n, self.torque_n, self.disagreement) = Default::default();
-            return;
+            return self.learn_free(effort_n_m, step_s);
         }
         let loaded_n_m = effort_n_m.zip_map(&self.free_n_m, |now, free| now - free);
         let felt_n = percept.sides.each_ref().map(|measured| measured.normal_n);

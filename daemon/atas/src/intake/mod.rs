@@ -17,6 +17,10 @@ use shm_schemas::capacity::{ELEMENTS, FINGERS};
 use shm_schemas::{Cause, Hand, HandFrame, Reason};
 use stuck::StuckDetector;
 
+const SIGN_BIT: u32 = 1 << 31;
+/// Bits of the smallest normal number.
+const MIN_NORMAL_BITS: u32 = f32::MIN_POSITIVE.to_bits();
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Rejection {
     Corrupt,
@@ -313,23 +317,12 @@ impl FrameIntake {
     fn mask(&mut self, frame: &HandFrame, limits: &Limits) -> [u64; FINGERS] {
         let mut mask = [0; FINGERS];
         let mut worst = 0;
+        let limit_n = largest_at_most(limits.element_force_n);
         for (finger, mask) in mask.iter_mut().enumerate().take(self.fingers) {
-            let mut invalid = 0;
-            for element in 0..self.elements as usize {
-                let trusted = frame.valid_mask[finger] & !self.were_stuck[finger];
-                let flagged = trusted >> element & 1 == 1;
-                let force = frame.force_n[finger][element];
-                // False for NaN, so NaN is masked before any arithmetic. No sensor resolves a
-                // denormal force; a broken decoder reads it instead of a grip.
-                let believable = force
-                    .iter()
-                    .all(|f| f64::from(f.abs()) <= limits.element_force_n && !f.is_subnormal());
-                if flagged && believable {
-                    *mask |= 1 << element;
-                } else {
-                    invalid += 1;
-                }
-            }
+            let readings_n = &frame.force_n[finger][..self.elements as usize];
+            let trusted = frame.valid_mask[finger] & !self.were_stuck[finger];
+            *mask = trusted & believable(readings_n, limit_n);
+            let invalid = u64::from(self.elements - mask.count_ones());
             self.counts.masked_elements += invalid;
             worst = worst.max(invalid);
         }
@@ -424,6 +417,35 @@ impl FrameIntake {
 }
 
 type Forces = [[[f32; 3]; ELEMENTS]; FINGERS];
+
+/// Returns the set of believable elements: no axis is above the limit, not a number or denormal. No
+/// sensor resolves a denormal force; a broken decoder reads it instead of a grip.
+fn believable(readings_n: &[[f32; 3]], limit_n: f32) -> u64 {
+    // The bits of positive numbers have the order of the numbers; those of NaN are above. Without
+    // branches over all values, because nearly all frames are valid as a whole.
+    let is_valid = |axis: &f32| {
+        let magnitude = axis.to_bits() & !SIGN_BIT;
+        (magnitude <= limit_n.to_bits()) & ((magnitude == 0) | (magnitude >= MIN_NORMAL_BITS))
+    };
+    let values_n = readings_n.as_flattened().iter();
+    if values_n.fold(true, |all, axis| all & is_valid(axis)) {
+        return u64::MAX >> (ELEMENTS - readings_n.len());
+    }
+    let elements = readings_n.iter().enumerate();
+    elements.fold(0, |set, (element, axes)| {
+        set | u64::from(axes.iter().all(is_valid)) << element
+    })
+}
+
+/// Returns the largest single-precision number at or below a positive limit.
+fn largest_at_most(limit: f64) -> f32 {
+    let nearest = limit as f32;
+    if f64::from(nearest) > limit {
+        nearest.next_down()
+    } else {
+        nearest
+    }
+}
 
 /// Compares bitwise, because NaN never equals itself.
 fn same_bits(a: &Forces, b: &Forces) -> bool {

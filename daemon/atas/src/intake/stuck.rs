@@ -54,13 +54,7 @@ impl StuckDetector {
         now_n: &[[f32; 3]; ELEMENTS],
         count: usize,
     ) -> u64 {
-        let mut moved = 0_u64;
-        for (element, (before, now)) in before_n.iter().zip(now_n).take(count).enumerate() {
-            // Bitwise, because NaN is already masked.
-            let change = |axis: usize| before[axis].to_bits() ^ now[axis].to_bits();
-            let moves = change(0) | change(1) | change(2) != 0;
-            moved |= u64::from(moves) << element;
-        }
+        let moved = moved(&before_n[..count], &now_n[..count]);
         // If most elements pause, none is stuck: the sensor is noise-free or repeated a frame.
         let speaks = 2 * (moved & self.working).count_ones() >= self.working.count_ones();
         for element in each(moved & (self.paused | !self.working)) {
@@ -93,6 +87,16 @@ impl StuckDetector {
         self.changes[element] = self.changes[element].saturating_add(1);
         self.working |= u64::from(self.changes[element] >= WORKING_FRAMES) << element;
     }
+}
+
+/// Returns the elements with a changed reading. Bitwise, because NaN is masked elsewhere.
+fn moved(before_n: &[[f32; 3]], now_n: &[[f32; 3]]) -> u64 {
+    let elements = before_n.iter().zip(now_n);
+    // The last element first: each one shifts the set by one bit.
+    elements.rev().fold(0, |set, ([a, b, c], [x, y, z])| {
+        let change = |before: &f32, now: &f32| before.to_bits() ^ now.to_bits();
+        set << 1 | u64::from(change(a, x) | change(b, y) | change(c, z) != 0)
+    })
 }
 
 fn each(mut set: u64) -> impl Iterator<Item = usize> {

@@ -2,15 +2,14 @@
 
 use super::friction::Friction;
 use super::increment::Increment;
+use super::lanes::{self, LANES, LANES_MASK, Lanes, Row, Rows};
 use super::motion::{Motion, MotionPercept};
 use super::noise::Noise;
-use super::patch::{ElementAxes, Patch};
+use super::patch::{ElementAxes, LoadedElements, LoadedGroups, Patch};
 use crate::intake::ValidatedFrame;
 use crate::limits::{FRICTION_FLOOR, MASKED_DECAY_S};
 use crate::settings::{Perception, Settings};
 use nalgebra::Vector3;
-use shm_schemas::Layout;
-use shm_schemas::capacity::ELEMENTS;
 
 /// Standard deviations of the unloaded force that are no contact (design choice: one false contact
 /// in about a million frames).
@@ -95,14 +94,10 @@ impl Default for ContactPercept {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FingertipPerception {
-    axes: ElementAxes,
-    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    filtered_n: [[f64; 3]; ELEMENTS],
+    filtered_n: Rows,
     /// Readings after the friction filter.
-    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    slow_n: [[f64; 3]; ELEMENTS],
-    #[cfg_attr(feature = "serde", serde(with = "serde_big_array::BigArray"))]
-    bias_n: [[f64; 3]; ELEMENTS],
+    slow_n: Rows,
+    bias_n: Rows,
     noise: Noise,
     increment: Increment,
     friction: Friction,
@@ -112,15 +107,13 @@ pub struct FingertipPerception {
     percept: ContactPercept,
 }
 
-impl FingertipPerception {
-    /// Creates an unloaded fingertip with this layout.
-    #[must_use]
-    pub fn new(layout: &Layout) -> Self {
+impl Default for FingertipPerception {
+    /// Creates an unloaded fingertip.
+    fn default() -> Self {
         Self {
-            axes: ElementAxes::new(layout),
-            filtered_n: [[0.0; 3]; ELEMENTS],
-            slow_n: [[0.0; 3]; ELEMENTS],
-            bias_n: [[0.0; 3]; ELEMENTS],
+            filtered_n: Rows::default(),
+            slow_n: Rows::default(),
+            bias_n: Rows::default(),
             noise: Noise::default(),
             increment: Increment::default(),
             friction: Friction::default(),
@@ -129,146 +122,180 @@ impl FingertipPerception {
             percept: ContactPercept::default(),
         }
     }
+}
 
+impl FingertipPerception {
     /// Adds one frame.
-    pub fn update(
+    pub(super) fn update(
         &mut self,
-        finger: usize,
+        (finger, axes): (usize, &ElementAxes),
         frame: &ValidatedFrame<'_>,
         slips: bool,
         all: &Settings,
-    ) -> ContactPercept {
-        let settings = &all.perception;
-        let share = self.filter(finger, frame, settings);
-        let patch = Patch::new(
-            &self.axes,
-            &self.filtered_n,
-            self.noise.variance_n2(),
-            settings.element_floor_n,
-        );
-        self.update_contact(&patch, settings);
+    ) -> &ContactPercept {
+        let (settings, step_s) = (&all.perception, frame.step_s());
+        let share = self.filter_share(step_s, settings);
+        let change_n2 = self.filter((finger, axes), frame, share, settings);
+        let floor_n = settings.element_floor_n;
+        let patch = Patch::new(axes, &self.filtered_n, self.noise.variance_n2(), floor_n);
+        self.update_contact(&patch, axes.count, settings);
         if self.percept.in_contact {
             self.noise.pause();
         } else {
-            let (elements_n, count) = (&self.filtered_n, self.axes.count);
-            self.noise.update(elements_n, count, share, frame.step_s());
+            self.noise.update(change_n2, axes.count, share, step_s);
         }
-        let steady_noise_n2 = self.filter_slow(share, frame.step_s(), settings);
-        let (axes, steady_n) = (&self.axes, &self.slow_n);
-        let steady = || Patch::new(axes, steady_n, steady_noise_n2, settings.element_floor_n);
-        let slipping = self.friction.update(
-            &patch,
-            self.axes.is_round,
-            steady,
-            slips,
-            frame.step_s(),
-            all,
-        );
+        let slow_share = self.slow_share(step_s, settings);
+        self.filter_slow(axes, slow_share);
+        let (slow_n, steady_n2) = (&self.slow_n, self.steady_noise_n2(share, slow_share));
+        let steady = || {
+            let normal = axes.patch_normal(slow_n);
+            let (mut groups, noise_n) = (LoadedGroups::new(), libm::sqrt(steady_n2));
+            LoadedElements::new(&mut groups, (axes, slow_n), &normal, noise_n, floor_n)
+                .most_loaded()
+        };
+        let slipping = self
+            .friction
+            .update(&patch, axes.is_round, steady, slips, step_s, all);
+        let window_s = settings.increment_window_s;
         self.percept = ContactPercept {
             force_tip_n: patch.force_n,
             torque_tip_n_m: patch.torque_n_m,
             patch_normal: patch.normal,
             normal_n: patch.normal_n,
             tangential_n: patch.tangential_n.norm(),
-            increment_n: self.increment.update(
-                &patch.tangential_n,
-                frame,
-                settings.increment_window_s,
-            ),
+            increment_n: self.increment.update(&patch.tangential_n, frame, window_s),
             utilisation: slipping.utilisation,
             utilisation_now: slipping.utilisation_now,
             friction: slipping.friction,
-            shows_incipient_slip: self.axes.is_round,
+            shows_incipient_slip: axes.is_round,
             friction_error: slipping.error,
             scatter: patch.scatter,
             loaded_fingertips: 1.0,
-            loaded_share: self
-                .axes
-                .loaded_share(&self.filtered_n, self.noise.variance_n2()),
+            loaded_share: axes.loaded_share(&self.filtered_n, self.noise.variance_n2()),
             moment_n_m: patch.moment_n_m,
             torsion: torsion(&patch, slipping.friction),
             gross_slip_s: slipping.gross_s,
             in_contact: self.percept.in_contact,
             touches: self.percept.touches,
-            motion: self.motion.update(finger, self.axes.count, frame, settings),
+            motion: self.motion.update(finger, axes.count, frame, settings),
         };
-        self.percept
+        &self.percept
     }
 
     /// Zeroes the filtered readings of all elements.
-    pub fn bias(&mut self) {
+    pub(super) fn bias(&mut self) {
         for (bias, filtered) in self.bias_n.iter_mut().zip(&mut self.filtered_n) {
-            for axis in 0..3 {
-                bias[axis] += filtered[axis];
-                filtered[axis] = 0.0;
-            }
+            *bias += *filtered;
+            *filtered = Row::default();
         }
-        self.slow_n = [[0.0; 3]; ELEMENTS];
+        self.slow_n = Rows::default();
         self.noise.pause();
     }
 
-    /// Low-passes every element. A masked element decays; it is zero while the valid ones feel no
-    /// contact. Returns the filter gain.
-    fn filter(&mut self, finger: usize, frame: &ValidatedFrame<'_>, settings: &Perception) -> f64 {
-        let step_s = frame.step_s();
-        let share = if settings.filter_s > 0.0 && self.has_started {
+    /// Gain of the first filter.
+    fn filter_share(&self, step_s: f64, settings: &Perception) -> f64 {
+        if settings.filter_s > 0.0 && self.has_started {
             step_s / (settings.filter_s + step_s)
         } else {
             1.0
-        };
-        let mut valid_n = 0.0;
-        for element in 0..self.axes.count {
-            let Some(force_n) = frame.element_n(finger, element) else {
-                continue;
-            };
-            let axes = self.filtered_n[element]
-                .iter_mut()
-                .zip(self.bias_n[element]);
-            for ((filtered, bias), force) in axes.zip(force_n) {
-                *filtered += (force - bias - *filtered) * share;
+        }
+    }
+
+    /// Low-passes every element. A masked element decays; it is zero while the valid ones feel no
+    /// contact. Returns the sum of the squared changes of the tangential readings, N².
+    fn filter(
+        &mut self,
+        (finger, axes): (usize, &ElementAxes),
+        frame: &ValidatedFrame<'_>,
+        share: f64,
+        settings: &Perception,
+    ) -> f64 {
+        let (readings_n, mask) = frame.readings_n(finger);
+        let share = Lanes::splat(share);
+        let mut changes_n2 = Lanes::ZERO;
+        for group in Row::groups(axes.count) {
+            let mut now_n = lanes::readings(readings_n, group);
+            let before_n = lanes::group(&self.filtered_n, group);
+            let bias_n = lanes::group(&self.bias_n, group);
+            let valid = mask >> (LANES * group) & LANES_MASK;
+            if valid != LANES_MASK {
+                for axis in 0..3 {
+                    // Masked readings and lanes without element keep their value.
+                    lanes::replace(&mut now_n[axis], valid, bias_n[axis] + before_n[axis]);
+                }
             }
-            valid_n += self.filtered_n[element][0];
+            let change = |axis: usize| (now_n[axis] - bias_n[axis] - before_n[axis]) * share;
+            let [normal_n, first_n, second_n] = [change(0), change(1), change(2)];
+            changes_n2 += first_n * first_n + second_n * second_n;
+            let [normals_n, firsts_n, seconds_n] = &mut self.filtered_n;
+            *normals_n.group_mut(group) += normal_n;
+            *firsts_n.group_mut(group) += first_n;
+            *seconds_n.group_mut(group) += second_n;
         }
-        let (_, valid) = frame.readings_n(finger);
-        if valid.count_ones() as usize == self.axes.count {
-            return share;
+        if mask.count_ones() as usize != axes.count {
+            let masked = (0..axes.count).filter(|element| mask >> element & 1 == 0);
+            self.decay(masked, axes.count, frame.step_s(), settings);
         }
-        let kept = if valid_n > settings.touch_off_n {
+        lanes::sum(changes_n2)
+    }
+
+    /// Decays the masked elements.
+    fn decay(
+        &mut self,
+        masked: impl Iterator<Item = usize> + Clone,
+        count: usize,
+        step_s: f64,
+        settings: &Perception,
+    ) {
+        let [normals_n, ..] = &self.filtered_n;
+        let masked_n: f64 = masked.clone().map(|element| normals_n.get(element)).sum();
+        let kept = if normals_n.sum(count) - masked_n > settings.touch_off_n {
             MASKED_DECAY_S / (MASKED_DECAY_S + step_s)
         } else {
             0.0
         };
-        for element in 0..self.axes.count {
-            if frame.element_n(finger, element).is_none() {
-                self.filtered_n[element] = self.filtered_n[element].map(|n| n * kept);
+        for element in masked {
+            for row in &mut self.filtered_n {
+                row.set(element, row.get(element) * kept);
             }
         }
-        share
     }
 
-    /// Applies the friction filter. Returns the variance of the remaining noise, N². `share` is the
-    /// gain of the first filter.
-    fn filter_slow(&mut self, share: f64, step_s: f64, settings: &Perception) -> f64 {
-        let slow = if core::mem::replace(&mut self.has_started, true) {
+    /// Gain of the friction filter, which starts from the first reading.
+    fn slow_share(&mut self, step_s: f64, settings: &Perception) -> f64 {
+        if core::mem::replace(&mut self.has_started, true) {
             step_s / (settings.friction_filter_s + step_s)
         } else {
             1.0
-        };
-        for (steady, filtered) in self.slow_n.iter_mut().zip(&self.filtered_n) {
-            for (steady, filtered) in steady.iter_mut().zip(filtered) {
-                *steady += (filtered - *steady) * slow;
+        }
+    }
+
+    /// Applies the friction filter. Only round faces use its result.
+    fn filter_slow(&mut self, axes: &ElementAxes, slow_share: f64) {
+        if !axes.is_round {
+            return;
+        }
+        let share = Lanes::splat(slow_share);
+        for (slow_n, filtered_n) in self.slow_n.iter_mut().zip(&self.filtered_n) {
+            for group in Row::groups(axes.count) {
+                let change_n = filtered_n.group(group) - slow_n.group(group);
+                *slow_n.group_mut(group) += change_n * share;
             }
         }
+    }
+
+    /// Variance of the noise that remains after both filters, of these gains, N².
+    fn steady_noise_n2(&self, share: f64, slow_share: f64) -> f64 {
         // Variance ratio of white noise after both filters to that after the first.
-        let kept = (1.0 - share) * (1.0 - slow);
-        let quieter = slow / (2.0 - slow) * (1.0 + kept) / (1.0 - kept);
+        let kept = (1.0 - share) * (1.0 - slow_share);
+        let quieter = slow_share / (2.0 - slow_share) * (1.0 + kept) / (1.0 - kept);
         quieter * self.noise.variance_n2()
     }
 
     /// Updates the contact with hysteresis; a single threshold flickers on real data. Sensor noise
     /// raises the thresholds.
-    fn update_contact(&mut self, patch: &Patch, settings: &Perception) {
-        let noise_n = NOISE_MARGIN * patch.noise_n * libm::sqrt(self.axes.count as f64);
+    fn update_contact(&mut self, patch: &Patch, count: usize, settings: &Perception) {
+        let noise_n = NOISE_MARGIN * patch.noise_n * libm::sqrt(count as f64);
         let raise = (noise_n / settings.touch_on_n).max(1.0);
         let percept = &mut self.percept;
         if !percept.in_contact && patch.normal_n > settings.touch_on_n * raise {

@@ -13,13 +13,12 @@
 //! friction is unknown until other evidence gives the ratio at slip. With the pattern instead, flat
 //! pads refused 11 to 20 % of the objects that they can hold, and cylinders 17 to 25 %.
 
-use super::patch::Patch;
+use super::patch::{MostLoaded, Patch};
 use crate::filter::low_pass;
 use crate::limits::{
     FRICTION_CLIP, FRICTION_FLOOR, FRICTION_RELAX_S, NORMAL_MIN_N, TANGENTIAL_FLOOR_N,
 };
 use crate::settings::Settings;
-use shm_schemas::capacity::ELEMENTS;
 
 /// Upper limit of the utilisation.
 const UTILISATION_CLIP: f64 = 1.2;
@@ -63,32 +62,28 @@ pub(super) struct Friction {
 }
 
 impl Friction {
-    /// Adds one patch. `steady` computes the patch after the friction filter, under shear only; the
-    /// most loaded elements are chosen from it, unaffected by noise. `slips` reports slip detected
-    /// by other evidence.
+    /// Adds one patch. `steady` evaluates the most loaded elements after the friction filter, under
+    /// shear only; they are thus unaffected by noise. `slips` reports slip detected by other
+    /// evidence.
     pub(super) fn update(
         &mut self,
         patch: &Patch,
         is_round: bool,
-        steady: impl FnOnce() -> Patch,
+        steady: impl FnOnce() -> Option<MostLoaded>,
         slips: bool,
         step_s: f64,
         settings: &Settings,
     ) -> FrictionEstimate {
-        let (tangential_n, normal_n) = patch
-            .elements
-            .iter()
-            .fold((0.0, NORMAL_MIN_N), |(t, n), e| {
-                (t + e.along_n, n + e.normal_n)
-            });
-        let ratio = tangential_n / normal_n;
+        let tangential_n = patch.loaded_along_n;
+        let ratio = tangential_n / (NORMAL_MIN_N + patch.loaded_normal_n);
         let is_sheared = tangential_n > TANGENTIAL_FLOOR_N;
         if !is_round {
             self.gross_s = 0.0;
             self.record_slip(ratio, slips, step_s, settings);
             return self.estimate_from_slip(ratio);
         }
-        let Some(loaded) = is_sheared.then(steady).as_ref().and_then(most_loaded) else {
+        let most_loaded = if is_sheared { steady() } else { None };
+        let Some(loaded) = most_loaded else {
             self.gross_s = 0.0;
             return FrictionEstimate {
                 friction: self.remembered,
@@ -170,33 +165,4 @@ impl Friction {
             self.remembered += (ratio - self.remembered) * share;
         }
     }
-}
-
-struct MostLoaded {
-    /// Mean ratio of tangential to normal force, weighted by normal force.
-    ratio: f64,
-    /// Standard deviation of the ratio due to sensor noise.
-    error: f64,
-}
-
-/// Evaluates the third of the loaded elements (at least two) with the highest ratio.
-fn most_loaded(patch: &Patch) -> Option<MostLoaded> {
-    let mut ratios = [(0.0, 0.0); ELEMENTS];
-    for (ratio, element) in ratios.iter_mut().zip(&patch.elements) {
-        *ratio = (element.along_n / element.normal_n, element.normal_n);
-    }
-    let pressed = &mut ratios[..patch.elements.len()];
-    if pressed.len() < 2 {
-        return None;
-    }
-    let top = (pressed.len() / 3).max(2);
-    // All ratios are finite: intake rejects other readings.
-    pressed.select_nth_unstable_by(top - 1, |a, b| b.0.total_cmp(&a.0));
-    let (weighted, weight) = pressed[..top]
-        .iter()
-        .fold((0.0, 0.0), |(q, w), &(ratio, n)| (q + ratio * n, w + n));
-    Some(MostLoaded {
-        ratio: weighted / weight,
-        error: patch.noise_n * libm::sqrt(top as f64) / weight,
-    })
 }

@@ -12,6 +12,7 @@ mod forces;
 mod friction;
 mod grasp_side;
 mod increment;
+mod lanes;
 mod motion;
 mod noise;
 mod object_pose;
@@ -28,6 +29,7 @@ pub use yield_detection::{PressMaxima, YieldDetector, YieldRule};
 use crate::intake::ValidatedFrame;
 use crate::sensor_setup::HandSensorSetup;
 use crate::settings::Settings;
+use patch::ElementAxes;
 use robot_model::{GRASP_SIDES, HandModel};
 use shm_schemas::capacity::FINGERS;
 
@@ -65,6 +67,8 @@ impl Percept {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Perception {
+    /// All fingertips of a hand have the same layout.
+    axes: ElementAxes,
     fingertips: [FingertipPerception; FINGERS],
     count: usize,
     percept: Percept,
@@ -83,7 +87,8 @@ impl Perception {
         }
         percept.delay_s = 1.0 / wiring.rate_hz;
         Self {
-            fingertips: core::array::from_fn(|_| FingertipPerception::new(&wiring.layout)),
+            axes: ElementAxes::new(&wiring.layout),
+            fingertips: Default::default(),
             count: wiring.fingers,
             percept,
         }
@@ -97,7 +102,8 @@ impl Perception {
     /// Adds one frame. `slips` reports slip detected without friction.
     pub fn update(&mut self, frame: &ValidatedFrame<'_>, slips: bool, settings: &Settings) {
         for (index, finger) in self.fingertips[..self.count].iter_mut().enumerate() {
-            self.percept.fingertips[index] = finger.update(index, frame, slips, settings);
+            self.percept.fingertips[index] =
+                *finger.update((index, &self.axes), frame, slips, settings);
         }
         for (side, measured) in self.percept.sides.iter_mut().enumerate() {
             let fingers = self.percept.fingertips[..self.count].iter();

@@ -5,7 +5,6 @@
 //! not noise.
 
 use crate::filter::low_pass;
-use shm_schemas::capacity::ELEMENTS;
 
 /// Time constant of the measurement, s (design choice: a fraction of the slowest approach).
 const FILTER_S: f64 = 0.3;
@@ -15,9 +14,8 @@ const FILTER_S: f64 = 0.3;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Noise {
     variance_n2: Option<f64>,
-    /// Readings of the previous frame, N; `None` after contact.
-    #[cfg_attr(feature = "serde", serde(with = "crate::serde_arrays::optional"))]
-    previous_n: Option<[[f64; 3]; ELEMENTS]>,
+    /// The previous frame was unloaded too, so that the change since it is noise.
+    continues: bool,
 }
 
 impl Noise {
@@ -26,32 +24,21 @@ impl Noise {
         self.variance_n2.unwrap_or(0.0)
     }
 
-    /// Adds filtered elements of an unloaded fingertip, N. `share` is the filter gain; differences
+    /// Adds a frame of an unloaded fingertip. `change_n2` is the sum of the squared changes of all
+    /// filtered tangential readings of `count` elements, N². `share` is the filter gain; differences
     /// of filtered white noise have 2·share times its variance.
-    pub(super) fn update(
-        &mut self,
-        elements_n: &[[f64; 3]; ELEMENTS],
-        count: usize,
-        share: f64,
-        step_s: f64,
-    ) {
-        if let Some(before_n) = &self.previous_n
-            && share > 0.0
-        {
-            let changes = elements_n[..count].iter().zip(before_n);
-            let sum: f64 = changes
-                .map(|([_, t1, t2], [_, b1, b2])| (t1 - b1) * (t1 - b1) + (t2 - b2) * (t2 - b2))
-                .sum();
-            let now_n2 = sum / (2 * count) as f64 / (2.0 * share);
+    pub(super) fn update(&mut self, change_n2: f64, count: usize, share: f64, step_s: f64) {
+        let continues = core::mem::replace(&mut self.continues, true);
+        if continues && share > 0.0 {
+            let now_n2 = change_n2 / (2 * count) as f64 / (2.0 * share);
             let old_n2 = self.variance_n2.unwrap_or(now_n2);
             self.variance_n2 = Some(low_pass(old_n2, now_n2, step_s, FILTER_S));
         }
-        self.previous_n = Some(*elements_n);
     }
 
     /// Interrupts the measurement during contact.
     pub(super) fn pause(&mut self) {
-        self.previous_n = None;
+        self.continues = false;
     }
 }
 
@@ -65,9 +52,9 @@ mod tests {
     /// Standard deviation measured in one second of readings, N.
     fn measured_n(reading_n: impl Fn(usize) -> f64) -> f64 {
         let mut noise = Noise::default();
-        for index in 0..1000 {
-            let elements_n = [[0.0, reading_n(index), -reading_n(index)]; ELEMENTS];
-            noise.update(&elements_n, 1, SHARE, 1e-3);
+        for index in 0..1000_usize {
+            let change_n = reading_n(index) - reading_n(index.saturating_sub(1));
+            noise.update(2.0 * change_n * change_n, 1, SHARE, 1e-3);
         }
         noise.variance_n2().sqrt()
     }
@@ -92,7 +79,7 @@ mod tests {
         );
         let mut paused = Noise::default();
         for index in 0..10 {
-            paused.update(&[[0.0, flicker(index), 0.0]; ELEMENTS], 1, SHARE, 1e-3);
+            paused.update(flicker(index) * flicker(index), 1, SHARE, 1e-3);
             paused.pause();
         }
         assert_eq!(
