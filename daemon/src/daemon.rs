@@ -240,6 +240,7 @@ impl Start {
         };
         let ticks = TickLoop::open(&bus, controller, pacer, link, realtime.rate_hz)?;
         realtime::enter_tick_thread(realtime, &mut granted)?;
+        realtime::lock_later_memory_on_use(realtime, &mut granted)?;
         Ok((ticks, granted, bus))
     }
 }

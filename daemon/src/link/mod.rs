@@ -30,9 +30,9 @@ use shm_schemas::{GoalUpdate, Status, TickReport, View};
 
 use crate::input_log;
 
-/// Capacity for requests; a goal is rejected as BUSY if the queue is full. Design choice: the tick
-/// takes 1000 per second.
-const REQUESTS: usize = 32;
+/// Capacity for requests, of 48 kB in locked memory; a goal is rejected as BUSY if the queue is
+/// full. Design choice: the tick takes 1000 per second.
+const REQUESTS: usize = 16;
 /// Capacity for stops, separate so that goals cannot delay a stop.
 const STOPS: usize = 4;
 /// Capacity for records: 1 s at 1 kHz of supervisor delay before records are dropped.
