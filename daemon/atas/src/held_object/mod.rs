@@ -297,8 +297,8 @@ impl HeldObjectEstimator {
         object.drift = object.grip.map_or(Drift::default(), |grip| {
             Drift::estimate(&grip, &hand.compression, object_m_n)
         });
-        self.drifting
-            .update(object.drift.is_reported, percept.step_s);
+        let drifts = self.is_gripped && object.drift.is_reported;
+        self.drifting.update(drifts, percept.step_s);
     }
 
     fn update_drop(&mut self, percept: &Percept) {

@@ -42,7 +42,7 @@ const STILL_M_S: f64 = 0.0002;
 const STILL_S: f64 = 0.3;
 /// Friction utilisation at which a minimised grip is verified. Design choice: kinetic friction is a
 /// tenth lower than static friction, and the load trembles by a few per cent.
-const SECURED_UTILISATION: f64 = 0.86;
+const SECURED_UTILISATION: f64 = 0.84;
 /// Timeout of grip minimisation, s (design choice).
 const MINIMISE_MAX_S: f64 = 3.0;
 

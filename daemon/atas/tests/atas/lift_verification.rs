@@ -95,7 +95,7 @@ fn suspended_object_is_verified_after_grip_minimisation() {
 /// friction did not stop.
 #[test]
 fn minimised_grip_is_secured_before_the_pull_back() {
-    for (utilisation, factor) in [(0.8, 1.0), (0.95, 0.95 / 0.86)] {
+    for (utilisation, factor) in [(0.8, 1.0), (0.95, 0.95 / 0.84)] {
         let mut bench = Bench::new(ModuleId::LIFT_VERIFICATION);
         let measured = |normal_n| {
             let mut measured = with_utilisation(normal_n, utilisation);
