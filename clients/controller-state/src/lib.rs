@@ -38,7 +38,7 @@ struct Decoded {
 /// A value cannot be serialised.
 pub fn encode(controller: &Controller, next_sequence: u64) -> anyhow::Result<Vec<u8>> {
     let saved = Saved {
-        version: env!("CARGO_PKG_VERSION"),
+        version: atas_core::VERSION,
         next_sequence,
         controller,
     };
@@ -56,7 +56,7 @@ const STACK_BYTES: usize = 64 << 20;
 pub fn decode(state: &[u8]) -> anyhow::Result<(Controller, u64)> {
     let made: SavedVersion<'_> = rmp_serde::from_slice(state)
         .context("could not read the controller's state: the recording is damaged")?;
-    let ours = env!("CARGO_PKG_VERSION");
+    let ours = atas_core::VERSION;
     anyhow::ensure!(
         made.version == ours,
         "could not read the controller's state: it was recorded by version {}, this is {ours}; \
@@ -104,7 +104,7 @@ mod tests {
             state[at..at + to.len()].copy_from_slice(to.as_bytes());
             state
         };
-        check(replaced(env!("CARGO_PKG_VERSION"), "9"), "by version 9");
+        check(replaced(atas_core::VERSION, "9"), "by version 9");
         check(
             replaced("stall_detector", "stall_inspector"),
             "another controller",

@@ -22,6 +22,8 @@ pub struct ReplayComparison {
     pub first_difference: Option<(u64, String)>,
     /// Number of ticks with a different command.
     pub different: u64,
+    /// Version of the controller that was recorded.
+    pub recorded_version: String,
 }
 
 /// Replays the files of one run in order, from the first tick or a saved state. Calls `each` per
@@ -57,6 +59,9 @@ pub fn replay(
             Some(replay) => replay,
             none => none.insert(start(header.as_deref(), robot.as_ref(), begin.as_deref())?),
         };
+        if let Some(header) = &header {
+            agreement.recorded_version = header.version.to_string();
+        }
         if let Some(replayed) = replay.feed(&part)? {
             each(&part, &replayed);
             agreement.update(&part, &replayed);

@@ -14,6 +14,8 @@ pub(crate) fn replay(files: &[PathBuf], output: &mut Output) -> anyhow::Result<(
             "different": agreement.different,
             "first_tick": agreement.first_difference.as_ref().map(|(tick, _)| tick),
             "first_field": agreement.first_difference.as_ref().map(|(_, field)| field),
+            "recorded_version": agreement.recorded_version,
+            "version": atas_core::VERSION,
         }))?;
     } else {
         output.line(format_args!(
@@ -26,9 +28,21 @@ pub(crate) fn replay(files: &[PathBuf], output: &mut Output) -> anyhow::Result<(
         None => Ok(()),
         Some((tick, field)) => Err(ExitError::with_code(
             Exit::Failed,
-            format!("the replay first differs from the recording in tick {tick}: {field}"),
+            format!(
+                "the replay first differs from the recording in tick {tick}: {field}{}",
+                other_version(&agreement.recorded_version)
+            ),
         )),
     }
+}
+
+/// Returns the likely cause of a difference if another controller was recorded.
+fn other_version(recorded: &str) -> String {
+    if recorded == atas_core::VERSION {
+        return String::new();
+    }
+    let ours = atas_core::VERSION;
+    format!("; controller {recorded} was recorded, this is {ours}: replay with that version")
 }
 
 fn no_ticks_error() -> anyhow::Error {

@@ -48,7 +48,7 @@ fn header(state: &SupervisorState) -> Box<RunHeader> {
         captured_ns: state.started_ns,
         ..Stamp::default()
     };
-    header.version = Text::new(env!("CARGO_PKG_VERSION"));
+    header.version = Text::new(atas_core::VERSION);
     header.config_hash = state.config_hash;
     header.robot = Text::new(&robot(&config.robot.model));
     // 0 if the robot's files have disappeared since the start.

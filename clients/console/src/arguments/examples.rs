@@ -432,7 +432,7 @@ const HELPS: &[Help] = &[
     Help(
         "replay",
         &["atas replay run.mcap", "atas replay run.mcap run-001.mcap"],
-        "one object: ticks, different, first_tick, first_field",
+        "one object: ticks, different, first_tick, first_field, recorded_version, version",
     ),
     Help(
         "diff",
