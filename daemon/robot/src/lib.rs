@@ -73,6 +73,7 @@ mod jacobian;
 mod joint;
 mod model;
 mod name;
+mod pinch_pose;
 mod robot;
 #[cfg(feature = "std")]
 mod robot_file;
@@ -105,6 +106,7 @@ pub use jacobian::{HandJacobian, Rows3, TipJacobian};
 pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};
 pub use model::{Frame, HandModel, Mounted, Mover};
 pub use name::{NAME_MAX, Name};
+pub use pinch_pose::PinchPose;
 pub use robot::RobotModel;
 #[cfg(feature = "std")]
 pub use robot_file::{

@@ -1,0 +1,57 @@
+//! Pinch pose: the point, direction and opening between the grasp sides of a posture.
+
+use nalgebra::Vector3;
+
+use crate::forward::HandPose;
+use crate::model::HandModel;
+
+/// Point, direction and distance between the two grasp sides of a posture.
+///
+/// Inverse of [`crate::GraspPose::from_above`]: clients that know joint positions, such as a
+/// leader arm or a data set, obtain the target of teleoperation with it.
+///
+/// ```
+/// use robot_model::{HandSide, RobotModel};
+///
+/// # fn main() -> Result<(), robot_model::ModelError> {
+/// let robot = RobotModel::two_hand_arm()?;
+/// let hand = robot.hand(HandSide::Right);
+/// let home = hand.pinch_pose(&hand.forward(hand.reference_rad()));
+/// assert!((home.centre_m - hand.home_m()).norm() < 1e-3);
+/// assert!((home.opening_m - hand.home_opening_m()).abs() < 1e-3);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PinchPose {
+    /// Point between the grasp sides, base frame, metres.
+    pub centre_m: Vector3<f64>,
+    /// Direction of the closing axis in the horizontal plane, radians from the base's x.
+    pub closing_yaw_rad: f64,
+    /// Distance between the surfaces of the two sides, metres; negative if they overlap.
+    pub opening_m: f64,
+}
+
+impl HandModel {
+    /// Computes the pinch pose of a posture; not finite if a joint position is not.
+    #[must_use]
+    pub fn pinch_pose(&self, pose: &HandPose) -> PinchPose {
+        let [first_m, second_m] = [pose.side_m(0), pose.side_m(1)];
+        let [first_radius_m, second_radius_m] =
+            [0, 1].map(|side| self.mean_of_side(side, |finger| self.tip_radius_m()[finger]));
+        let between_m = first_m - second_m;
+        let distance_m = between_m.norm();
+        // The middle of the gap, which differs from the middle of the centres if one side's
+        // fingertips are larger.
+        let shift = if distance_m > 0.0 {
+            (second_radius_m - first_radius_m) / (2.0 * distance_m)
+        } else {
+            0.0
+        };
+        PinchPose {
+            centre_m: (first_m + second_m) / 2.0 + between_m * shift,
+            closing_yaw_rad: libm::atan2(between_m.y, between_m.x),
+            opening_m: distance_m - first_radius_m - second_radius_m,
+        }
+    }
+}
