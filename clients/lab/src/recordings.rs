@@ -7,7 +7,7 @@ use std::time::Instant;
 use atas_client::json;
 use atas_console::arguments::{self, ExportKind};
 use atas_console::{Exit, ExitError, Interrupt, Output};
-use atas_recording::{Choices, Contents, Difference, Exported, Kind};
+use atas_recording::{Choices, Contents, Dataset, DatasetChoices, Difference, Exported, Kind};
 use serde_json::{Value, json};
 use shm_schemas::Status;
 
@@ -123,12 +123,14 @@ pub(crate) fn export(
     let kind = arguments.kind;
     let out = arguments.file();
     let out = out.map_err(|sentence| ExitError::with_code(Exit::Usage, sentence))?;
+    let kind = match kind {
+        ExportKind::Mcap => Kind::Mcap,
+        ExportKind::Csv => Kind::Csv,
+        ExportKind::Parquet => Kind::Parquet,
+        ExportKind::Lerobot => return export_dataset(arguments, &out, interrupt, output),
+    };
     let choices = Choices {
-        kind: match kind {
-            ExportKind::Mcap => Kind::Mcap,
-            ExportKind::Csv => Kind::Csv,
-            ExportKind::Parquet => Kind::Parquet,
-        },
+        kind,
         pictures_hz: arguments.pictures_hz,
         elements: arguments.elements,
     };
@@ -146,4 +148,45 @@ pub(crate) fn export(
         ))?;
     }
     interrupt.check("the output file contains the data up to here")
+}
+
+fn export_dataset(
+    arguments: &arguments::Export,
+    out: &Path,
+    interrupt: &Interrupt,
+    output: &mut Output,
+) -> anyhow::Result<()> {
+    let choices = DatasetChoices {
+        fps: arguments.fps,
+        hand: arguments.hand.map(Into::into),
+        task: arguments.task.clone(),
+        elements: arguments.elements,
+    };
+    let begin = Instant::now();
+    let dataset =
+        atas_recording::export_dataset(&arguments.files, out, &choices, interrupt.flag())?;
+    let took_s = begin.elapsed().as_secs_f64();
+    let file = out.display().to_string();
+    let Dataset {
+        episodes,
+        successes,
+        frames,
+        skipped,
+    } = dataset;
+    if output.is_json() {
+        output.json(&json!({
+            "file": file,
+            "episodes": episodes,
+            "successes": successes,
+            "frames": frames,
+            "skipped": skipped,
+            "took_s": took_s,
+        }))?;
+    } else {
+        output.line(format_args!(
+            "wrote {file}: {episodes} episodes ({successes} succeeded), {frames} frames, {skipped} \
+             goals left out, in {took_s:.2} s"
+        ))?;
+    }
+    interrupt.check("the data set contains the data up to here")
 }

@@ -18,7 +18,7 @@ use robot_model::RobotFiles;
 use serde_json::json;
 use shm_bus::{BusError, End};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{JointCommand, ModuleEvent, Status, TickReport, View};
+use shm_schemas::{ModuleEvent, Status, TickReport, View};
 use tokio::sync::oneshot;
 
 use crate::connections::BoundedListener;
@@ -185,8 +185,7 @@ fn rows(view: &View, reports: Vec<TickReport>, events: &[ModuleEvent]) -> Vec<Ro
         newest.inputs = Some(Box::new(RowInputs {
             frames: std::array::from_fn(frame),
             joints: (view.has_joints != 0).then_some(view.joints),
-            goal: None,
-            command: JointCommand::default(),
+            ..RowInputs::default()
         }));
         newest.events = events.to_vec();
     }

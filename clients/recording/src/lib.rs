@@ -6,7 +6,8 @@
 //!  FILE.mcap ─▶ Reader ─┬─ check, repair: completeness, saving the readable part
 //!                       ├─ diff: first difference between two recordings
 //!                       ├─ Frames: tactile frames
-//!                       ├─ Rows: one per tick ─┬─ export: MCAP with ROS 2 messages, CSV, Parquet
+//!                       ├─ Rows: one per tick ─┬─ export: MCAP with ROS 2 messages, CSV, Parquet,
+//!                       │                      │  data sets of LeRobot
 //!                       │                      └─ viewers
 //!                       └─ replay
 //! ```
@@ -39,7 +40,10 @@ mod writer;
 pub use check::{Contents, check, repair};
 pub use clock::Clock;
 pub use diff::{Difference, command_difference, diff};
-pub use export::{Choices, Exported, Kind, MessageType, Messages, Outlet, Subject, export};
+pub use export::{
+    Choices, Dataset, DatasetChoices, Exported, Kind, MessageType, Messages, Outlet, Subject,
+    export, export_dataset,
+};
 pub use follower::{Follower, state};
 pub use frames::{Frames, RecordedFrame};
 pub use payloads::Recorded;

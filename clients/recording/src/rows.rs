@@ -17,8 +17,8 @@ use mcap::records::Metadata;
 use robot_model::RobotFiles;
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{
-    EventKind, GoalRequest, HandFrame, JointCommand, JointState, ModuleEvent, OrderKind, RunHeader,
-    Status, StatusFlags, Text, TickInputs, TickReport,
+    EventKind, GoalRequest, GraspTarget, HandFrame, JointCommand, JointState, ModuleEvent,
+    OrderKind, RunHeader, Status, StatusFlags, Text, TickInputs, TickReport,
 };
 
 use crate::clock::Clock;
@@ -53,6 +53,8 @@ pub struct RowInputs {
     pub frames: [Option<HandFrame>; HANDS],
     /// Joint state, if one arrived.
     pub joints: Option<JointState>,
+    /// Newest target of teleoperation for each hand, if one arrived.
+    pub target: [Option<GraspTarget>; HANDS],
     /// Goal request, if there was one.
     pub goal: Option<GoalRequest>,
     /// Published command.
@@ -200,6 +202,12 @@ impl Row {
         }
         if part.has_joints != 0 {
             inputs.joints = Some(part.joints);
+        }
+        let hand = part.target.hand.index();
+        if let Some(target) = hand.and_then(|hand| inputs.target.get_mut(hand))
+            && part.has_target != 0
+        {
+            *target = Some(part.target);
         }
         if part.order.kind == OrderKind::START {
             inputs.goal = Some(part.order.goal);

@@ -455,8 +455,10 @@ const HELPS: &[Help] = &[
         &[
             "atas export run.mcap --to mcap",
             "atas export run.mcap --to parquet --elements --out run.parquet",
+            "atas export run-*.mcap --to lerobot --out dataset --task 'lift the box'",
         ],
-        "one object: file, ticks, seconds, took_s",
+        "one object: file, ticks, seconds, took_s; LeRobot: file, episodes, successes, frames, \
+         skipped, took_s",
     ),
     Help(
         "dashboard",

@@ -15,6 +15,7 @@
 mod cdr;
 mod csv;
 mod draft;
+mod lerobot;
 mod mcap;
 mod messages;
 mod parquet;
@@ -31,6 +32,7 @@ use anyhow::Context;
 
 use crate::rows::{Row, Rows};
 use draft::Draft;
+pub use lerobot::{Dataset, DatasetChoices, export_dataset};
 pub use messages::{Messages, Outlet};
 pub use ros::MessageType;
 pub use subject::Subject;

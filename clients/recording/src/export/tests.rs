@@ -6,8 +6,8 @@ use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
 use robot_model::{RobotFiles, SHIPPED, TWO_HAND_ARM};
 use shm_schemas::{
-    EventKind, GoalState, Hand, HandFrame, HandWiringRecord, JointState, Layout, ModuleEvent,
-    ModuleId, RunHeader, Stamp, Text, TickInputs, TickReport,
+    EventKind, GoalKind, GoalRequest, GoalState, Hand, HandFrame, HandWiringRecord, JointState,
+    Layout, ModuleEvent, ModuleId, OrderKind, RunHeader, Stamp, Text, TickInputs, TickReport,
 };
 
 use super::*;
@@ -15,6 +15,8 @@ use crate::rotation::{Bounds, Recording};
 
 const TICKS: u64 = 300;
 const BEGIN_NS: u64 = 5_000_000_000;
+/// Tick of the goal's request.
+const GOAL_TICK: u64 = 50;
 /// Force on the pressed element at the pole, whose normal is z.
 const FORCE_N: [f32; 3] = [2.0, 0.5, -0.25];
 
@@ -83,6 +85,16 @@ fn recorded_of(folder: &Path, robot: &RobotFiles, fingers: u32) -> PathBuf {
         };
         inputs.joints.position_rad[3] = tick as f64 * 1e-3;
         inputs.command.joint_count = 22;
+        if tick == GOAL_TICK {
+            inputs.order.kind = OrderKind::START;
+            inputs.order.goal = GoalRequest {
+                kind: GoalKind::GRASP,
+                hand: Hand::RIGHT,
+                from_m: [0.32, -0.15, 0.04],
+                width_m: 0.05,
+                ..GoalRequest::default()
+            };
+        }
         recording.inputs(&inputs).expect("written");
         let mut report = TickReport {
             stamp: stamp(tick),
@@ -384,5 +396,114 @@ fn failed_export_leaves_no_file() {
         let left = std::fs::read_dir(folder.path()).expect("a folder");
         let left: Vec<_> = left.map(|entry| entry.expect("one").file_name()).collect();
         assert_eq!(left, ["run.mcap"], "{kind:?}");
+    }
+}
+
+fn choices(fps: u32, hand: Option<Hand>) -> DatasetChoices {
+    DatasetChoices {
+        fps,
+        hand,
+        task: None,
+        elements: true,
+    }
+}
+
+fn table(path: &Path) -> Vec<BTreeMap<String, Field>> {
+    let reader = SerializedFileReader::new(File::open(path).expect("opened")).expect("Parquet");
+    let rows = reader.get_row_iter(None).expect("rows");
+    rows.map(|row| row.expect("whole").into_columns().into_iter().collect())
+        .collect()
+}
+
+fn floats(field: &Field) -> Vec<f32> {
+    let Field::ListInternal(list) = field else {
+        panic!("a list, not {field:?}");
+    };
+    let each = list.elements().iter().map(|value| match value {
+        Field::Float(value) => *value,
+        other => panic!("a number, not {other:?}"),
+    });
+    each.collect()
+}
+
+#[test]
+fn dataset_has_one_episode_per_goal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, out) = (recorded(folder.path()), folder.path().join("set"));
+    let never = AtomicBool::new(false);
+    let exported = export_dataset(&[file], &out, &choices(100, None), &never).expect("exported");
+    let counts = (
+        exported.episodes,
+        exported.successes,
+        exported.frames,
+        exported.skipped,
+    );
+    // From the request in tick 50 to the end in tick 130.
+    assert_eq!(counts, (1, 1, 9, 0));
+    let rows = table(&out.join("data/chunk-000/file-000.parquet"));
+    assert_eq!(rows.len(), 9);
+    let info = std::fs::read_to_string(out.join("meta/info.json")).expect("readable");
+    let info: serde_json::Value = serde_json::from_str(&info).expect("JSON");
+    assert_eq!(info["codebase_version"], "v3.0");
+    for (name, feature) in info["features"].as_object().expect("features") {
+        let width = feature["shape"][0].as_u64().expect("a width") as usize;
+        if width > 1 {
+            assert_eq!(floats(&rows[0][name]).len(), width, "{name}");
+            assert_eq!(
+                feature["names"].as_array().map(Vec::len),
+                Some(width),
+                "{name}"
+            );
+        }
+    }
+    let names = &info["features"]["observation.state"]["names"];
+    let at = |what: &str| {
+        let names = names.as_array().expect("names");
+        names
+            .iter()
+            .position(|name| name == what)
+            .expect("a known name")
+    };
+    for (index, row) in rows.iter().enumerate() {
+        assert_eq!(row["timestamp"], Field::Float(index as f32 / 100.0));
+        assert_eq!(row["next.success"], Field::Bool(index == 8), "{index}");
+        let state = floats(&row["observation.state"]);
+        let tick = 50 + 10 * index;
+        assert_eq!(state[at("finger1.tangential_n")], tick as f32);
+        assert_eq!(state[at("module.slip")], f32::from(u8::from(tick >= 100)));
+    }
+    assert_eq!(
+        floats(&rows[0]["observation.environment_state"])[..5],
+        [0.32, -0.15, 0.04, 0.0, 0.05]
+    );
+    let episodes = table(&out.join("meta/episodes/chunk-000/file-000.parquet"));
+    assert_eq!(episodes[0]["length"], Field::Long(9));
+    assert_eq!(
+        episodes[0]["goal_state"],
+        Field::Str("succeeded".to_owned())
+    );
+    let tasks = table(&out.join("meta/tasks.parquet"));
+    assert_eq!(
+        tasks[0]["task"],
+        Field::Str("Grasp the object and lift it.".to_owned())
+    );
+}
+
+#[test]
+fn dataset_without_episode_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, out) = (recorded(folder.path()), folder.path().join("set"));
+    let never = AtomicBool::new(false);
+    for (choices, says) in [
+        (choices(100, Some(Hand::LEFT)), "no goal of the hand"),
+        (choices(30, None), "do not divide"),
+        (choices(0, None), "do not divide"),
+    ] {
+        let refused = export_dataset(&[file.clone()], &out, &choices, &never);
+        let says_so = format!("{:#}", refused.expect_err("refused"));
+        assert!(says_so.contains(says), "{says_so}");
+        let left = std::fs::read_dir(folder.path()).expect("a folder");
+        let left: Vec<_> = left.map(|entry| entry.expect("one").file_name()).collect();
+        assert_eq!(left, ["run.mcap"]);
     }
 }
