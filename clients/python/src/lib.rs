@@ -3,6 +3,7 @@
 //! ```text
 //!  rows       payloads as NumPy arrays; the array types are derived from the schema
 //!  bus        Bus ─▶ Reader (arrays), Sensor (frames), Robot (joints), Goal, Teleop (targets)
+//!  kinematics pinch poses of joint positions, for leader arms
 //!  simulation the simulator with the production controller, tick by tick
 //!  recording  recordings as arrays, replay with the production controller
 //!  learning   environments, one or many
@@ -19,6 +20,7 @@ mod bus;
 mod contacts;
 mod errors;
 mod goal;
+mod kinematics;
 mod learning;
 mod names;
 mod own_thread;
@@ -47,6 +49,8 @@ mod _native {
     use super::errors::{AtasError, BusError};
     #[pymodule_export]
     use super::goal::Goal;
+    #[pymodule_export]
+    use super::kinematics::Kinematics;
     #[pymodule_export]
     use super::learning::{Batch, Environment, parts};
     #[pymodule_export]

@@ -9,8 +9,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use robot_model::{HandSide, RobotModel};
-use shm_schemas::{GoalRequest, HandFrame, JointCommand, JointState, ModuleEvent, TickReport};
-use sim_backend::{Object, Scene};
+use shm_schemas::{
+    GoalKind, GoalPolicy, GoalRequest, GraspTarget, GripOrder, HandFrame, JointCommand, JointState,
+    ModuleEvent, Stamp, TickReport,
+};
+use sim_backend::{GraspHint, Object, Scene};
 
 use crate::compute;
 use crate::errors::{AtasError, atas_error};
@@ -18,6 +21,7 @@ use crate::goal::goal_dict;
 use crate::names::parse_hand;
 use crate::reader::seconds;
 use crate::rows::{self, Row};
+use crate::teleop::check_finite;
 
 /// The simulator with the production controller in one process and in virtual time, without bus,
 /// clock or daemon.
@@ -31,9 +35,18 @@ pub(crate) struct Simulation {
     run: OfflineRun,
     robot: RobotModel,
     goal: GoalRequest,
+    hint: GraspHint,
+    targets: TeleopTargets,
     request: Option<OperatorRequest>,
     progress: GoalProgress,
     last: LastOutputs,
+}
+
+/// Numbering of teleoperation targets.
+#[derive(Default)]
+struct TeleopTargets {
+    is_open: bool,
+    sequence: u64,
 }
 
 /// Outputs of the last ticks.
@@ -66,6 +79,8 @@ impl Simulation {
             set = set.varied(seed);
         }
         let goal = goal(&set).ok_or_else(|| PyValueError::new_err("the scene has no goal"))?;
+        let hint = set.grasp_hint(0);
+        let hint = hint.ok_or_else(|| PyValueError::new_err("the scene has no object"))?;
         let settings = parse_settings(settings)?;
         let robot =
             RobotModel::two_hand_arm().map_err(|why| AtasError::new_err(why.to_string()))?;
@@ -75,6 +90,8 @@ impl Simulation {
             run,
             robot,
             goal,
+            hint,
+            targets: TeleopTargets::default(),
             request: None,
             progress: GoalProgress::default(),
             last: LastOutputs::default(),
@@ -91,6 +108,76 @@ impl Simulation {
         self.request = Some(OperatorRequest::Start(goal));
         self.progress = GoalProgress::default();
         Ok(())
+    }
+
+    /// Starts teleoperation of the scene's hand instead of the scene's goal, and runs one tick.
+    /// `send` passes targets to it; the tactile modules control the grip force. Raises ValueError
+    /// with the reason if the controller rejects it.
+    fn teleoperate(&mut self, py: Python<'_>) -> PyResult<()> {
+        if self.targets.is_open && !has_ended(&self.progress) {
+            return Err(PyValueError::new_err(
+                "teleoperation rejected: it runs already; call `send`",
+            ));
+        }
+        let request = GoalRequest {
+            stamp: self.teleop_stamp(),
+            goal_id: 1,
+            kind: GoalKind::TELEOP,
+            hand: self.goal.hand,
+            policy: GoalPolicy::ATTACHED,
+            ..GoalRequest::default()
+        };
+        let order = self.run.request(&request);
+        let order =
+            order.map_err(|reason| PyValueError::new_err(format!("goal rejected: {reason}")))?;
+        self.request = Some(order);
+        self.progress = GoalProgress::default();
+        self.targets.is_open = true;
+        self.advance(py, 1, |_, _| true)
+    }
+
+    /// Sends a target of the running teleoperation: see `Teleop.send`. It counts from the next tick
+    /// on, for `valid` seconds of virtual time. Raises AtasError with the reason once the
+    /// teleoperation has ended.
+    #[pyo3(signature = (at, opening, *, yaw = std::f64::consts::FRAC_PI_2, valid = 0.4))]
+    fn send(&mut self, at: [f64; 3], opening: Option<f64>, yaw: f64, valid: f64) -> PyResult<()> {
+        check_finite(at, opening, yaw)?;
+        if !self.targets.is_open {
+            return Err(PyValueError::new_err(
+                "target rejected: no teleoperation runs; call `teleoperate` first",
+            ));
+        }
+        if has_ended(&self.progress) {
+            return Err(AtasError::new_err(self.progress.text()));
+        }
+        let valid_ns = u64::try_from(seconds(valid)?.as_nanos()).unwrap_or(u64::MAX);
+        let stamp = self.teleop_stamp();
+        let mut target = GraspTarget {
+            valid_until_ns: stamp.captured_ns.saturating_add(valid_ns),
+            stamp,
+            hand: self.goal.hand,
+            grip: opening.map_or(GripOrder::HOLD, |_| GripOrder::WIDTH),
+            centre_m: at,
+            closing_yaw_rad: yaw,
+            opening_m: opening.unwrap_or(0.0),
+            ..GraspTarget::default()
+        };
+        target.seal();
+        self.targets.sequence += 1;
+        self.run.push_target(target);
+        Ok(())
+    }
+
+    /// Data of the scene's object that a client may know: `at` (m), `yaw` (rad), `width` (m) and
+    /// `top` (m). The true object differs slightly.
+    #[getter]
+    fn hint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let known = PyDict::new(py);
+        known.set_item("at", self.hint.from_m)?;
+        known.set_item("yaw", self.hint.yaw_rad)?;
+        known.set_item("width", self.hint.width_m)?;
+        known.set_item("top", self.hint.height_m)?;
+        Ok(known)
     }
 
     /// Runs ticks of 1 ms, at most 1,000,000: sense, control, move. Returns the report of each tick
@@ -185,7 +272,19 @@ fn has_ended(progress: &GoalProgress) -> bool {
     progress.last().goal_id != 0 && progress.last().state.is_final()
 }
 
+/// Writer epoch of teleoperation targets. Any value different from a sensor's.
+const TELEOP_EPOCH: u64 = 0x7465_6c65_6f70;
+
 impl Simulation {
+    /// Stamp of the next target, or of the request for teleoperation.
+    fn teleop_stamp(&self) -> Stamp {
+        Stamp {
+            sequence: self.targets.sequence,
+            captured_ns: self.run.world().now_ns(),
+            writer_epoch: TELEOP_EPOCH,
+        }
+    }
+
     /// Runs ticks until `each` returns false, with the Python lock released.
     fn advance(
         &mut self,

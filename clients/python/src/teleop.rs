@@ -80,16 +80,7 @@ impl Teleop {
         hand: Option<&str>,
         valid: f64,
     ) -> PyResult<()> {
-        if at
-            .iter()
-            .chain(&opening)
-            .chain([&yaw])
-            .any(|value| !value.is_finite())
-        {
-            return Err(PyValueError::new_err(
-                "target rejected: a value is not finite; needs finite numbers",
-            ));
-        }
+        check_finite(at, opening, yaw)?;
         self.active_progress()?;
         let wanted = TeleopTarget {
             hand: hand.map_or(Ok(self.hand), parse_hand)?,
@@ -130,6 +121,17 @@ impl Teleop {
         }
         Ok(())
     }
+}
+
+/// Rejects a target with a value that is not finite.
+pub(crate) fn check_finite(at: [f64; 3], opening: Option<f64>, yaw: f64) -> PyResult<()> {
+    let mut values = at.iter().chain(&opening).chain([&yaw]);
+    if values.any(|value| !value.is_finite()) {
+        return Err(PyValueError::new_err(
+            "target rejected: a value is not finite; needs finite numbers",
+        ));
+    }
+    Ok(())
 }
 
 fn check_timeout(begin: Instant) -> PyResult<()> {

@@ -2,6 +2,8 @@
 
 * `Bus`: reads frames, reports, status and events as NumPy arrays; publishes as a sensor or robot; sends goals and stops.
 * `Simulation`: the simulator with the production controller in this process, in virtual time.
+* `Kinematics`: pinch poses of joint positions, for leader arms and data sets.
+* `atas.hands`: hands for policies, of a daemon or simulated.
 * `Recording`: recordings of `atas record` as arrays, and their bit-exact replay.
 * `gymnasium` environments `atas/Grasp-v0` and `atas/PickPlace-v0`, if gymnasium is installed.
 
@@ -19,6 +21,7 @@ from ._native import (
     Bus,
     BusError,
     Goal,
+    Kinematics,
     Teleop,
     Reader,
     Recording,
@@ -51,6 +54,7 @@ __all__ = [
     "GoalKind",
     "GoalState",
     "Hand",
+    "Kinematics",
     "Teleop",
     "Mode",
     "ModuleId",
