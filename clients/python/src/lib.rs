@@ -7,6 +7,7 @@
 //!  simulation the simulator with the production controller, tick by tick
 //!  recording  recordings as arrays, replay with the production controller
 //!  learning   environments, one or many
+//!  swarm      fitness of behaviour tables and the genetic algorithm, as ask and tell
 //!  contacts   contacts of the MuJoCo engine, read once per tick
 //! ```
 //!
@@ -30,6 +31,7 @@ mod robot;
 mod rows;
 mod sensor;
 mod simulation;
+mod swarm;
 mod teleop;
 
 use std::panic::AssertUnwindSafe;
@@ -65,6 +67,8 @@ mod _native {
     use super::sensor::{Sensor, layout};
     #[pymodule_export]
     use super::simulation::{Simulation, objects};
+    #[pymodule_export]
+    use super::swarm::{SwarmField, SwarmSearch};
     #[pymodule_export]
     use super::teleop::Teleop;
 

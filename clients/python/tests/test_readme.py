@@ -53,6 +53,7 @@ SAYS = {
     "robot.py": "SUCCEEDED",
     "replay.py": ", 0 commands differ",
     "learn.py": "'taxels': (2, 41, 3)",
+    "optimise.py": "of 800 after 2000 genomes",
 }
 
 

@@ -4,6 +4,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use field::{Model, Preset};
 use hmac_sha256::Hash;
 use serde::Serialize;
 
@@ -82,6 +83,39 @@ pub fn read_text(path: &Path) -> Result<String> {
             "check the path",
         )
     })
+}
+
+/// Returns a field: a built-in preset by name, or one from a TOML file.
+///
+/// # Errors
+/// There is none of this name, or the file or its values are invalid.
+pub fn preset(name: &str) -> Result<Preset> {
+    let path = Path::new(name);
+    let preset = match Preset::named(name) {
+        Some(preset) => preset,
+        None if path.exists() => toml::from_str(&read_text(path)?).map_err(|error| {
+            Error::refused(
+                format_args!("use preset {}", path.display()),
+                error.message(),
+                "a preset as printed by ebts preset, or base and the keys that differ",
+                "correct the file",
+            )
+        })?,
+        None => {
+            let names = Preset::ALL
+                .map(|preset| preset.name.into_owned())
+                .join(", ");
+            return Err(Error::refused(
+                "choose a preset",
+                format_args!("{name:?} is neither a preset nor a file"),
+                format_args!("one of {names}, or a TOML file"),
+                "correct the preset",
+            ));
+        }
+    };
+    Model::new(preset)
+        .map(|model| model.preset().clone())
+        .map_err(Error::from_part)
 }
 
 /// Removes a file if it exists.

@@ -113,6 +113,8 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "atas-evaluation",
             "atas-learning",
             "atas-recording",
+            "ebts",
+            "field",
             "robot-model",
             "shm-bus",
             "shm-schemas",

@@ -3,7 +3,8 @@
 * `Bus`: reads frames, reports, status and events as NumPy arrays; publishes as a sensor or robot; sends goals and stops.
 * `Simulation`: the simulator with the production controller in this process, in virtual time.
 * `Kinematics`: pinch poses of joint positions, for leader arms and data sets.
-* `atas.hands`: hands for policies, of a daemon or simulated.
+* `atas.hands` and `atas.policy`: hands for policies, and policies over the network.
+* `SwarmField`, `SwarmSearch`: fitness of behaviour tables, and the genetic algorithm as ask and tell.
 * `Recording`: recordings of `atas record` as arrays, and their bit-exact replay.
 * `gymnasium` environments `atas/Grasp-v0` and `atas/PickPlace-v0`, if gymnasium is installed.
 
@@ -28,6 +29,8 @@ from ._native import (
     Robot,
     Sensor,
     Simulation,
+    SwarmField,
+    SwarmSearch,
     __version__,
     abi,
     dtype,
@@ -64,6 +67,8 @@ __all__ = [
     "Robot",
     "Sensor",
     "Simulation",
+    "SwarmField",
+    "SwarmSearch",
     "__version__",
     "abi",
     "codes",

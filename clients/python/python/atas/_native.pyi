@@ -1,6 +1,7 @@
 """Types of the Rust part of the package `atas`."""
 
 from collections.abc import Iterator, Sequence
+from os import PathLike
 from types import TracebackType
 from typing import Any, Self, final
 
@@ -47,6 +48,8 @@ __all__ = [
     "Robot",
     "Sensor",
     "Simulation",
+    "SwarmField",
+    "SwarmSearch",
     "__version__",
     "abi",
     "codes",
@@ -287,6 +290,42 @@ class Recording:
     @property
     def headers(self) -> Rows: ...
     def replay(self) -> Replayed: ...
+
+@final
+class SwarmField:
+    def __new__(cls, preset: str = "R3", agents: int = 2, *, threads: int = 0) -> Self: ...
+    @property
+    def bits(self) -> int: ...
+    @property
+    def goals(self) -> int: ...
+    @property
+    def evaluations(self) -> int: ...
+    def points(self, genomes: NDArray[np.bool_] | NDArray[np.uint8]) -> NDArray[np.float32]: ...
+    def fitness(self, genomes: NDArray[np.bool_] | NDArray[np.uint8]) -> NDArray[np.float32]: ...
+    def save(self, genome: NDArray[np.bool_] | NDArray[np.uint8], path: str | PathLike[str]) -> None: ...
+    @staticmethod
+    def load(path: str | PathLike[str]) -> tuple[SwarmField, NDArray[np.uint8]]: ...
+
+@final
+class SwarmSearch:
+    def __new__(
+        cls,
+        bits: int,
+        *,
+        seed: int = 0,
+        stream: int = 2,
+        population: int = 10,
+        elite: int = 2,
+        mutation_rate: float = 0.01,
+    ) -> Self: ...
+    def ask(self) -> NDArray[np.uint8]: ...
+    def tell(self, fitness: NDArray[np.float32] | NDArray[np.float64]) -> None: ...
+    @property
+    def best(self) -> tuple[NDArray[np.uint8], float]: ...
+    @property
+    def generation(self) -> int: ...
+    @property
+    def bits(self) -> int: ...
 
 @final
 class Environment:

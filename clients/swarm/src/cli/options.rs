@@ -1,6 +1,6 @@
 //! Options shared by several commands.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -10,12 +10,12 @@ use clap::{Args, ValueEnum};
 use ebts::condition::Sharing;
 use ebts::error::{Error, Result};
 use ebts::experiment::Plan;
-use ebts::files::read_text;
+use ebts::files::preset;
 use ebts::ga::Settings;
 use ebts::islands::IslandSettings;
 use ebts::sensors::SensorOrder;
 use ebts::workers::Workers;
-use field::{Engine, FitnessRule, Model, Preset};
+use field::{Engine, FitnessRule, Preset};
 
 pub(super) fn toml_file(text: &str) -> std::result::Result<PathBuf, String> {
     parse_with_suffix(text, &["toml"])
@@ -141,42 +141,6 @@ impl EvolutionArgs {
             ..Plan::fig14(preset, fitness_rule, seeds, self.generations)
         })
     }
-}
-
-pub(super) fn preset(name: &str) -> Result<Preset> {
-    let preset = match Preset::named(name) {
-        Some(preset) => preset,
-        None if Path::new(name).exists() => preset_file(Path::new(name))?,
-        None => {
-            let names = Preset::ALL
-                .map(|preset| preset.name.into_owned())
-                .join(", ");
-            return Err(Error::refused(
-                "choose a preset",
-                format_args!("{name:?} is neither a preset nor a file"),
-                format_args!("one of {names}, or a TOML file"),
-                "correct --preset",
-            ));
-        }
-    };
-    checked(preset)
-}
-
-pub(super) fn checked(preset: Preset) -> Result<Preset> {
-    Model::new(preset)
-        .map(|model| model.preset().clone())
-        .map_err(Error::from_part)
-}
-
-fn preset_file(path: &Path) -> Result<Preset> {
-    toml::from_str(&read_text(path)?).map_err(|error| {
-        Error::refused(
-            format_args!("use preset {}", path.display()),
-            error.message(),
-            "a preset as printed by ebts preset, or base and the keys that differ",
-            "correct the file",
-        )
-    })
 }
 
 #[derive(Debug, Args)]

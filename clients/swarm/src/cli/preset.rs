@@ -4,9 +4,9 @@ use clap::Args;
 use serde::Serialize;
 
 use ebts::error::{Error, Result};
+use ebts::files::preset;
 use field::{FitnessRule, Preset, Push};
 
-use super::options::preset;
 use super::{Format, answer};
 
 const EXAMPLES: &str = "Examples:
