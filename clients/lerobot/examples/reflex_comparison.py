@@ -185,6 +185,7 @@ def compare(dataset: LeRobotDataset, checkpoint: Path, pairs: int, scratch: Path
             robot.begin_episode(FIRST_TEST_SEED + pair, item)
             result = run(robot, policy, processors, dataset)
             results[name].append({"item": item, "seed": FIRST_TEST_SEED + pair} | result)
+            print(f"{name} the reflex: {pair + 1} of {pairs} episodes", file=sys.stderr, flush=True)
         robot.disconnect()
     return results
 

@@ -55,7 +55,7 @@ class HandRobot(Robot):
             raise DeviceAlreadyConnectedError(f"{self} is connected already; call `disconnect` first")
 
     def _see(self) -> dict[str, Any]:
-        return {name: camera.async_read() for name, camera in self.cameras.items()}
+        return {name: camera.read_latest() for name, camera in self.cameras.items()}
 
     def _connect_cameras(self) -> None:
         for camera in self.cameras.values():
@@ -139,9 +139,10 @@ class Atas(HandRobot):
         target = self.features.target(action)
         try:
             self._hand.send(target)
-        except (atas.BusError, TimeoutError) as cause:
+        except atas.BusError as cause:
             raise DeviceNotConnectedError(f"{self} lost the daemon: {cause}; see `atas doctor`") from cause
-        except atas.AtasError as cause:
+        except (atas.AtasError, TimeoutError) as cause:
+            # A daemon that is gone raises an error with the next observation.
             if not self.config.restart:
                 raise RuntimeError(f"{self}: the teleoperation ended: {cause}") from cause
             logger.warning("%s: the teleoperation ended: %s; the next action starts it again", self, cause)

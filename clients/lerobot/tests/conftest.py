@@ -1,5 +1,6 @@
 """Fixtures: LeRobot's recorded interface where LeRobot is missing, private buses, programs."""
 
+import itertools
 import json
 import os
 import subprocess
@@ -11,6 +12,7 @@ import atas
 import contract
 import pytest
 
+_numbers = itertools.count()
 PROGRAMS = Path(os.environ.get("ATAS_PROGRAMS", Path(__file__).parents[3] / "target" / "debug"))
 if not contract.INSTALLED:
     contract.replay(json.loads(contract.FILE.read_text()))
@@ -25,7 +27,7 @@ def options(tmp_path: Path) -> dict[str, Any]:
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
     """Starts programs of the workspace on a private bus (`start.bus`); they end with the test."""
-    bus = f"flr-{os.getpid()}"
+    bus = f"flr-{os.getpid()}-{next(_numbers)}"
     started: list[subprocess.Popen[bytes]] = []
 
     def start(name: str, *arguments: str) -> subprocess.Popen[bytes]:

@@ -1,6 +1,7 @@
 """Tests of observations and actions, in the simulator."""
 
 import math
+import types
 from typing import Any
 
 import atas
@@ -139,6 +140,34 @@ def test_reflex_holds_what_a_position_controlled_hand_crushes(options: dict[str,
         outcomes[reflex] = (bool(held["crushed"]), float(held["lifted_m"]) > 0.03, one.hand.peak_n)
     assert outcomes[True][:2] == (False, True) and outcomes[False][:2] == (True, False), outcomes
     assert outcomes[True][2] < outcomes[False][2]
+
+
+class Camera:
+    """Substitute for a camera of LeRobot."""
+
+    def __init__(self) -> None:
+        self.is_connected = False
+
+    def connect(self) -> None:
+        self.is_connected = True
+
+    def read_latest(self) -> np.ndarray[Any, Any]:
+        assert self.is_connected
+        return np.full((3, 4, 3), 7, np.uint8)
+
+    def disconnect(self) -> None:
+        self.is_connected = False
+
+
+def test_pictures_are_part_of_the_observation(options: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    camera = Camera()
+    monkeypatch.setattr("lerobot_robot_atas.robot.make_cameras_from_configs", lambda configs: {"wrist": camera})
+    sizes = {"wrist": types.SimpleNamespace(width=4, height=3, fps=30)}
+    one = robot(options, cameras=sizes)
+    assert one.observation_features["wrist"] == (3, 4, 3)
+    assert (one.get_observation()["wrist"] == 7).all()
+    one.disconnect()
+    assert not camera.is_connected
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,10 @@ FRESH_S = 1.0
 """Time without a message of the daemon after which an observation fails, s. Design choice: a
 thousand ticks. Smaller values fail while a loaded machine delays this process."""
 
+SAMPLE_TICKS = 5
+"""Ticks between two samples of the true force. Design choice: a grip rises over tens of
+milliseconds; sampling every tick takes three times as long."""
+
 UNREACHABLE_N = 1e4
 """Touch threshold that no force reaches, N: removes the reflex."""
 
@@ -148,7 +152,7 @@ class SimulatedHand:
         self._frame: Any = None
         self.is_teleoperated = False
         self.peak_n = 0.0
-        """Largest true normal force of a fingertip, N."""
+        """Largest true normal force of a fingertip, N; sampled every 5 ms."""
         self.run(1)
 
     def now_s(self) -> float:
@@ -161,8 +165,8 @@ class SimulatedHand:
 
     def run(self, ticks: int) -> None:
         """Runs ticks of 1 ms."""
-        for _ in range(ticks):
-            self._report = self.simulation.step()[0]
+        for begin in range(0, ticks, SAMPLE_TICKS):
+            self._report = self.simulation.step(min(SAMPLE_TICKS, ticks - begin))[-1]
             frame = self.simulation.frame(self.features.hand)
             self._frame = self._frame if frame is None else frame
             pressed_n = self.simulation.truth["normal_n"][self.features.index]

@@ -116,8 +116,16 @@ class ChunkExecutor:
             return self._step()
         except BaseException:
             self._chunk = None
-            self.hand.hold()
+            self._hold()
             raise
+
+    def _hold(self) -> None:
+        """Holds after a failure, which must stay the one that is raised."""
+        try:
+            self.hand.hold()
+        except (_native.AtasError, TimeoutError) as cause:
+            # The daemon is gone or has ended the teleoperation; both keep the grip.
+            logger.warning("the teleoperation ended: %s", cause)
 
     def _step(self) -> bool:
         now_s = self.hand.now_s()
@@ -147,7 +155,8 @@ class ChunkExecutor:
             self.hand.send(self.hand.features.target(values))
         except _native.BusError:
             raise
-        except _native.AtasError as ended:
+        except (_native.AtasError, TimeoutError) as ended:
+            # A daemon that is gone raises an error with the next observation.
             logger.warning("the teleoperation ended: %s; the next step starts it again", ended)
             return False
         self.steps += 1
