@@ -213,7 +213,7 @@ pub enum Command {
     },
     /// Explain the result of a goal: steps and decisive moments with forces and limits
     Explain(Explain),
-    /// Export a recording to MCAP (Rerun, Foxglove, PlotJuggler), CSV or Parquet
+    /// Export a recording to MCAP (Rerun, Foxglove, PlotJuggler), CSV, Parquet or LeRobot
     Export(Export),
     /// Show fingertips, forces, modules and robot in a browser, live or from a recording
     Dashboard(Dashboard),

@@ -170,10 +170,9 @@ impl Features {
         self.update_taxels(newest, inputs, hand);
         let state = self.state(newest).into_iter().flatten();
         let action = self.action(newest).into_iter().flatten();
-        let is_finite = state.chain(action).chain(newest.taxels.iter().copied());
-        is_finite
-            .map(f32::is_finite)
-            .all(|finite| finite)
+        let mut values = state.chain(action).chain(newest.taxels.iter().copied());
+        values
+            .all(f32::is_finite)
             .then_some(())
             .with_context(|| {
                 format!(
