@@ -171,16 +171,13 @@ impl Features {
         let state = self.state(newest).into_iter().flatten();
         let action = self.action(newest).into_iter().flatten();
         let mut values = state.chain(action).chain(newest.taxels.iter().copied());
-        values
-            .all(f32::is_finite)
-            .then_some(())
-            .with_context(|| {
-                format!(
-                    "tick {} has a value that is not finite; a data set needs numbers; check the \
+        values.all(f32::is_finite).then_some(()).with_context(|| {
+            format!(
+                "tick {} has a value that is not finite; a data set needs numbers; check the \
                      recording with `atas export --to csv`",
-                    row.tick
-                )
-            })
+                row.tick
+            )
+        })
     }
 
     fn update_taxels(&self, newest: &mut Newest, inputs: &RowInputs, hand: usize) {
