@@ -1,5 +1,6 @@
 """Fixtures: LeRobot's recorded interface where LeRobot is missing, private buses, programs."""
 
+import gc
 import itertools
 import json
 import os
@@ -45,4 +46,5 @@ def start(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
         process.terminate()
     for process in reversed(started):
         process.wait(60)
+    gc.collect()  # Objects of a failed test may still use the bus.
     atas.wipe(bus)
