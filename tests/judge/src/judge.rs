@@ -102,6 +102,12 @@ impl Judge {
         self.stamps.restarted();
     }
 
+    /// Accepts the next command without the ones before it: the observer was not scheduled for so
+    /// long that it lost commands. Times, limits of motion and grip are judged again from there.
+    pub fn observer_paused(&mut self) {
+        self.stamps.observer_paused();
+    }
+
     /// Permits one discontinuity: the robot restarted, or moved without command. The controller
     /// may command no joints until it has measured them, and begins there at rest.
     pub fn robot_moved(&mut self) {
@@ -170,9 +176,13 @@ impl Judge {
             Relation::Next => {}
             Relation::Expired => self.motion.halt(),
             Relation::Lost => self.motion.forget(),
+            Relation::NewWriterAfterLoss => {
+                self.motion.forget();
+                self.motion.new_writer();
+            }
             Relation::NewWriter => self.motion.new_writer(),
         }
-        let is_new_writer = relation == Relation::NewWriter;
+        let is_new_writer = matches!(relation, Relation::NewWriter | Relation::NewWriterAfterLoss);
         self.modes
             .check(command.mode, is_new_writer, &mut self.findings);
         if is_finite {

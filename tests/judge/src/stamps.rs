@@ -16,6 +16,8 @@ pub(crate) enum Relation {
     Lost,
     /// First command of a new writer after an announced restart.
     NewWriter,
+    /// First command of a new writer after unknown commands of the former one.
+    NewWriterAfterLoss,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +38,8 @@ pub(crate) struct StampCheck {
     uneven: bool,
     last: Option<Last>,
     restart: bool,
+    /// The commands before the next one may be unknown.
+    paused: bool,
 }
 
 impl StampCheck {
@@ -47,6 +51,7 @@ impl StampCheck {
             uneven: false,
             last: None,
             restart: false,
+            paused: false,
         }
     }
 
@@ -58,6 +63,11 @@ impl StampCheck {
     /// Permits one new writer.
     pub(crate) fn restarted(&mut self) {
         self.restart = true;
+    }
+
+    /// Accepts a gap before the next command.
+    pub(crate) fn observer_paused(&mut self) {
+        self.paused = true;
     }
 
     /// Accepts any next sequence number, time and tick of the same writer, once.
@@ -74,10 +84,15 @@ impl StampCheck {
             valid_until_ns: command.valid_until_ns,
             tick: command.tick,
         };
+        let paused = std::mem::take(&mut self.paused);
         match self.last.replace(now) {
             None => Relation::Next,
+            Some(last) if last.epoch == now.epoch && paused => {
+                check_later(&last, &now, findings);
+                Relation::Lost
+            }
             Some(last) if last.epoch == now.epoch => self.check_next(&last, &now, findings),
-            Some(last) => self.check_writer(&last, &now, findings),
+            Some(last) => self.check_writer(&last, &now, paused, findings),
         }
     }
 
@@ -96,7 +111,13 @@ impl StampCheck {
         }
     }
 
-    fn check_writer(&mut self, last: &Last, now: &Last, findings: &mut Findings) -> Relation {
+    fn check_writer(
+        &mut self,
+        last: &Last,
+        now: &Last,
+        paused: bool,
+        findings: &mut Findings,
+    ) -> Relation {
         check_later(last, now, findings);
         if !std::mem::take(&mut self.restart) {
             findings.report(
@@ -108,11 +129,14 @@ impl StampCheck {
             );
             return Relation::Lost;
         }
-        if now.sequence != 0 {
+        if now.sequence != 0 && !paused {
             findings.report(
                 ViolationKind::Sequence,
                 format_args!("a new writer begins with {}; expected 0", now.sequence),
             );
+        }
+        if paused {
+            return Relation::NewWriterAfterLoss;
         }
         Relation::NewWriter
     }
