@@ -4,7 +4,7 @@
 //! ```text
 //!  grasp, pick_place, screw, assembly: one scenario each ─ scene, goal, evaluation
 //!   │
-//!   └─▶ run ─┬─ processes ── child: atas-sim, atasd     (terminated on drop, bus removed)
+//!   └─▶ run ─┬─ processes: atas-sim, atasd              (terminated on drop, bus removed)
 //!            ├─ page ── child: atas-live                with --dashboard
 //!            ├─ GoalExecution: sends the goal like any client
 //!            ├─ ground truth and daemon status ─▶ punctuality
@@ -15,13 +15,11 @@
 //!   results, an exit code.
 //! * **Invariants:** a demo communicates with the daemon only over the bus, as any client. Ctrl-C
 //!   ends every process and removes every bus that a demo started.
-//! * **Not included:** the demos of swarm and hybrid team; `atas-lab` runs them with [`child`],
-//!   [`logs`] and [`page`] of this crate.
+//! * **Not included:** the demos of swarm and hybrid team; `atas-lab` runs them with [`page`]
+//!   of this crate.
 
 mod assembly;
-pub mod child;
 mod grasp;
-pub mod logs;
 mod observed;
 pub mod page;
 mod pick_place;

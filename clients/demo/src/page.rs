@@ -7,7 +7,7 @@ use atas_console::{Interrupt, Progress};
 use serde_json::Value;
 use shm_bus::BusName;
 
-use crate::child::Child;
+use atas_processes::Child;
 
 /// Poll interval (design choice: imperceptible to a person).
 const POLL_INTERVAL: Duration = Duration::from_millis(50);

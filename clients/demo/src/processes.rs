@@ -12,8 +12,8 @@ use atas_console::arguments::DemoOptions;
 use shm_bus::{BusName, FreshBus};
 use shm_schemas::{Mode, Status, service};
 
-use crate::child::Child;
-use crate::logs::{self, Logs};
+use atas_processes::Child;
+use atas_processes::logs::{self, Logs};
 
 /// Longest time until the daemon is ready (design choice: usually 150 ms; a loaded machine takes
 /// longer).

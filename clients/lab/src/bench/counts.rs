@@ -12,7 +12,7 @@ use super::Plan;
 use super::pair::Pair;
 use super::site::Site;
 use super::tool::{self, Notes};
-use atas_demo::child::{Child, sibling_program};
+use atas_processes::child::{Child, sibling_program};
 
 /// Program that runs the production tick and a simulated world in one thread.
 const HELPER: &str = "atas-bench";

@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::Plan;
 use super::site::Site;
 use super::tool::{self, Notes};
-use atas_demo::child::Child;
+use atas_processes::child::Child;
 
 /// Longest duration of a measurement beyond its windows.
 const GRACE: Duration = Duration::from_secs(40);

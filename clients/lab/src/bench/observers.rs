@@ -25,7 +25,7 @@ use super::machine;
 use super::pair::Pair;
 use super::punctual::{Ticks, collect_reports};
 use super::site::Site;
-use atas_demo::child::Child;
+use atas_processes::child::Child;
 
 /// Observer programs with their arguments; the bus is appended.
 const KINDS: [(&str, &str); 4] = [

@@ -10,7 +10,7 @@ use shm_bus::{Subscriber, now_ns};
 use shm_schemas::{Mode, Status, TickReport, service};
 
 use super::site::Site;
-use atas_demo::child::Child;
+use atas_processes::child::Child;
 
 const READY_TIMEOUT: Duration = Duration::from_secs(15);
 /// Delay between simulator and daemon start, so that the simulator's start does not affect the

@@ -17,7 +17,7 @@ use super::pair::Pair;
 use super::response::{self, ResponseTimes};
 use super::tool::Notes;
 use super::{Plan, cyclictest};
-use atas_demo::child::Child;
+use atas_processes::child::Child;
 
 /// Longest time to phase lock (design choice: 5 µs per tick need 200 ticks for a whole period; the
 /// filter lag needs longer).

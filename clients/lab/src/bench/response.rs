@@ -20,7 +20,7 @@ use super::body::body_ns;
 use super::pair::NO_CONFIGURATION;
 use super::site::Site;
 use super::transport::{poll, rounds, start_echo};
-use atas_demo::child::Child;
+use atas_processes::child::Child;
 
 /// Number of measured ticks of a grasp, from approach into lift.
 const TICKS: usize = 5_000;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use shm_bus::{BusName, FreshBus};
 
-use atas_demo::logs::{self, Logs};
+use atas_processes::logs::{self, Logs};
 
 /// New bus and folder. Declare it before the processes and ports that use it.
 pub(super) struct Site {

@@ -25,7 +25,7 @@ use shm_schemas::{
 
 use super::pair::Pair;
 use super::site::Site;
-use atas_demo::child::Child;
+use atas_processes::child::Child;
 
 /// Number of flooding clients, and of pending goals of each.
 const CLIENTS: usize = 6;

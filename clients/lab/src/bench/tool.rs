@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use atas_console::Interrupt;
 
-use atas_demo::child::Child;
+use atas_processes::child::Child;
 
 const POLL_INTERVAL: Duration = Duration::from_millis(10);
 

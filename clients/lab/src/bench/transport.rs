@@ -15,7 +15,7 @@ use super::Plan;
 use super::echo::{PAYLOAD_BYTES, read_polling};
 use super::site::Site;
 use super::tool::{self, Notes};
-use atas_demo::child::{Child, sibling_program};
+use atas_processes::child::{Child, sibling_program};
 
 const ROUNDS: u64 = 5_000;
 /// Round trips before the measurement, for caches and connections.

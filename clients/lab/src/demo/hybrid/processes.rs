@@ -13,8 +13,8 @@ use shm_bus::FreshBus;
 use sim_backend::course::{RobotResult, Scenario};
 
 use super::coordinator::Coordinator;
-use atas_demo::child::Child;
-use atas_demo::logs::{self, Logs};
+use atas_processes::child::Child;
+use atas_processes::logs::{self, Logs};
 
 /// Longest time for a daemon to start, and for the simulator to report and end (design choice:
 /// allows for a loaded machine).

@@ -12,9 +12,9 @@ use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{AgentSensors, service};
 use sim_backend::swarm::TrialReport;
 
-use atas_demo::child::Child;
-use atas_demo::logs::{self, Logs};
 use atas_demo::page::Page;
+use atas_processes::child::Child;
+use atas_processes::logs::{self, Logs};
 
 /// Field process, agents and dashboard. Fields are dropped in this order.
 pub(super) struct Arena {

@@ -46,6 +46,20 @@ impl Child {
         arguments: &[&str],
         folder: &Path,
     ) -> anyhow::Result<Self> {
+        Self::start_adjusted(program, name, arguments, folder, |_| ())
+    }
+
+    /// Starts a program whose environment or outputs `adjust` changes.
+    ///
+    /// # Errors
+    /// The log files cannot be created, or the program did not start.
+    pub fn start_adjusted(
+        program: &Path,
+        name: &'static str,
+        arguments: &[&str],
+        folder: &Path,
+        adjust: impl FnOnce(&mut Command),
+    ) -> anyhow::Result<Self> {
         let (log, results) = (
             folder.join(format!("{name}.log")),
             folder.join(format!("{name}.out")),
@@ -62,6 +76,7 @@ impl Child {
             .stdout(create(&results)?)
             .stderr(create(&log)?)
             .process_group(0);
+        adjust(&mut command);
         end_with_this_process(&mut command);
         let process = command
             .spawn()
@@ -110,6 +125,12 @@ impl Child {
             self.log.display(),
             self.tail()
         )
+    }
+
+    /// Returns the whole log so far.
+    #[must_use]
+    pub fn log(&self) -> String {
+        std::fs::read_to_string(&self.log).unwrap_or_default()
     }
 
     /// Returns the complete lines of its standard output so far.
