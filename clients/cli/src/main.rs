@@ -70,6 +70,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Demo { .. }
         | Command::Eval { .. }
         | Command::Fault { .. }
+        | Command::Soak(_)
         | Command::Plot { .. }
         | Command::Bench { .. }
         | Command::Calibrate { .. }

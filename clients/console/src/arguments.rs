@@ -45,7 +45,7 @@ pub use evals::{
 };
 pub use examples::command;
 pub use exports::{Explain, Export, ExportKind};
-pub use faults::{FaultAction, FaultRun};
+pub use faults::{FaultAction, FaultRun, Soak};
 pub use goals::{
     Assemble, Grasp, HandName, ObjectProperties, PickPlace, Release, Screw, SendOptions, TurnName,
     UserTask, Zero,
@@ -171,12 +171,19 @@ pub enum Command {
         #[command(subcommand)]
         action: Calibrate,
     },
-    /// Inject faults into simulated tasks and judge the reaction
+    /// Inject faults into tasks and processes and judge the reaction
     Fault {
         /// Action
         #[command(subcommand)]
         action: FaultAction,
     },
+    /// Run random tasks with random faults and requests in virtual time, judged at every tick
+    ///
+    /// An episode has a task, an object and poses of its own, and random events: faults of sensors
+    /// and joints, pauses and restarts of the controller, stops, recoveries, cancellations,
+    /// parameters, further goals. A violation is shrunk to the fewest events and ticks and printed
+    /// as the command that repeats it. Exit code 1 after a violation.
+    Soak(Soak),
     /// Measure this computer: timing, stop, observers
     Bench {
         /// Measurement
@@ -245,6 +252,7 @@ impl Command {
             }
             | Self::Eval { .. }
             | Self::Fault { .. }
+            | Self::Soak(_)
             | Self::Plot { .. }
             | Self::Bench { .. }
             | Self::Calibrate { .. }

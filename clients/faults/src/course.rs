@@ -13,28 +13,28 @@ use sim_backend::{Object, Scene, TICK_NS};
 
 use crate::catalogue::HOLDING;
 
-/// Longest validity of a command that the judge accepts, ns: the daemon's default of 5 ms.
-const VALIDITY_MAX_NS: u64 = 5_000_000;
+/// Ticks of a daemon in lock-step before its first goal; see `atasd`.
+pub(crate) const SETTLE_TICKS: u64 = 100;
 
 /// A task with its object and seed.
 #[derive(Clone, Debug)]
 pub(crate) struct Course<'a> {
     pub(crate) robot: &'a RobotModel,
     pub(crate) task: Task,
-    scene: Scene,
-    goal: GoalRequest,
-    settings: Settings,
+    pub(crate) scene: Scene,
+    pub(crate) goal: GoalRequest,
+    pub(crate) settings: Settings,
     /// Seed as users number it.
     pub(crate) number: u64,
-    seed: u64,
+    pub(crate) seed: u64,
 }
 
 /// Phase of a task: a step when it is visited first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Phase {
     pub(crate) name: String,
-    first_tick: u64,
-    ticks: u64,
+    pub(crate) first_tick: u64,
+    pub(crate) ticks: u64,
 }
 
 /// Task in progress.
@@ -81,7 +81,22 @@ impl<'a> Course<'a> {
     /// # Errors
     /// Without faults, the task must succeed without violation.
     pub(crate) fn phases(&self) -> anyhow::Result<Vec<Phase>> {
-        let mut progress = self.begin()?;
+        self.phases_from(self.begin()?)
+    }
+
+    /// Returns the phases of a run with a daemon in lock-step, which begins its goal later.
+    ///
+    /// # Errors
+    /// As [`Course::phases`].
+    pub(crate) fn lockstep_phases(&self) -> anyhow::Result<Vec<Phase>> {
+        let mut run = OfflineRun::without_tick(self.robot, &self.scene, self.seed, self.settings)?;
+        (0..SETTLE_TICKS).for_each(|_| {
+            run.step(None);
+        });
+        self.phases_from(self.begin_in(run)?)
+    }
+
+    fn phases_from(&self, mut progress: Progress) -> anyhow::Result<Vec<Phase>> {
         let mut phases: Vec<Phase> = Vec::new();
         for _ in 0..(self.task.limit_s() * 1e9) as u64 / TICK_NS {
             let tick = progress.run.ticks();
@@ -109,22 +124,42 @@ impl<'a> Course<'a> {
 
     /// Advances the task to a random tick of a phase, which depends on the seed only.
     pub(crate) fn advance_into(&self, phase: &Phase, progress: &mut Progress) {
-        let share = split_mix(self.seed ^ phase.first_tick);
-        let tick = phase.first_tick + share % phase.ticks.max(1);
+        let tick = self.tick_in(phase);
         while progress.run.ticks() < tick {
             progress.advance();
         }
     }
 
+    /// Returns a random tick of a phase, which depends on the seed only.
+    pub(crate) fn tick_in(&self, phase: &Phase) -> u64 {
+        phase.first_tick + split_mix(self.seed ^ phase.first_tick) % phase.ticks.max(1)
+    }
+
+    /// Returns a random phase, which depends on the seed only.
+    pub(crate) fn random_phase<'p>(&self, phases: &'p [Phase]) -> Option<&'p Phase> {
+        let index = split_mix(!self.seed) % (phases.len() as u64).max(1);
+        phases.get(index as usize)
+    }
+
+    /// Returns a judge of this robot.
+    pub(crate) fn judge(&self) -> anyhow::Result<Judge> {
+        let valid_ns = (self.settings.safety.valid_s * 1e9).round() as u64;
+        Ok(Judge::new(joint_bounds(self.robot), TICK_NS, valid_ns)?)
+    }
+
     /// Begins the task.
     pub(crate) fn begin(&self) -> anyhow::Result<Progress> {
-        let run = OfflineRun::new(self.robot, &self.scene, self.seed, self.settings)?;
+        let new = OfflineRun::new(self.robot, &self.scene, self.seed, self.settings);
+        self.begin_in(new?)
+    }
+
+    fn begin_in(&self, run: OfflineRun) -> anyhow::Result<Progress> {
         let request = run
             .request(&self.goal)
             .map_err(|reason| anyhow::anyhow!("{} is rejected: {reason}", self.task.name()))?;
         Ok(Progress {
             run,
-            judge: Judge::new(joint_bounds(self.robot), TICK_NS, VALIDITY_MAX_NS)?,
+            judge: self.judge()?,
             request: Some(request),
             goal_id: self.goal.goal_id,
             step: String::new(),

@@ -1,8 +1,9 @@
 //! Plan of the runs: faults, tasks, phases and seeds.
 
 use std::collections::BTreeSet;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use anyhow::Context;
 use atas_core::Settings;
 use atas_evaluation::{Task, run_indexed};
 use robot_model::{RobotFiles, RobotModel};
@@ -11,6 +12,8 @@ use sim_backend::Object;
 use crate::catalogue::{Evidence, Fault, Reaction};
 use crate::course::Course;
 use crate::injection::Injection;
+use crate::process::{Environment, is_for_grasp_only, process_verdict};
+use crate::process_fault::ProcessFault;
 use crate::report::{Extent, FaultReport};
 use crate::verdict::{Verdict, verdict};
 
@@ -35,14 +38,25 @@ pub struct FaultPlan {
     pub robot: RobotFiles,
     /// Controller settings.
     pub settings: Settings,
+    /// Configuration of daemon processes.
+    pub environment: Environment,
     /// Threads; 0: one per core.
     pub threads: usize,
 }
 
 impl FaultPlan {
-    /// Returns the number of runs of a task without fault, each with all faults in all its phases.
+    /// Returns the number of runs of a task without fault, each with all faults in all its phases,
+    /// and of runs with a daemon process.
     #[must_use]
-    pub fn courses(&self) -> u64 {
+    pub fn runs(&self) -> u64 {
+        let processes = self
+            .faults
+            .iter()
+            .filter_map(|&fault| process(fault, &self.settings));
+        self.courses() * (1 + processes.count() as u64)
+    }
+
+    fn courses(&self) -> u64 {
         self.tasks.len() as u64 * self.seeds
     }
 
@@ -71,19 +85,28 @@ impl FaultPlan {
         };
         let (phases, verdicts): (Vec<_>, Vec<_>) = judged.into_iter().unzip();
         let phases: BTreeSet<String> = phases.into_iter().flatten().collect();
-        let verdicts: Vec<Verdict> = verdicts.into_iter().flatten().collect();
+        let mut verdicts: Vec<Verdict> = verdicts.into_iter().flatten().collect();
         if let Some(phase) = self.phase.as_ref().filter(|&phase| !phases.contains(phase))
             && !phases.is_empty()
         {
             let known = Vec::from_iter(phases).join(", ");
             anyhow::bail!("could not inject at {phase:?}: no such phase, needs one of {known}");
         }
+        for index in 0..self.courses() {
+            let task = self.tasks[(index / self.seeds) as usize];
+            let seed = self.first_seed + index % self.seeds;
+            let Some(of_course) = self.processes(&robot, task, seed, stop, &done)? else {
+                return Ok(None);
+            };
+            verdicts.extend(of_course);
+        }
         let extent = Extent {
             robot: &self.robot.name,
             tasks: self.tasks.iter().map(|task| task.name()).collect(),
             faults: &self.faults,
             object: &self.object_name,
-            seeds: self.seeds,
+            config: self.environment.config.as_deref(),
+            settings: &self.settings,
         };
         Ok(Some(FaultReport::new(&extent, &verdicts)))
     }
@@ -99,16 +122,12 @@ impl FaultPlan {
         let faults: Vec<_> = self
             .faults
             .iter()
-            .filter_map(|&fault| injected(fault))
+            .filter_map(|&fault| injected(fault, &self.settings))
             .collect();
         if faults.is_empty() {
             return Ok((Vec::new(), Vec::new()));
         }
-        let object = match task {
-            Task::Grasp | Task::PickPlace => self.object.clone(),
-            Task::Screw | Task::Assembly => Object::built_in("cap")?,
-        };
-        let course = Course::new(robot, task, &object, seed, self.settings)?;
+        let course = Course::new(robot, task, &self.object(task)?, seed, self.settings)?;
         let is_requested = |name: &str| self.phase.as_deref().is_none_or(|phase| phase == name);
         let (mut verdicts, mut progress) = (Vec::new(), course.begin()?);
         let phases = course.phases()?;
@@ -124,12 +143,85 @@ impl FaultPlan {
         let names = phases.into_iter().map(|phase| phase.name);
         Ok((names.collect(), verdicts))
     }
+
+    /// Runs one task with a daemon process per fault, each in the requested phase or a random one.
+    /// Returns `None` if stopped.
+    fn processes(
+        &self,
+        robot: &RobotModel,
+        task: Task,
+        seed: u64,
+        stop: &AtomicBool,
+        done: impl Fn(),
+    ) -> anyhow::Result<Option<Vec<Verdict>>> {
+        let faults = self.faults.iter();
+        let faults: Vec<_> = faults
+            .filter_map(|&fault| process(fault, &self.settings))
+            .collect();
+        if faults.is_empty() {
+            return Ok(Some(Vec::new()));
+        }
+        let course = Course::new(robot, task, &self.object(task)?, seed, self.settings)?;
+        let phases = course.lockstep_phases()?;
+        let names = phases.iter().map(|phase| phase.name.as_str());
+        let Some(phase) = (match &self.phase {
+            None => course.random_phase(&phases),
+            Some(name) => phases.iter().find(|phase| phase.name == *name),
+        }) else {
+            anyhow::ensure!(
+                self.tasks.len() > 1,
+                "could not inject at {:?}: no such phase, needs one of {}",
+                self.phase.as_deref().unwrap_or_default(),
+                names.collect::<Vec<_>>().join(", ")
+            );
+            return Ok(Some(Vec::new()));
+        };
+        let mut verdicts = Vec::new();
+        for (fault, process, reaction) in faults {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            if !is_for_grasp_only(process) || task == Task::Grasp {
+                let of = (fault, process, reaction);
+                let verdict = process_verdict(&course, phase, &self.environment, of)
+                    .with_context(|| format!("{} {}", fault.id, fault.name))?;
+                verdicts.push(verdict);
+            }
+            done();
+        }
+        Ok(Some(verdicts))
+    }
+
+    fn object(&self, task: Task) -> anyhow::Result<Object> {
+        Ok(match task {
+            Task::Grasp | Task::PickPlace => self.object.clone(),
+            Task::Screw | Task::Assembly => Object::built_in("cap")?,
+        })
+    }
 }
 
-/// Returns a fault with its injection; `None` if tests show it.
-fn injected(fault: &'static Fault) -> Option<(&'static Fault, Injection, Reaction)> {
+/// Returns a fault with its injection in virtual time; `None` if other evidence shows it.
+fn injected(
+    fault: &'static Fault,
+    settings: &Settings,
+) -> Option<(&'static Fault, Injection, Reaction)> {
     match fault.evidence {
-        Evidence::Injected(injection, reaction) => Some((fault, injection, reaction)),
-        Evidence::Test(_) | Evidence::Nothing(_) => None,
+        Evidence::Injected(injection, reaction) => {
+            Some((fault, injection, reaction.with_settings(settings)))
+        }
+        _ => None,
+    }
+}
+
+/// Returns a fault with its injection into processes; `None` if other evidence shows it.
+fn process(
+    fault: &'static Fault,
+    settings: &Settings,
+) -> Option<(&'static Fault, ProcessFault, Reaction)> {
+    match fault.evidence {
+        Evidence::Process(process, reaction) => {
+            Some((fault, process, reaction.with_settings(settings)))
+        }
+        _ => None,
     }
 }

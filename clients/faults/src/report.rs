@@ -1,5 +1,9 @@
 //! Report: one row per fault.
 
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use atas_core::Settings;
 use serde::Serialize;
 
 use crate::catalogue::{CATALOGUE, Evidence, Fault};
@@ -16,8 +20,9 @@ pub(crate) struct Extent<'a> {
     pub(crate) faults: &'a [&'static Fault],
     /// Name or file of the object of grasp and pick and place.
     pub(crate) object: &'a str,
-    /// Seeds per task.
-    pub(crate) seeds: u64,
+    /// The user's configuration.
+    pub(crate) config: Option<&'a Path>,
+    pub(crate) settings: &'a Settings,
 }
 
 /// Result of a plan.
@@ -29,7 +34,7 @@ pub struct FaultReport {
     pub tasks: Vec<&'static str>,
     /// One row per fault, in the order of the catalogue.
     pub faults: Vec<FaultRow>,
-    /// Numbers of the catalogue that an injection or a test shows.
+    /// Numbers of the catalogue that an injection, a process or a test shows.
     pub automated: usize,
     /// Numbers of the catalogue.
     pub catalogue: usize,
@@ -46,14 +51,18 @@ pub struct FaultRow {
     pub name: &'static str,
     /// Required reaction; `None` if a test shows it.
     pub reaction: Option<String>,
-    /// Evidence: `injection`, a test, or the reason why there is none.
+    /// Evidence: `injection`, `process`, a test, or the reason why there is none.
     pub shown_by: String,
-    /// Seeds of each task.
+    /// Seeds of each task; 0 if the fault was not injected.
     pub seeds: u64,
+    /// Seeds of which each run passed.
+    pub passed: u64,
     /// Runs: one per seed, task and phase.
     pub runs: usize,
     /// Runs that passed.
-    pub passed: usize,
+    pub passed_runs: usize,
+    /// Reason why this machine cannot show the fault.
+    pub skipped: Option<String>,
     /// Slowest reaction, ticks.
     pub worst_ticks: Option<u64>,
     /// Bound of the reaction, ticks.
@@ -79,30 +88,37 @@ impl FaultReport {
     /// Returns true if every run passed.
     #[must_use]
     pub fn has_passed(&self) -> bool {
-        self.faults.iter().all(|fault| fault.passed == fault.runs)
+        self.faults
+            .iter()
+            .all(|fault| fault.passed_runs == fault.runs)
     }
 }
 
 fn row(extent: &Extent<'_>, fault: &Fault, verdicts: &[Verdict]) -> FaultRow {
-    let own: Vec<_> = verdicts
-        .iter()
-        .filter(|verdict| verdict.fault == fault.id)
-        .collect();
+    let all = verdicts.iter().filter(|verdict| verdict.fault == fault.id);
+    let (skipped, own): (Vec<_>, Vec<_>) = all.partition(|verdict| verdict.skipped.is_some());
     let failed = own
         .iter()
         .filter_map(|verdict| failure(extent, fault, verdict));
     let reaction = fault.evidence.reaction();
+    let reaction = reaction.map(|reaction| reaction.with_settings(extent.settings));
+    let passed_runs = own.iter().filter(|verdict| verdict.failure.is_none());
+    let seeds: BTreeSet<u64> = own.iter().map(|verdict| verdict.seed).collect();
+    let failed_seeds: BTreeSet<u64> = own
+        .iter()
+        .filter(|verdict| verdict.failure.is_some())
+        .map(|verdict| verdict.seed)
+        .collect();
     FaultRow {
         id: fault.id,
         name: fault.name,
         reaction: reaction.map(|reaction| reaction.text()),
         shown_by: fault.evidence.text().to_owned(),
-        seeds: if own.is_empty() { 0 } else { extent.seeds },
+        seeds: seeds.len() as u64,
+        passed: (seeds.len() - failed_seeds.len()) as u64,
         runs: own.len(),
-        passed: own
-            .iter()
-            .filter(|verdict| verdict.failure.is_none())
-            .count(),
+        passed_runs: passed_runs.count(),
+        skipped: skipped.first().and_then(|verdict| verdict.skipped.clone()),
         worst_ticks: own.iter().filter_map(|verdict| verdict.ticks).max(),
         bound_ticks: reaction
             .and_then(|reaction| reaction.required())
@@ -116,9 +132,12 @@ fn failure(extent: &Extent<'_>, fault: &Fault, verdict: &Verdict) -> Option<Stri
     let (task, phase, seed) = (verdict.task, &verdict.phase, verdict.seed);
     let (id, robot) = (fault.id, quoted(extent.robot));
     let (object, phase) = (quoted(extent.object), quoted(phase));
+    let config = extent.config.map_or(String::new(), |file| {
+        format!(" --config {}", quoted(&file.display().to_string()))
+    });
     Some(format!(
-        "atas fault run {id} --robot {robot} --task {task} --at {phase} --seed {seed} --object \
-         {object}: {why}"
+        "atas fault run {id} --robot {robot}{config} --task {task} --at {phase} --seed {seed} \
+         --object {object}: {why}"
     ))
 }
 

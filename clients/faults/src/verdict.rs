@@ -1,7 +1,7 @@
 //! Verdict on the reaction to one fault.
 
 use anyhow::Context;
-use atas_judge::{Allowance, GripError, Promise, ViolationKind};
+use atas_judge::{Allowance, GripError, Judge, Promise, ViolationKind};
 use shm_schemas::{GoalState, ObjectTruth};
 
 use crate::catalogue::{Fault, Reaction};
@@ -10,7 +10,7 @@ use crate::injection::Injection;
 
 /// Ticks that a run continues after the last required one. Design choice: an object that the hand
 /// no longer holds falls by 5 m in this time.
-const WATCH_TICKS: u64 = 1000;
+pub(crate) const WATCH_TICKS: u64 = 1000;
 /// Height above which an object counts as lifted, m. Design choice: above the vibration of the arm.
 const LIFTED_M: f64 = 0.003;
 
@@ -29,8 +29,51 @@ pub struct Verdict {
     pub ticks: Option<u64>,
     /// First reason why the run failed; `None` if it passed.
     pub failure: Option<String>,
+    /// Reason why this machine cannot show the fault.
+    pub skipped: Option<String>,
     /// True: a command exceeded its limits, or an object was lost or harmed.
     pub is_unsafe: bool,
+}
+
+impl Verdict {
+    /// Returns the verdict of a run without injection.
+    pub(crate) fn skipped(
+        fault: &Fault,
+        course: &Course<'_>,
+        phase: &Phase,
+        reason: String,
+    ) -> Self {
+        Self {
+            fault: fault.id,
+            task: course.task.name(),
+            phase: phase.name.clone(),
+            seed: course.number,
+            ticks: None,
+            failure: None,
+            skipped: Some(reason),
+            is_unsafe: false,
+        }
+    }
+}
+
+/// Returns the verdict of a judge that has finished.
+pub(crate) fn judged(
+    fault: &Fault,
+    course: &Course<'_>,
+    phase: &Phase,
+    judge: &Judge,
+    reaction: Reaction,
+) -> Verdict {
+    let promises = [ViolationKind::PromiseBroken, ViolationKind::ForbiddenMode];
+    let of_modes: u64 = promises.map(|kind| judge.count_of(kind)).into_iter().sum();
+    let reached = judge.reached_after();
+    Verdict {
+        ticks: reached.filter(|_| reaction.required().is_some()),
+        failure: judge.violations().first().map(ToString::to_string),
+        skipped: None,
+        is_unsafe: judge.violation_count() > of_modes,
+        ..Verdict::skipped(fault, course, phase, String::new())
+    }
 }
 
 /// Injects a fault into a copy of a run and judges the reaction.
@@ -51,20 +94,9 @@ pub(crate) fn verdict(
         progress.advance();
     }
     progress.judge.finish();
-    let judge = &progress.judge;
-    let promises = [ViolationKind::PromiseBroken, ViolationKind::ForbiddenMode];
-    let of_modes: u64 = promises.map(|kind| judge.count_of(kind)).into_iter().sum();
-    Ok(Verdict {
-        fault: fault.id,
-        task: course.task.name(),
-        phase: phase.name.clone(),
-        seed: course.number,
-        ticks: judge
-            .reached_after()
-            .filter(|_| reaction.required().is_some()),
-        failure: failure(&progress, reaction),
-        is_unsafe: judge.violation_count() > of_modes,
-    })
+    let mut verdict = judged(fault, course, phase, &progress.judge, reaction);
+    verdict.failure = failure(&progress, reaction);
+    Ok(verdict)
 }
 
 /// Returns the first violation, or the failure of a goal that must continue.
@@ -117,7 +149,7 @@ fn must_stay_in_hand(injection: Injection, reaction: Reaction) -> bool {
 }
 
 /// Returns true from the lift until the object touches a support, or a cap its thread.
-fn is_lifted(object: &ObjectTruth) -> bool {
+pub(crate) fn is_lifted(object: &ObjectTruth) -> bool {
     let is_supported = object.landed_ns > 0 || object.table_n > 0.0 || object.cap_engaged == 1;
     object.lifted_m > LIFTED_M && !is_supported && object.pressed == 1
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use atas_core::Settings;
 use atas_evaluation::{Task, seeds};
+use atas_faults::process::Environment;
 use atas_faults::{CATALOGUE, Evidence, Fault, FaultPlan, FaultReport, Injection, Reaction, find};
 use sim_backend::Object;
 
@@ -19,6 +20,10 @@ fn plan(faults: Vec<&'static Fault>, threads: usize) -> FaultPlan {
         first_seed: seeds::EVALUATION_START,
         robot: robot_model::TWO_HAND_ARM,
         settings: Settings::default(),
+        environment: Environment {
+            robot: "two-hand-arm".to_owned(),
+            config: None,
+        },
         threads,
     }
 }
@@ -76,7 +81,7 @@ fn faults_are_found_by_number_and_name() {
 
 #[test]
 fn grip_survives_lost_frames_and_a_restart() {
-    let faults: Vec<_> = ["F01", "F05", "F25"].into_iter().flat_map(find).collect();
+    let faults: Vec<_> = ["F01", "F05", "F25a"].into_iter().flat_map(find).collect();
     let report = run(&plan(faults, 0));
     assert!(report.has_passed(), "{report:#?}");
     assert_eq!(report.unsafe_outputs, 0);
@@ -129,6 +134,20 @@ fn repeating_command_quotes_phase_and_names_the_object() {
     let report = run(&plan);
     let words = "--at 'let go' --seed 20001 --object wood: ";
     assert!(report.faults[0].failures[0].contains(words), "{report:#?}");
+}
+
+#[test]
+fn bounds_follow_the_configuration() {
+    let mut plan = plan(["F01", "F02"].into_iter().flat_map(find).collect(), 0);
+    plan.seeds = 1;
+    plan.settings.intake.hold_age_s = 0.02;
+    plan.settings.intake.frozen_frames = 100.0;
+    let report = run(&plan);
+    let bounds: Vec<_> = report.faults.iter().map(|row| row.bound_ticks).collect();
+    assert_eq!(bounds, [Some(21), Some(110)]);
+    assert!(report.has_passed(), "{report:#?}");
+    // Later than with the default limits, so the settings have reached the controller.
+    assert!(report.faults[0].worst_ticks > Some(6), "{report:#?}");
 }
 
 #[test]

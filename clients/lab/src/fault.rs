@@ -1,13 +1,15 @@
-//! `atas fault`: lists the fault catalogue, and injects faults into simulated tasks.
+//! `atas fault`: lists the fault catalogue, and injects faults into tasks and processes.
 
 use atas_console::arguments::{FaultAction, FaultRun};
 use atas_console::{Exit, ExitError, Interrupt, Output, table};
 use atas_evaluation::Task;
+use atas_faults::process::Environment;
 use atas_faults::{CATALOGUE, Evidence, Fault, FaultPlan, FaultReport, FaultRow, find};
 use robot_model::{RobotFiles, RobotModel};
 use serde_json::{Value, json};
 use sim_backend::Object;
 
+use crate::configuration::configured;
 use crate::eval;
 
 pub(crate) fn fault(
@@ -46,6 +48,7 @@ fn as_json(fault: &Fault) -> Value {
 fn reaction(fault: &Fault) -> String {
     match fault.evidence {
         Evidence::Injected(_, reaction) => reaction.text(),
+        Evidence::Process(_, reaction) => format!("{}, process", reaction.text()),
         Evidence::Test(test) => {
             let (_, name) = test.rsplit_once("::").unwrap_or(("", test));
             format!("test {name}")
@@ -56,7 +59,7 @@ fn reaction(fault: &Fault) -> String {
 
 fn run(arguments: &FaultRun, interrupt: &Interrupt, output: &mut Output) -> anyhow::Result<()> {
     let plan = plan(arguments)?;
-    let report = eval::with_progress_bar(plan.courses(), |done| plan.run(interrupt.flag(), done))?;
+    let report = eval::with_progress_bar(plan.runs(), |done| plan.run(interrupt.flag(), done))?;
     if output.is_json() {
         output.json(&report)?;
     } else {
@@ -65,14 +68,20 @@ fn run(arguments: &FaultRun, interrupt: &Interrupt, output: &mut Output) -> anyh
     if report.has_passed() {
         return Ok(());
     }
-    let failed: usize = report.faults.iter().map(|row| row.runs - row.passed).sum();
+    let failed: usize = report
+        .faults
+        .iter()
+        .map(|row| row.runs - row.passed_runs)
+        .sum();
     let sentence = format!("{failed} runs failed; each failure above has its command");
     Err(ExitError::with_code(Exit::Failed, sentence))
 }
 
 fn plan(arguments: &FaultRun) -> anyhow::Result<FaultPlan> {
     let usage = |text: String| ExitError::with_code(Exit::Usage, text);
-    let robot = RobotFiles::find(&arguments.robot).map_err(|error| usage(error.to_string()))?;
+    let configured = configured(arguments.config.as_deref())?;
+    let named = arguments.robot.as_ref().unwrap_or(&configured.robot);
+    let robot = RobotFiles::find(named).map_err(|error| usage(error.to_string()))?;
     let tasks = match arguments.task {
         Some(task) => vec![eval::task(task)],
         None => supported_tasks(&robot.load()?),
@@ -100,7 +109,11 @@ fn plan(arguments: &FaultRun) -> anyhow::Result<FaultPlan> {
         seeds: arguments.seeds,
         first_seed: arguments.first_seed,
         robot,
-        settings: atas_core::Settings::default(),
+        settings: configured.settings,
+        environment: Environment {
+            robot: named.clone(),
+            config: arguments.config.clone(),
+        },
         threads: arguments.threads,
     })
 }
@@ -117,7 +130,7 @@ fn print(report: &FaultReport, output: &mut Output) -> anyhow::Result<()> {
         rows.add_row([
             format!("{} {}", row.id, row.name),
             row.reaction.clone().unwrap_or_default(),
-            format!("{} of {}", row.passed, row.runs),
+            format!("{} of {}", row.passed_runs, row.runs),
             ticks(row.worst_ticks),
             ticks(row.bound_ticks),
         ]);
@@ -129,13 +142,20 @@ fn print(report: &FaultReport, output: &mut Output) -> anyhow::Result<()> {
         print_row(row, output)?;
     }
     output.line(format_args!(
-        "{} of {} faults of the catalogue have an injection or a test; {} unsafe runs",
+        "{} of {} faults of the catalogue are injected or have a test; {} unsafe runs",
         report.automated, report.catalogue, report.unsafe_outputs
     ))
 }
 
 /// Prints the failures of a fault, or its evidence if it was not run.
 fn print_row(row: &FaultRow, output: &mut Output) -> anyhow::Result<()> {
+    if let Some(reason) = &row.skipped {
+        let (id, name) = (row.id, row.name);
+        output.line(format_args!("{id} {name} is skipped: {reason}"))?;
+    }
+    if row.runs == 0 && row.skipped.is_some() {
+        return Ok(());
+    }
     if row.runs == 0 {
         let (id, name, evidence) = (row.id, row.name, &row.shown_by);
         return output.line(format_args!("{id} {name} is not injected: {evidence}"));

@@ -1,10 +1,11 @@
 //! `atas-lab`: laboratory commands of `atas`, those that need the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|fault|plot|robot|explain|calibrate|bench|record|replay|diff|export ─▶ atas-lab
+//!  atas demo|eval|fault|soak|plot|robot|explain|calibrate|bench|record|replay|diff|export ─▶ atas-lab
 //!   ├─ demo ────▶ runs a robot team, or with atas-demo one robot, and evaluates the result
 //!   ├─ eval ────▶ runs atas-evaluation on all cores
 //!   ├─ fault ───▶ lists and injects faults with atas-faults
+//!   ├─ soak ────▶ runs random tasks with random events with atas-faults
 //!   ├─ plot ────▶ draws recorded runs or an offline run
 //!   ├─ robot ───▶ prints model, workspace and capabilities of a robot
 //!   ├─ explain ─▶ explains the end of a goal, from a recording or a running daemon
@@ -24,6 +25,7 @@
 
 mod bench;
 mod calibrate;
+mod configuration;
 mod demo;
 mod eval;
 mod explain;
@@ -34,6 +36,7 @@ mod record;
 mod recordings;
 mod replay;
 mod robot;
+mod soak;
 
 use std::process::ExitCode;
 
@@ -49,6 +52,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Demo { task } => demo::demo(task, interrupt, output),
         Command::Eval { task } => eval::evaluate(task, interrupt, output),
         Command::Fault { action } => fault::fault(action, interrupt, output),
+        Command::Soak(arguments) => soak::soak(arguments, interrupt, output),
         Command::Plot { offline, recorded } => {
             plot::plot(offline.as_ref(), recorded.as_ref(), output)
         }

@@ -15,6 +15,7 @@ mod gate;
 mod guide;
 mod hybrid;
 mod imports;
+mod injected;
 mod optoforce;
 mod readme;
 mod recorded;

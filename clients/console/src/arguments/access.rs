@@ -57,6 +57,7 @@ impl Command {
             Self::Demo { .. }
             | Self::Eval { .. }
             | Self::Fault { .. }
+            | Self::Soak(_)
             | Self::Plot { .. }
             | Self::Robot { .. }
             | Self::Calibrate { .. }

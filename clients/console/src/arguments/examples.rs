@@ -239,9 +239,19 @@ const HELPS: &[Help] = &[
         &[
             "atas fault run frames-lost",
             "atas fault run F12 --task pick-place --at lift --seed 20007",
+            "atas fault run F25 F47 --task grasp",
             "atas fault run --all --seeds 2 --robot arm7-gripper",
+            "atas fault run --all --config atas.toml --format json",
         ],
-        "one object: robot, tasks, faults[{id, name, reaction, shown_by, seeds, runs, passed, worst_ticks, bound_ticks, failures[]}], automated, catalogue, unsafe_outputs",
+        "one object: faults[{id, name, seeds, passed, worst_ticks, bound_ticks, reaction, shown_by, runs, passed_runs, skipped, failures[]}], automated, unsafe_outputs, catalogue, robot, tasks",
+    ),
+    Help(
+        "soak",
+        &[
+            "atas soak --ticks 5000000 --seed 7",
+            "atas soak --seed 7 --episode 12 --events 0,3 --ticks 5200",
+        ],
+        "one object: ticks, violations, ticks_per_s, seed, episodes, failures[{command, violation}]",
     ),
     Help(
         "calibrate guide",
