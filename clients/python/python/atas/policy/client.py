@@ -23,7 +23,7 @@ class PolicyClient:
     """A connection to a policy server.
 
     `request` sends an observation and returns at once; `poll` returns the answer once it is there.
-    A request waits for nobody: the network belongs to a thread of its own. One request is open at a
+    Neither waits: the network has a thread of its own. One request is open at a
     time. `metadata` is what the server announces on connection.
     """
 
