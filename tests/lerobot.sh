@@ -7,9 +7,11 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 venv=$PWD/target/lerobot
 [ -x "$venv/bin/python" ] || "${PYTHON:-python3.12}" -m venv "$venv"
-"$venv/bin/pip" install --quiet 'lerobot[core-scripts,training]==0.6.*' pytest
+"$venv/bin/python" -c "import lerobot, pytest" 2>/dev/null ||
+    "$venv/bin/pip" install --quiet 'lerobot[core-scripts,training]==0.6.*' pytest
 "$venv/bin/pip" install --quiet --force-reinstall --no-deps target/wheels/atas-*.whl
-"$venv/bin/pip" install --quiet --no-deps --editable clients/lerobot
+"$venv/bin/pip" show --quiet lerobot_robot_atas 2>/dev/null ||
+    "$venv/bin/pip" install --quiet --no-deps --editable clients/lerobot
 folder=$(mktemp -d)
 export HF_HUB_OFFLINE=1 HF_HOME=$folder/hf ATAS_BUS=lerobot-$$ PATH=$PWD/target/debug:$PATH
 trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$folder"' EXIT
