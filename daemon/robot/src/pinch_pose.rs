@@ -16,9 +16,13 @@ use crate::model::HandModel;
 /// # fn main() -> Result<(), robot_model::ModelError> {
 /// let robot = RobotModel::two_hand_arm()?;
 /// let hand = robot.hand(HandSide::Right);
-/// let home = hand.pinch_pose(&hand.forward(hand.reference_rad()));
-/// assert!((home.centre_m - hand.home_m()).norm() < 1e-3);
-/// assert!((home.opening_m - hand.home_opening_m()).abs() < 1e-3);
+/// let posture = hand.forward(hand.reference_rad());
+/// let pinch = hand.pinch_pose(&posture);
+/// // Equal fingertips: the point is the middle of both sides.
+/// let middle_m = (posture.side_m(0) + posture.side_m(1)) / 2.0;
+/// assert!((pinch.centre_m - middle_m).norm() < 1e-9);
+/// let distance_m = (posture.side_m(0) - posture.side_m(1)).norm();
+/// assert!(0.0 < pinch.opening_m && pinch.opening_m < distance_m);
 /// # Ok(())
 /// # }
 /// ```

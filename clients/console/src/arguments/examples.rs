@@ -530,7 +530,7 @@ const HELPS: &[Help] = &[
 const GROUPS: &[(&str, &[&str])] = &[
     (
         "Demonstrate and evaluate",
-        &["demo", "eval", "fault", "plot"],
+        &["demo", "eval", "fault", "soak", "plot"],
     ),
     (
         "Run a task",

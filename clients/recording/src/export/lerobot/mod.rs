@@ -19,6 +19,7 @@
 
 mod columns;
 mod draft_folder;
+mod episode;
 mod features;
 mod run;
 mod statistics;

@@ -4,6 +4,7 @@ use atas_client::goal_summary::begins;
 use shm_schemas::{EventKind, GoalKind, GoalRequest, Hand};
 
 use super::DatasetChoices;
+use super::episode::Episode;
 use super::features::{Features, Newest};
 use super::writer::Writer;
 use crate::rows::Row;
@@ -15,16 +16,6 @@ pub(super) struct Run {
     stride: u64,
     newest: Newest,
     episode: Option<Episode>,
-}
-
-/// Goal being read.
-pub(super) struct Episode {
-    pub(super) goal: GoalRequest,
-    next_tick: u64,
-    pub(super) states: Vec<f32>,
-    pub(super) taxels: Vec<f32>,
-    pub(super) actions: Vec<f32>,
-    pub(super) frames: usize,
 }
 
 impl Run {
@@ -114,15 +105,6 @@ impl Run {
             &task,
             end.unwrap_or("not recorded"),
         )
-    }
-}
-
-impl Episode {
-    /// Adds the action of the newest frame, if it has none yet.
-    fn add_action(&mut self, action: [f32; 5]) {
-        if self.actions.len() < self.frames * action.len() {
-            self.actions.extend(action);
-        }
     }
 }
 

@@ -10,8 +10,8 @@ use shm_schemas::{GoalState, Hand};
 
 use super::Dataset;
 use super::columns::{Column, Table, Values};
+use super::episode::Episode;
 use super::features::{ENVIRONMENT, Features, POSE};
-use super::run::Episode;
 use super::statistics::{Statistics, statistics};
 
 /// Version of the format.
