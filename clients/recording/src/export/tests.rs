@@ -499,7 +499,7 @@ fn dataset_without_episode_is_refused() {
         (choices(30, None), "do not divide"),
         (choices(0, None), "do not divide"),
     ] {
-        let refused = export_dataset(&[file.clone()], &out, &choices, &never);
+        let refused = export_dataset(std::slice::from_ref(&file), &out, &choices, &never);
         let says_so = format!("{:#}", refused.expect_err("refused"));
         assert!(says_so.contains(says), "{says_so}");
         let left = std::fs::read_dir(folder.path()).expect("a folder");
