@@ -58,7 +58,7 @@ def evolved(seed: int, generations: int) -> tuple[NDArray[np.uint8], float]:
 def test_ask_and_tell_equal_the_command_bit_for_bit(tmp_path: Path) -> None:
     best, fitness = evolved(seed=71, generations=60)
     out = tmp_path / "table.toml"
-    line = ["evolve", "--agents", "2", "--seed", "71", "--generations", "60", "--out", out]
+    line = ["evolve", "--agents", "2", "--seed", "71", "--generations", "60", "--out", str(out)]
     subprocess.run([PROGRAMS / "ebts", *line], check=True, capture_output=True)
     field, genome = atas.SwarmField.load(out)
     assert (genome == best).all() and field.fitness(best[None])[0] == np.float32(fitness)
@@ -72,8 +72,8 @@ def test_saved_table_is_read_by_the_command_and_back(tmp_path: Path) -> None:
     again, loaded = atas.SwarmField.load(file)
     assert (loaded == genome).all() and again.bits == 128
     shown = subprocess.run([PROGRAMS / "ebts", "show", file, "--format", "json"], check=True, capture_output=True)
-    told = json.loads(shown.stdout)
-    assert told["agents"] == 3 and told["fitness"] == pytest.approx(float(field.fitness(genome[None])[0]), rel=1e-6)
+    report = json.loads(shown.stdout)
+    assert report["agents"] == 3 and report["fitness"] == pytest.approx(float(field.fitness(genome[None])[0]), rel=1e-6)
     with pytest.raises(ValueError, match="absent.toml"):
         atas.SwarmField.load(tmp_path / "absent.toml")
 
@@ -97,8 +97,8 @@ def test_turns_of_ask_and_tell_are_checked() -> None:
     with pytest.raises(TypeError, match="one-dimensional"):
         search.tell([1.0, 2.0, 3.0, 4.0])  # type: ignore[arg-type]
     search.tell(np.array([1.0, 4.0, 2.0, 3.0], np.float32))
-    best, fitness = search.best
-    assert fitness == 4.0 and (best == genomes[1]).all()
+    best, largest = search.best
+    assert largest == 4.0 and (best == genomes[1]).all()
 
 
 @pytest.mark.parametrize(
