@@ -10,7 +10,7 @@
 //!   └──── last step done ──► Ended (the last step stays active)
 //! ```
 //!
-//! [`Course`] is the state; each variant carries its own data. Within a course, the steps follow
+//! `Course` is the state; each variant carries its own data. Within a course, the steps follow
 //! each other by their [`Transition`]s. The object in the hand is a [`HeldObjectEstimator`].
 
 mod monitoring;
