@@ -169,14 +169,13 @@ impl HeldObjectEstimator {
         object.down_n = -net_n.z;
         let across_n = across_axis_n(net_n, &hand.closing_axis);
         let opening_m = hand.pose.half_opening_m.iter().sum();
-        self.verification.update(percept, across_n, opening_m);
+        object.grip = self.verification.update(percept, across_n, opening_m);
         let lifts = object.carried_m > 0.0 && !object.suspended;
         let forces_n = (percept.total_normal_n(), object.down_n);
         let without_response = self
             .response
             .is_unresponsive(lifts.then_some(forces_n), percept.step_s);
         object.load_is_held = self.verification.is_held() || without_response;
-        object.grip = self.verification.verified_grip();
         let object_m_n = settings.grasp.compression_m / object.thresholds.f2_n;
         object.drift = object.grip.map_or(Drift::default(), |grip| {
             Drift::estimate(&grip, &hand.compression, object_m_n)

@@ -115,7 +115,14 @@ impl GripVerification {
     }
 
     /// Adds one tick: net load across the closing axis, N, and commanded opening of the hand, m.
-    pub(super) fn update(&mut self, percept: &Percept, load_n: f64, opening_m: f64) {
+    /// Returns the present load and the load that the present grip holds; `None` without
+    /// verification.
+    pub(super) fn update(
+        &mut self,
+        percept: &Percept,
+        load_n: f64,
+        opening_m: f64,
+    ) -> Option<VerifiedGrip> {
         let step_s = percept.step_s;
         self.opening_m = opening_m;
         let filter_s = LOAD_FILTER_S * (1.0 + LIGHT_LOAD_N / load_n.max(NORMAL_MIN_N));
@@ -126,7 +133,8 @@ impl GripVerification {
         self.mean_load_n = low_pass(self.mean_load_n, self.load_n, step_s, SCATTER_S);
         let off_n = self.load_n - self.mean_load_n;
         self.scatter_n2 = low_pass(self.scatter_n2, off_n * off_n, step_s, SCATTER_S);
-        self.update_overload(step_s);
+        let grip = self.verified_grip();
+        self.update_overload(grip, step_s);
         let ratio = self.load_n / self.total_normal_n().max(NORMAL_MIN_N);
         let before = self.load_ratio.unwrap_or(ratio);
         let filtered = low_pass(before, ratio, step_s, RATIO_FILTER_S);
@@ -136,6 +144,7 @@ impl GripVerification {
             self.held_ratio = self.held_ratio.map(|held| held.max(filtered));
         }
         self.unheld.update(!self.is_held(), step_s);
+        grip
     }
 
     /// A minimised grip has held the suspended object without a drop.
@@ -157,9 +166,7 @@ impl GripVerification {
         });
     }
 
-    /// Returns the present load and the load that the present grip holds; `None` without
-    /// verification.
-    pub(super) fn verified_grip(&self) -> Option<VerifiedGrip> {
+    fn verified_grip(&self) -> Option<VerifiedGrip> {
         let (ratio, verification) = self.held_ratio.zip(self.verification)?;
         Some(VerifiedGrip {
             load_n: self.load_n,
@@ -178,8 +185,8 @@ impl GripVerification {
 
     /// Integrates the acceleration by the part of the load that the grip cannot hold. The measured
     /// load of a sliding object is friction only, so the true distance may be larger.
-    fn update_overload(&mut self, step_s: f64) {
-        let excess = self.verified_grip().map_or(0.0, |grip| {
+    fn update_overload(&mut self, grip: Option<VerifiedGrip>, step_s: f64) {
+        let excess = grip.map_or(0.0, |grip| {
             1.0 - MARGIN * grip.held_n.max(grip.mean_n) / grip.load_n.max(NORMAL_MIN_N)
         });
         if excess > 0.0 {
