@@ -25,6 +25,12 @@ class HandRobot(Robot):
         self.config = config
         self.features = HandFeatures(model, config.hand, config.tactile, config.actions)
         self.cameras = make_cameras_from_configs(config.cameras)
+        self._hand: Any = None
+
+    @property
+    def is_connected(self) -> bool:
+        """True from `connect` to `disconnect`."""
+        return self._hand is not None
 
     @property
     def observation_features(self) -> dict[str, Any]:
@@ -76,11 +82,6 @@ class Atas(HandRobot):
     def __init__(self, config: AtasConfig) -> None:
         super().__init__(config, config.model)
         self._hand: BusHand | None = None
-
-    @property
-    def is_connected(self) -> bool:
-        """True from `connect` to `disconnect`."""
-        return self._hand is not None
 
     def connect(self, calibrate: bool = True) -> None:
         """Joins the bus and waits for the first data of the daemon. Moves nothing."""

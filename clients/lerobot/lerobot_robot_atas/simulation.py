@@ -25,11 +25,6 @@ class AtasSimulation(HandRobot):
         self._hand: SimulatedHand | None = None
 
     @property
-    def is_connected(self) -> bool:
-        """True from `connect` to `disconnect`."""
-        return self._hand is not None
-
-    @property
     def hand(self) -> SimulatedHand:
         """The simulated hand: its `simulation` has the truth, `peak_n` is the largest force."""
         self._require(connected=True)
