@@ -10,9 +10,12 @@
 //!   └──── last step done ──► Ended (the last step stays active)
 //! ```
 //!
+//! A descent that touches the object is an `Evasion`: the hand withdraws and comes down beside it.
+//!
 //! `Course` is the state; each variant carries its own data. Within a course, the steps follow
 //! each other by their [`Transition`]s. The object in the hand is a [`HeldObjectEstimator`].
 
+mod evasion;
 mod monitoring;
 mod regrasp;
 mod teleop;
@@ -136,6 +139,8 @@ enum Course {
     Task,
     /// Puts the object back or opens, grasps again, and resumes the task at this step.
     Regrasp { resume_step: usize },
+    /// Withdraws from a touch during the descent, and resumes the task at this step, beside it.
+    Evasion { resume_step: usize },
     /// Ends a task that cannot continue, for this reason.
     Recovery(Recovery, Reason),
     /// The task has ended; its last step stays active.
@@ -221,6 +226,7 @@ impl TaskExecutor {
     fn steps(&self) -> &[Step] {
         match self.course {
             Course::Regrasp { .. } => &REGRASP,
+            Course::Evasion { .. } => &WITHDRAW,
             Course::Task | Course::Recovery(..) | Course::Ended => &self.sequence,
         }
     }
@@ -271,7 +277,7 @@ impl TaskExecutor {
     pub fn recovery_reason(&self) -> Option<Reason> {
         match self.course {
             Course::Recovery(_, reason) => Some(reason),
-            Course::Task | Course::Regrasp { .. } | Course::Ended => None,
+            Course::Task | Course::Regrasp { .. } | Course::Evasion { .. } | Course::Ended => None,
         }
     }
 
@@ -359,6 +365,8 @@ impl TaskExecutor {
             searches: step.transition == Transition::AllTouched,
             verifies_lift: step.modules.contains(ModuleId::LIFT_VERIFICATION),
             lowers: self.lowering_m(now).is_some(),
+            steadies: matches!(step.transition, Transition::Met(_))
+                && step.modules.contains(ModuleId::FIRST_TOUCH),
             is_monitored: self.is_monitored(),
         }
     }

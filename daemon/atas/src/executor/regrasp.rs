@@ -6,8 +6,9 @@
 //! * Object too soft for its weight and rotated while probed: puts back, opens, regrasps and probes
 //!   again.
 //!
-//! Each correction happens once. Displacements beyond plausible goal errors are ignored. No shift
-//! exceeds the clearance margin of the goal check.
+//! Each correction happens once; a grasp nearer to the centre of mass, a few times. Displacements
+//! beyond plausible goal errors are ignored. No shift exceeds the clearance margin of the goal
+//! check.
 
 use super::{Course, TaskExecutor};
 use crate::limits::{DISPLACED_MAX_M, YAW_ERROR_MAX_RAD};
@@ -26,10 +27,10 @@ const BODY_RADIUS_M: f64 = 0.06;
 /// Off-centre distance that triggers a regrasp when two hands join objects, m (design choice: half
 /// the capture range of a neck). The clearance check relies on the object place.
 const JOIN_OFFSET_MAX_M: f64 = 0.001;
-/// Ratio of lateral shift to measured lever (design choice, measured): rotation in the hand
-/// shortens the measured lever.
-const LEVER_GAIN: f64 = 1.5;
-/// Lever beyond which a suspended object is put back, m (design choice: exceeds a place error of 2
+/// Number of grasps nearer to the centre of mass (design choice: an object that tilts in the hand
+/// lands beside its place, so one correction is not always enough).
+const BALANCES_MAX: u8 = 3;
+/// Lever beyond which an object is put back, m (design choice: exceeds a place error of 2
 /// mm). Otherwise it needs several times the force and rotates at the first shake.
 const LEVER_MAX_M: f64 = 0.0022;
 /// Maximum lift height for putting back, m (design choice, measured): objects that rotate higher up
@@ -44,16 +45,18 @@ const FLAT_OFFSET_MAX_M: f64 = 0.0003;
 const PUT_BACK_STEP: usize = 0;
 const REOPEN_STEP: usize = 1;
 
-/// Corrections that the task has used; each happens once.
+/// Corrections that the task has used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Corrections {
     /// The hand regrasped at the measured place.
     recentred: bool,
-    /// The hand regrasped nearer to the centre of mass.
-    balanced: bool,
+    /// Number of grasps nearer to the centre of mass.
+    balances: u8,
     /// The hand regrasped to probe again.
     reprobed: bool,
+    /// Number of descents that touched the object.
+    pub(super) evasions: u8,
 }
 
 impl TaskExecutor {
@@ -110,8 +113,9 @@ impl TaskExecutor {
     fn lift_fails(&self, verdict: Verdict, percept: &Percept) -> bool {
         let is_refused =
             matches!(verdict, Verdict::Refuse(reason) if reason.cause != Cause::OBSTRUCTED);
-        let hangs_askew =
-            self.object.object().minimises_grip && self.object.lever_m().abs() > LEVER_MAX_M;
+        let hangs_askew = !self.object.is_verified()
+            && self.object.lever_is_known()
+            && self.object.lever_m().abs() > LEVER_MAX_M;
         is_refused
             || hangs_askew
             || self.turning().is_some()
@@ -143,7 +147,7 @@ impl TaskExecutor {
         if aside.is_some() {
             // If the object proves to be round, the hand returns to its centre.
             self.corrections.recentred = false;
-            self.corrections.balanced = true;
+            self.corrections.balances += 1;
         } else if self.needs_reprobe(verdict) {
             self.corrections.reprobed = true;
         } else {
@@ -160,13 +164,14 @@ impl TaskExecutor {
         true
     }
 
-    /// Returns the lateral shift towards the centre of mass, m, and the closing axis; once per
-    /// task.
+    /// Returns the lateral shift towards the centre of mass, m, and the closing axis.
     fn lateral_shift(&self, settings: &Settings) -> Option<(f64, Vector2<f64>)> {
-        let measured = self.object_pose.filter(|_| !self.corrections.balanced)?;
+        let measured = self
+            .object_pose
+            .filter(|_| self.corrections.balances < BALANCES_MAX)?;
         let across_m = measured.closing_axis.perp(&measured.offset_m);
         let lever_m = self.object.lever_m();
-        let aside_m = (lever_m * LEVER_GAIN).clamp(-SHIFT_MAX_M, SHIFT_MAX_M);
+        let aside_m = lever_m.clamp(-SHIFT_MAX_M, SHIFT_MAX_M);
         let has_room =
             self.displacement_m.norm() + aside_m.abs() <= self.waypoints.clearance_margin_m();
         // False for NaN.

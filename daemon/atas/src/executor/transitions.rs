@@ -20,6 +20,9 @@ impl TaskExecutor {
         if self.start_regrasp(verdict, percept, now, settings, modules) {
             return Outcome::NextStep;
         }
+        if self.start_evasion(verdict, percept, now, settings, modules) {
+            return Outcome::NextStep;
+        }
         match verdict {
             Verdict::Refuse(reason)
                 if self.recovery_reason().is_none() && !self.object.is_found() =>
@@ -92,14 +95,17 @@ impl TaskExecutor {
     }
 
     fn advance(&mut self, now: &GraspPose, settings: &Settings, modules: &mut Modules) -> Outcome {
-        if self.advance_regrasp(now, settings, modules) {
+        if self.advance_regrasp(now, settings, modules) || self.end_evasion(now, settings, modules)
+        {
             return Outcome::NextStep;
         }
         if self.index + 1 == self.steps().len() {
             return match self.course {
                 Course::Recovery(Recovery::Raise, reason) => Outcome::Failed(reason),
                 Course::Recovery(_, reason) => Outcome::Refused(reason),
-                Course::Task | Course::Regrasp { .. } => self.finish_task(),
+                Course::Task | Course::Regrasp { .. } | Course::Evasion { .. } => {
+                    self.finish_task()
+                }
                 Course::Ended => Outcome::Succeeded,
             };
         }
@@ -217,7 +223,7 @@ impl TaskExecutor {
         if let Some(reason) = self.turning() {
             return Some(reason);
         }
-        if step.transition == Transition::AllTouched {
+        if step.transition == Transition::AllTouched || step.motion == Motion::Square {
             let deepest_m =
                 (self.parameters.width_m / 2.0 - settings.motion.search_m).max(FINGERTIPS_MEET_M);
             let closed_m = now

@@ -71,6 +71,8 @@ pub struct StepFacts {
     pub verifies_lift: bool,
     /// The hand sets the object down.
     pub lowers: bool,
+    /// The hand steadies the object, while the other hand works on it.
+    pub steadies: bool,
     /// A slip or a rotation of the object would be a failure of the task.
     pub is_monitored: bool,
 }

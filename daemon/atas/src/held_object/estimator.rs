@@ -21,6 +21,10 @@ const SUSPENDED_MIN_M: f64 = 0.001;
 /// Swing time of a load after a change of speed, s (design choice).
 const SWING_S: f64 = 0.15;
 
+/// Share of F_2 with which a hand steadies an object for the other hand (design choice: the work
+/// loads the grip suddenly, and a slide cannot be undone).
+const STEADY_SHARE: f64 = 0.4;
+
 /// Estimator of the held object of one hand.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -127,8 +131,10 @@ impl HeldObjectEstimator {
         step: StepFacts,
         settings: &Settings,
     ) {
-        let f1_n = self.object.thresholds.f1_n;
-        let min_force_n = if self.is_carried() && settings.grasp.carry_min_n < f1_n {
+        let Thresholds { f1_n, f2_n, .. } = self.object.thresholds;
+        let min_force_n = if step.steadies {
+            f1_n.max(STEADY_SHARE * f2_n)
+        } else if self.is_carried() && settings.grasp.carry_min_n < f1_n {
             settings.grasp.carry_min_n
         } else {
             f1_n

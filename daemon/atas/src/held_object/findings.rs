@@ -91,6 +91,12 @@ impl HeldObjectEstimator {
         self.lever.max_m()
     }
 
+    /// The lever no longer grows.
+    #[must_use]
+    pub fn lever_is_known(&self) -> bool {
+        self.lever.has_peaked()
+    }
+
     /// Returns the reason if the object no longer loads the hand.
     #[must_use]
     pub fn loss(&self) -> Option<Reason> {

@@ -19,6 +19,9 @@ const ROTATED: [[f64; 2]; 2] = [[0.6, 0.9], [0.5, 0.7]];
 /// Minimum duration of a rotation, s (design choice: longer than one swing).
 const ROTATING_S: f64 = 0.3;
 
+/// Time since the maximum after which the lever no longer rises, s (design choice: the filter time).
+const PEAK_S: f64 = 0.05;
+
 /// Lever since the start of the lift.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -31,6 +34,8 @@ pub(super) struct Lever {
     max_m: f64,
     torsion_max: f64,
     rotated: Dwell,
+    /// The lever is below its maximum.
+    past_max: Dwell,
 }
 
 impl Lever {
@@ -48,6 +53,8 @@ impl Lever {
         self.now_m = filter(self.now_m, lever_m.abs());
         self.signed_m = filter(self.signed_m, lever_m);
         self.torsion = filter(self.torsion, first.torsion.max(second.torsion));
+        self.past_max
+            .update(self.now_m < self.max_m, percept.step_s);
         self.max_m = self.max_m.max(self.now_m);
         self.torsion_max = self.torsion_max.max(self.torsion);
         self.rotated.update(self.has_rotated(), percept.step_s);
@@ -63,6 +70,11 @@ impl Lever {
     /// Returns the largest lever so far, m; positive 90° anticlockwise of the closing axis.
     pub(super) fn max_m(&self) -> f64 {
         libm::copysign(self.max_m, self.signed_m)
+    }
+
+    /// Returns true if the lever has passed its maximum.
+    pub(super) fn has_peaked(&self) -> bool {
+        self.past_max.seconds() > PEAK_S
     }
 
     /// Returns the reason if the object has rotated.

@@ -10,7 +10,8 @@
 //! * (b) gross slip is detected,
 //! * (c) S exceeds `slip_loading` and dF_t > dr (the paper's rule, gated by S where friction is
 //!   known),
-//! * (d) the torsion ratio exceeds one half: an object held off-centre turns before it slips out,
+//! * (d) the torsion ratio exceeds one half, or a fifth until the grip is known to hold the load: an
+//!   object held off-centre turns before it slips out,
 //! * (e) the load of a suspended object drops; this needs no friction coefficient, or
 //! * (f) a suspended object suddenly loads the grip more than lift verification has shown it to
 //!   hold. The closing speed then follows from the missing force.
@@ -33,6 +34,14 @@ use shm_schemas::ModuleId;
 /// turned by 10°).
 const TORSION_ON: f64 = 0.5;
 const TORSION_OFF: f64 = 0.45;
+/// The same ratios until the grip is known to hold the load. Design choice, measured with centres of
+/// mass up to 5 mm beside the grip: with the former pair, objects tilt by 4° on an edge of their
+/// base while they leave the support, and land 5 mm beside their place.
+const LIFTING_TORSION_ON: f64 = 0.2;
+const LIFTING_TORSION_OFF: f64 = 0.18;
+/// Path speed factor while an object begins to tilt (design choice: the grip grows by newtons while
+/// the hand rises by tenths of a millimetre).
+const TILTING_CARRY_SCALE: f64 = 0.03;
 /// Momentary utilisation of uniform shear in a suspended object, and utilisation below which the
 /// contact is only lightly loaded (design choice).
 const UNIFORM_SHEAR: f64 = 0.935;
@@ -108,13 +117,14 @@ impl Module for Slip {
             (false, false) => 0.0,
         }
         .max(following_m_s);
+        let tilts = !object.suspended && self.turning.iter().any(|turning| *turning);
         Proposal {
             active: slips || self.load_growth.is_active(),
             closing_m_s: [closing_m_s; GRASP_SIDES],
-            carry_ceiling: if slips && helps {
-                settings.slip_carry_scale
-            } else {
-                1.0
+            carry_ceiling: match (slips && helps, tilts) {
+                (true, true) => TILTING_CARRY_SCALE,
+                (true, false) => settings.slip_carry_scale,
+                (false, _) => 1.0,
             },
             ..Proposal::default()
         }
@@ -149,7 +159,15 @@ pub(super) fn exceeds_utilisation(
 
 /// Returns whether the lifted object is about to turn in the hand, with hysteresis.
 pub(super) fn is_turning(finger: &ContactPercept, turned: bool, context: &Context<'_>) -> bool {
-    context.object.carried_m > 0.0 && finger.torsion > if turned { TORSION_OFF } else { TORSION_ON }
+    let object = context.object;
+    let holds = object.suspended || object.minimises_grip || object.load_is_held;
+    let limit = match (holds, turned) {
+        (true, false) => TORSION_ON,
+        (true, true) => TORSION_OFF,
+        (false, false) => LIFTING_TORSION_ON,
+        (false, true) => LIFTING_TORSION_OFF,
+    };
+    object.carried_m > 0.0 && finger.torsion > limit
 }
 
 /// Returns whether the contact slips grossly. Under a steady load, uniform shear is gross slip;

@@ -17,6 +17,7 @@
 //! Forces through the axis have no torque. A sum of shear forces would include a part of the normal
 //! force where a fingertip rolls on the cap.
 
+use super::trajectory::ENGAGED_DESCENT_M;
 use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::filter::low_pass;
 use crate::perception::{ContactPercept, Percept};
@@ -33,6 +34,8 @@ pub(super) struct TerminateScrew {
     first_turn_done: bool,
     /// Previous position of the first side along the turn, m.
     last_m: Option<f64>,
+    /// Height of the hand at the start of the turn, m.
+    start_height_m: Option<f64>,
 }
 
 impl Module for TerminateScrew {
@@ -51,10 +54,14 @@ impl Module for TerminateScrew {
         let turned_m = context.turning * context.hand.pose.tangential_m[0];
         let moved_m = turned_m - self.last_m.replace(turned_m).unwrap_or(turned_m);
         let gripping = percept.sides.iter().all(|f| f.in_contact);
-        self.first_turn_done |= moved_m < 0.0 && self.first_max_n_m > 0.0;
+        if moved_m < 0.0 {
+            self.end_turn(context);
+        }
         if moved_m <= 0.0 || !gripping {
             return Proposal::default();
         }
+        let height_m = context.hand.pose.centre_m.z;
+        self.start_height_m.get_or_insert(height_m);
         if !self.first_turn_done && self.torque_n_m > self.first_max_n_m {
             self.first_max_n_m = self.torque_n_m;
         }
@@ -65,6 +72,20 @@ impl Module for TerminateScrew {
             verdict: if tight { Verdict::Done } else { Verdict::None },
             ..Proposal::default()
         }
+    }
+}
+
+impl TerminateScrew {
+    /// Ends a turn. A cap that did not descend was not on its thread: its turn does not count.
+    fn end_turn(&mut self, context: &Context<'_>) {
+        let Some(start_m) = self.start_height_m.take() else {
+            return;
+        };
+        let descent_m = start_m - context.hand.pose.centre_m.z;
+        if !self.first_turn_done && descent_m < ENGAGED_DESCENT_M {
+            self.first_max_n_m = 0.0;
+        }
+        self.first_turn_done |= self.first_max_n_m > 0.0;
     }
 }
 

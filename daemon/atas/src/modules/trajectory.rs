@@ -15,6 +15,9 @@
 //! added to e(s), propagated forwards, and kept between turns. The line becomes the contour of the
 //! cap (Fig. 6).
 //!
+//! A cap that does not descend during a turn has not engaged the thread. The next turns then carry
+//! it around the place where it was put down, until it descends.
+//!
 //! Two reflexes keep the square on the cap: the side with the larger force opens, and the hand
 //! presses lightly down to follow the thread. When the wrist rotates the hand, excessive force
 //! slows the turn.
@@ -23,6 +26,8 @@ use super::{Context, Module, PoseCommand, Proposal, Roles};
 use crate::filter::Dwell;
 use crate::perception::Percept;
 use crate::thresholds::Thresholds;
+use core::f64::consts::PI;
+use nalgebra::Vector3;
 use robot_model::{GRASP_SIDES, GraspPose};
 use shm_schemas::ModuleId;
 
@@ -51,6 +56,15 @@ const CAP_FOLLOWING_M_S_N: f64 = 0.003;
 const CAP_PRESS_N: f64 = 0.3;
 /// Largest vertical travel, m (design choice: more than any cap travels).
 const CAP_TRAVEL_MAX_M: f64 = 0.008;
+/// Descent of an engaged cap during a turn, m (design choice: half of a fine thread's).
+pub(super) const ENGAGED_DESCENT_M: f64 = 0.0001;
+/// Spiral of places at which a cap is sought to engage: radius of the first one and its growth per
+/// place, m, angle between places, rad, and their number. Design choice: with a thread that captures
+/// a cap within 2 mm, they cover place errors of up to 3.5 mm; a cap stays on its rim meanwhile.
+const SEARCH_RADIUS_M: f64 = 0.0010;
+const SEARCH_GROWTH_M: f64 = 0.0001;
+const SEARCH_TURN_RAD: f64 = PI / 3.0;
+const SEARCH_PLACES: u32 = 12;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -61,6 +75,8 @@ enum Edge {
     Turn,
     Out,
     Return,
+    /// The cap engaged nowhere: the hand waits, open.
+    Rest,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -77,6 +93,18 @@ pub(super) struct Trajectory {
     gripped: Dwell,
     /// Vertical travel with the cap, m; negative is down.
     cap_travel_m: f64,
+    /// Vertical travel at the start of the turn, m.
+    turn_start_m: f64,
+    search: Search,
+}
+
+/// Search for the place at which a cap engages its thread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Search {
+    engaged: bool,
+    /// Number of places tried.
+    places: u32,
 }
 
 impl Default for Trajectory {
@@ -89,6 +117,8 @@ impl Default for Trajectory {
             inward_m: [[0.0; BINS]; GRASP_SIDES],
             gripped: Dwell::default(),
             cap_travel_m: 0.0,
+            turn_start_m: 0.0,
+            search: Search::default(),
         }
     }
 }
@@ -107,7 +137,7 @@ impl Module for Trajectory {
         match self.edge {
             Edge::Grip => self.grip(percept, context),
             Edge::Turn => self.adapt(percept, context),
-            Edge::In | Edge::Out | Edge::Return => {}
+            Edge::In | Edge::Out | Edge::Return | Edge::Rest => {}
         }
         if self.advance(percept, context) {
             self.start_next_edge(context);
@@ -200,6 +230,7 @@ impl Trajectory {
         let settings = &context.settings.screw;
         let (length_m, top_m_s) = match self.edge {
             Edge::Grip => return self.gripped.seconds() >= settings.grip_s,
+            Edge::Rest => return false,
             Edge::In => (settings.clearance_m - GRIP_GAP_M, settings.in_m_s),
             Edge::Turn => {
                 let responsive_m_s =
@@ -230,15 +261,28 @@ impl Trajectory {
     }
 
     fn start_next_edge(&mut self, context: &Context<'_>) {
-        if self.edge == Edge::Grip {
-            self.adopt_grip(context.hand.pose, decay(context));
+        match self.edge {
+            Edge::Grip => {
+                self.adopt_grip(context.hand.pose, decay(context));
+                self.turn_start_m = self.cap_travel_m;
+            }
+            Edge::Turn => {
+                let descent_m = self.turn_start_m - self.cap_travel_m;
+                self.search.engaged |= descent_m > ENGAGED_DESCENT_M;
+            }
+            Edge::In | Edge::Out | Edge::Return | Edge::Rest => {}
         }
         self.edge = match self.edge {
             Edge::In => Edge::Grip,
             Edge::Grip => Edge::Turn,
             Edge::Turn => Edge::Out,
             Edge::Out => Edge::Return,
-            Edge::Return => Edge::In,
+            Edge::Return if self.search.is_over() => Edge::Rest,
+            Edge::Return => {
+                self.search.advance();
+                Edge::In
+            }
+            Edge::Rest => Edge::Rest,
         };
         (self.position_m, self.speed_m_s) = (0.0, 0.0);
         self.gripped = Dwell::default();
@@ -271,13 +315,20 @@ impl Trajectory {
             Edge::Turn => (way, 0.0),
             Edge::Out => (1.0, self.position_m),
             Edge::Return => (1.0 - way, clearance_m),
+            Edge::Rest => (0.0, clearance_m),
         };
         let turned_m = context.turning * travel_m * (2.0 * along - 1.0);
         frame.tangential_m = [turned_m, -turned_m];
         frame.centre_m.z += self.cap_travel_m;
+        let carried = match self.edge {
+            Edge::In | Edge::Grip => 0.0,
+            Edge::Turn => along,
+            Edge::Out | Edge::Return | Edge::Rest => 1.0,
+        };
+        frame.centre_m += self.search.offset_m(carried);
         for finger in 0..GRASP_SIDES {
             let inward_m = match self.edge {
-                Edge::Return => interpolate(
+                Edge::Return | Edge::Rest => interpolate(
                     self.inward_m[finger][0],
                     self.inward_m[finger][BINS - 1],
                     along,
@@ -288,6 +339,34 @@ impl Trajectory {
         }
         frame
     }
+}
+
+impl Search {
+    /// Every place has been tried in vain.
+    fn is_over(self) -> bool {
+        !self.engaged && self.places == SEARCH_PLACES
+    }
+
+    /// Begins a turn: an unengaged cap is carried to the next place.
+    fn advance(&mut self) {
+        self.places += u32::from(!self.engaged);
+    }
+
+    /// Returns the horizontal offset after this share of the turn, m.
+    fn offset_m(self, share: f64) -> Vector3<f64> {
+        let from_m = place_m(self.places.saturating_sub(1));
+        from_m + (place_m(self.places) - from_m) * share
+    }
+}
+
+/// Returns a place of the search, m; the first one is the commanded place.
+fn place_m(index: u32) -> Vector3<f64> {
+    if index == 0 {
+        return Vector3::zeros();
+    }
+    let (sin, cos) = libm::sincos(SEARCH_TURN_RAD * f64::from(index));
+    let radius_m = SEARCH_RADIUS_M + SEARCH_GROWTH_M * f64::from(index);
+    Vector3::new(cos, sin, 0.0) * radius_m
 }
 
 fn decay(context: &Context<'_>) -> f64 {

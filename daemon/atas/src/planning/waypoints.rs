@@ -266,6 +266,17 @@ impl Waypoints {
         self.corrections.held_offset_m.y -= by_m;
     }
 
+    /// Moves one side of the grasp outwards by `by_m`, m, as far as the hand opens.
+    pub fn widen_grasp(&mut self, side: usize, by_m: f64) {
+        let half_m = self.source.half_opening_m[side] + by_m / 2.0;
+        let half_m = half_m.min(self.max_half_opening_m);
+        for pose in [&mut self.before_source, &mut self.source] {
+            pose.half_opening_m = pose.half_opening_m.map(|before_m| half_m.max(before_m));
+        }
+        let outwards = self.source.closing_axis().xy() * [1.0, -1.0][side];
+        self.shift_source(&(outwards * (by_m / 2.0)));
+    }
+
     fn shift_source(&mut self, by_m: &Vector2<f64>) {
         for frame in [&mut self.before_source, &mut self.around, &mut self.source] {
             *frame = shifted(frame, by_m);
