@@ -9,6 +9,8 @@
 //!             ├─▶ TrialRow: one row per trial; parts: an evaluation on several machines
 //!             └─▶ figures: the same run, tick by tick, as SVG
 //!
+//!  drawing: robots and scenes as SVG or pixels
+//!
 //!  a coarse position policy ─▶ reflex: the same targets with and without the reflex modules
 //!
 //!  a behaviour table and modules in one robot ─▶ hybrid: fetch, carry on wheels, set down
@@ -31,6 +33,7 @@
 
 mod condition;
 mod disturbances;
+pub mod drawing;
 mod drawn;
 mod execute;
 pub mod figures;

@@ -11,13 +11,13 @@
 
 mod facing;
 mod reach;
-mod views;
 
 use std::path::Path;
 use std::time::Instant;
 
 use atas_console::arguments::RobotAction;
 use atas_console::{Exit, ExitError, Output, number, table};
+use atas_evaluation::drawing::robot_views;
 use atas_evaluation::{NominalTrial, Task};
 use robot_model::{
     GRASP_SIDES, HandModel, HandSide, Joint, JointKind, RobotFiles, RobotModel, SHIPPED,
@@ -68,8 +68,8 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
     let files = RobotFiles::find(name).map_err(unusable)?;
     let robot = files.load().map_err(unusable)?;
     if let Some(out) = out {
-        let svg = views::draw(&files, &robot).map_err(unusable)?;
-        picture::write(out, &svg)?;
+        let drawn = robot_views(&files, &robot).map_err(unusable)?;
+        picture::write(out, &drawn.svg(&files.name))?;
     }
     let remarks = files.remarks().map_err(unusable)?;
     let begin = Instant::now();
