@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use crate::environment::{Environment, Outcome};
 use crate::error::LearningError;
 use crate::hand::ACTIONS;
-use crate::observation;
 use crate::reward::End;
 
 /// Most environments of a batch. Design choice: about 2 GB.
@@ -52,6 +51,12 @@ impl Batch {
         })
     }
 
+    /// Returns an environment of the batch.
+    #[must_use]
+    pub fn environment(&self, index: usize) -> Option<&Environment> {
+        self.environments.get(index)
+    }
+
     /// Returns the number of environments.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -81,10 +86,11 @@ impl Batch {
             ..
         } = self;
         over.fill(None);
+        let size = environments.first().map_or(1, |it| it.layout().size());
         let each = environments
             .par_iter_mut()
             .zip(seeds)
-            .zip(rows.par_chunks_exact_mut(observation::SIZE));
+            .zip(rows.par_chunks_exact_mut(size));
         let one = |((environment, seed), row): ((&mut Environment, &Option<u64>), &mut [f32])| {
             let outcome = environment.reset(*seed)?;
             environment.observe(row);
@@ -120,11 +126,12 @@ impl Batch {
             autoreset,
             pool,
         } = self;
+        let size = environments.first().map_or(1, |it| it.layout().size());
         let each = environments
             .par_iter_mut()
             .zip(ended.par_iter_mut())
             .zip(actions)
-            .zip(rows.par_chunks_exact_mut(observation::SIZE));
+            .zip(rows.par_chunks_exact_mut(size));
         type Seat<'a> = (
             (
                 (&'a mut Environment, &'a mut Option<Outcome>),

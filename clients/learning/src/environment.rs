@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use robot_model::RobotModel;
+use robot_model::{RobotFiles, RobotModel, TWO_HAND_ARM};
+use shm_schemas::WorldTruth;
 use sim_backend::random::split_mix;
-use sim_backend::{Object, ObjectError};
+use sim_backend::{Object, ObjectError, Scene};
 
-use crate::episode::Episode;
+use crate::episode::{CLEARANCE_M, Episode};
 use crate::error::LearningError;
 use crate::hand::{ACTIONS, TICK_S};
-use crate::observation;
+use crate::observation::Layout;
 use crate::reward::{End, Judge};
 use crate::task::Task;
 
@@ -39,7 +40,9 @@ pub struct Outcome {
 
 /// Task with its objects and the current episode.
 pub struct Environment {
+    files: Arc<RobotFiles>,
     robot: Arc<RobotModel>,
+    layout: Arc<Layout>,
     task: Task,
     objects: Arc<[Object]>,
     noise_factor: f64,
@@ -50,23 +53,60 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Makes an environment with these objects: built-in names or file paths.
+    /// Makes an environment of the built-in robot with two hands and these objects: built-in names
+    /// or file paths.
     ///
     /// # Errors
     /// [`LearningError`] if the list is empty or an object cannot be loaded.
     pub fn new(task: Task, objects: &[String], noise_factor: f64) -> Result<Self, LearningError> {
-        let objects: Result<Arc<[Object]>, ObjectError> = objects
-            .iter()
-            .map(|name| Object::from_name_or_file(name))
-            .collect();
-        let objects = objects?;
+        Self::with_robot(TWO_HAND_ARM, task, Some(objects), noise_factor)
+    }
+
+    /// Makes an environment of a robot; its acting hand moves. Without objects, it uses those of
+    /// [`Task::OBJECTS`] that fit into the hand.
+    ///
+    /// # Errors
+    /// [`LearningError`] if the robot or an object cannot be loaded, an object is too wide for the
+    /// hand, or no object remains.
+    pub fn with_robot(
+        files: RobotFiles,
+        task: Task,
+        objects: Option<&[String]>,
+        noise_factor: f64,
+    ) -> Result<Self, LearningError> {
+        let robot = files.load()?;
+        let hand = robot.hand(robot.acting_side());
+        let limit_m = hand.max_opening_m() - 2.0 * CLEARANCE_M;
+        let fits = |object: &Object| object.shape.width_m() <= limit_m;
+        let load = |name: &str| Object::from_name_or_file(name);
+        let objects: Vec<Object> = match objects {
+            Some(names) => {
+                let all: Result<Vec<Object>, ObjectError> =
+                    names.iter().map(|name| load(name)).collect();
+                all?
+            }
+            None => {
+                let all: Result<Vec<Object>, ObjectError> =
+                    Task::OBJECTS.into_iter().map(load).collect();
+                all?.into_iter().filter(fits).collect()
+            }
+        };
+        if let Some(wide) = objects.iter().find(|object| !fits(object)) {
+            return Err(LearningError::TooWide {
+                object: wide.name.clone(),
+                width_m: wide.shape.width_m(),
+                limit_m,
+            });
+        }
         if objects.is_empty() {
             return Err(LearningError::NoObject);
         }
         Ok(Self {
-            robot: Arc::new(RobotModel::two_hand_arm()?),
+            layout: Arc::new(Layout::from_hand(hand)),
+            files: Arc::new(files),
+            robot: Arc::new(robot),
             task,
-            objects,
+            objects: objects.into(),
             noise_factor,
             seed: 0,
             episodes: 0,
@@ -79,11 +119,44 @@ impl Environment {
     #[must_use]
     pub fn fork(&self) -> Self {
         Self {
+            files: Arc::clone(&self.files),
             robot: Arc::clone(&self.robot),
+            layout: Arc::clone(&self.layout),
             objects: Arc::clone(&self.objects),
             current: None,
             ..*self
         }
+    }
+
+    /// Returns the task.
+    #[must_use]
+    pub fn task(&self) -> Task {
+        self.task
+    }
+
+    /// Returns the files of the robot.
+    #[must_use]
+    pub fn files(&self) -> &RobotFiles {
+        &self.files
+    }
+
+    /// Returns the robot.
+    #[must_use]
+    pub fn robot(&self) -> &RobotModel {
+        &self.robot
+    }
+
+    /// Returns the layout of an observation.
+    #[must_use]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Returns scene, measured joint positions (rad or m) and ground truth of the current episode.
+    #[must_use]
+    pub fn state(&self) -> Option<(&Scene, &[f64], WorldTruth)> {
+        let (episode, ..) = self.current.as_ref()?;
+        Some((episode.scene(), episode.positions(), episode.truth()))
     }
 
     /// Returns the object names.
@@ -105,7 +178,12 @@ impl Environment {
         let object = (split_mix(seed ^ OBJECT_STREAM) % self.objects.len() as u64) as usize;
         let spec = self.objects[object].clone();
         let episode = Episode::begin(&self.robot, self.task, spec, seed, self.noise_factor)?;
-        let judge = Judge::new(self.task, episode.place_m(), &episode.truth());
+        let judge = Judge::new(
+            self.task,
+            self.robot.acting_side().index(),
+            episode.place_m(),
+            &episode.truth(),
+        );
         let outcome = Outcome {
             object,
             seed,
@@ -146,11 +224,11 @@ impl Environment {
         Ok(*outcome)
     }
 
-    /// Writes the observation, [`observation::SIZE`] values; all zero before the first episode.
+    /// Writes the observation, [`Layout::size`] values; all zero before the first episode.
     pub fn observe(&self, row: &mut [f32]) {
-        debug_assert_eq!(row.len(), observation::SIZE);
+        debug_assert_eq!(row.len(), self.layout.size());
         match &self.current {
-            Some((episode, ..)) => episode.observe(row),
+            Some((episode, ..)) => episode.observe(&self.layout, row),
             None => row.fill(0.0),
         }
     }

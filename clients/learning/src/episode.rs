@@ -4,29 +4,31 @@ use std::ops::Range;
 
 use atas_core::kinematics::HandCommand;
 use atas_core::safety::{Gate, GateContext};
-use atas_core::{Settings, Tick};
+use atas_core::{SensorSetup, Settings, Tick};
 use nalgebra::Vector3;
 use robot_model::{GRASP_SIDES, GraspPose, HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::{Hand, JointCommand, Mode, WorldTruth};
-use sim_backend::{Object, Sensed, World, home_rad};
+use sim_backend::{Object, Scene, Sensed, World, home_rad};
 
 use crate::error::LearningError;
 use crate::hand::{ACTIONS, PermittedRegion, PolicyHand, TICK_S};
-use crate::observation::{self, PERCEPT, TAXELS};
-use crate::task::{SIDE, Task};
+use crate::observation::{Layout, PERCEPT};
+use crate::task::Task;
 
 /// Distance of each fingertip from the object at the start, m (equal to the daemon's
 /// `motion.clearance_m`).
-const CLEARANCE_M: f64 = 0.008;
+pub(crate) const CLEARANCE_M: f64 = 0.008;
 /// Permitted motion of the hand beside, below and above its grasp pose, m (design choice).
 const SIDEWAYS_M: f64 = 0.03;
 const BELOW_M: f64 = 0.012;
 const ABOVE_M: f64 = 0.08;
-/// Lowest centre of the hand, m: fingertip radius plus 3 mm clearance.
-const LOWEST_M: f64 = 0.018;
+/// Clearance between fingertips and table at the lowest position of the hand, m (design choice).
+const TABLE_CLEARANCE_M: f64 = 0.003;
 
 pub(crate) struct Episode {
     world: World,
+    scene: Scene,
+    side: HandSide,
     sensed: Sensed,
     gate: Gate,
     hand: PolicyHand,
@@ -49,14 +51,15 @@ impl Episode {
         seed: u64,
         noise_factor: f64,
     ) -> Result<Self, LearningError> {
-        let mut scene = task.scene(object, seed);
+        let side = robot.acting_side();
+        let model = robot.hand(side);
+        let mut scene = task.scene(model, object, seed);
         scene.noise_factor = noise_factor;
         // The sensors of the resting hand are not observed.
-        scene.sensor_rate_hz[1 - SIDE.index()] = 1;
+        scene.sensor_rate_hz[1 - side.index()] = 1;
         let hint = scene.grasp_hint(0).ok_or(LearningError::NoObject)?;
         let place_m = task.place(&scene).map(|place| Vector3::from(place.from_m));
         let source_m = Vector3::from(hint.from_m);
-        let model = robot.hand(SIDE);
         let frame = GraspPose {
             hand_azimuth_rad: model.bearing_rad(&source_m),
             ..GraspPose::from_above(
@@ -70,22 +73,22 @@ impl Episode {
             .map_err(LearningError::Reach)?
             .q_rad;
         let mut start_rad = home_rad(robot)?;
-        start_rad[robot.joint_range(SIDE)].copy_from_slice(&q_rad);
+        start_rad[robot.joint_range(side)].copy_from_slice(&q_rad);
         scene.start_rad = Some(start_rad);
         let mut gate = Gate::new(robot, 1);
         gate.synchronise(&start_rad);
-        let other = HandSide::BOTH[1 - SIDE.index()];
+        let other = HandSide::BOTH[1 - side.index()];
+        let wiring = SensorSetup::from_robot(robot).hands[side.index()];
+        let lowest_m = model.tip_radius_m().iter().copied().fold(0.0, f64::max) + TABLE_CLEARANCE_M;
+        let room = permitted_region(&source_m, place_m.as_ref(), lowest_m);
         let mut episode = Self {
             world: World::new(robot, &scene, seed)?,
             sensed: Sensed::default(),
             gate,
-            hand: PolicyHand::new(
-                Hand::BOTH[SIDE.index()],
-                *model,
-                q_rad,
-                permitted_region(&source_m, place_m.as_ref()),
-            ),
-            joints: robot.joint_range(SIDE),
+            hand: PolicyHand::new(Hand::BOTH[side.index()], *model, &wiring, q_rad, room),
+            joints: robot.joint_range(side),
+            scene,
+            side,
             resting_rad: HandVector::from_slice(&start_rad[robot.joint_range(other)]),
             settings: Settings::default(),
             source_m,
@@ -112,9 +115,9 @@ impl Episode {
     fn pass(&mut self, acting: HandCommand) -> JointCommand {
         let resting = HandCommand::new(self.resting_rad, [0.0; GRASP_SIDES]);
         let mut raw = [resting; 2];
-        raw[SIDE.index()] = acting;
+        raw[self.side.index()] = acting;
         let mut grips = [self.hand.grip(); 2];
-        grips[1 - SIDE.index()].normal_n = [0.0; GRASP_SIDES];
+        grips[1 - self.side.index()].normal_n = [0.0; GRASP_SIDES];
         let joints = &self.sensed.joints;
         let measured_rad =
             RobotVector::from_slice(&joints.position_rad[..joints.joint_count as usize]);
@@ -139,7 +142,7 @@ impl Episode {
     fn sense(&mut self) {
         self.world.sense(&mut self.sensed);
         let tick = self.now();
-        let frame = self.sensed.frames[SIDE.index()].as_ref();
+        let frame = self.sensed.frames[self.side.index()].as_ref();
         self.hand.process_frame(frame, tick, &self.settings);
         let measured_rad = self.measured_rad();
         self.hand.evaluate_modules(&self.settings, &measured_rad);
@@ -166,15 +169,30 @@ impl Episode {
         self.place_m
     }
 
-    /// Writes the observation; `row` has [`observation::SIZE`] values.
-    pub(crate) fn observe(&self, row: &mut [f32]) {
-        let (taxels, row_rest) = row.split_at_mut(observation::PARTS[0].len());
-        let (joints, row_rest) = row_rest.split_at_mut(observation::PARTS[1].len());
-        let (percept, row_rest) = row_rest.split_at_mut(observation::PARTS[2].len());
-        let (modules, hand) = row_rest.split_at_mut(observation::PARTS[3].len());
-        if let Some(frame) = &self.sensed.frames[SIDE.index()] {
-            for (tip, force_n) in taxels.chunks_exact_mut(3 * TAXELS).zip(&frame.force_n) {
-                tip.copy_from_slice(force_n[..TAXELS].as_flattened());
+    /// Returns the scene of the episode.
+    pub(crate) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Returns the measured positions of all joints, rad or m.
+    pub(crate) fn positions(&self) -> &[f64] {
+        let joints = &self.sensed.joints;
+        &joints.position_rad[..joints.joint_count as usize]
+    }
+
+    /// Writes the observation; `row` has the size of `layout`.
+    pub(crate) fn observe(&self, layout: &Layout, row: &mut [f32]) {
+        let parts = layout.parts();
+        let (taxels, row_rest) = row.split_at_mut(parts[0].len());
+        let (joints, row_rest) = row_rest.split_at_mut(parts[1].len());
+        let (percept, row_rest) = row_rest.split_at_mut(parts[2].len());
+        let (modules, hand) = row_rest.split_at_mut(parts[3].len());
+        if let Some(frame) = &self.sensed.frames[self.side.index()] {
+            for (tip, force_n) in taxels
+                .chunks_exact_mut(3 * layout.taxels)
+                .zip(&frame.force_n)
+            {
+                tip.copy_from_slice(force_n[..layout.taxels].as_flattened());
             }
         }
         let state = &self.sensed.joints;
@@ -210,17 +228,21 @@ impl Episode {
         hand.iter_mut()
             .zip(reported)
             .for_each(|(value, reported)| *value = *reported as f32);
-        observation::bound(row);
+        layout.bound(row);
     }
 }
 
 /// Returns the permitted region of the hand around object and target.
-fn permitted_region(source_m: &Vector3<f64>, place_m: Option<&Vector3<f64>>) -> PermittedRegion {
+fn permitted_region(
+    source_m: &Vector3<f64>,
+    place_m: Option<&Vector3<f64>>,
+    lowest_m: f64,
+) -> PermittedRegion {
     let place_m = place_m.unwrap_or(source_m);
     let beside = Vector3::new(SIDEWAYS_M, SIDEWAYS_M, 0.0);
     let mut low_m = source_m.inf(place_m) - beside;
     let mut high_m = source_m.sup(place_m) + beside;
-    low_m.z = (low_m.z - BELOW_M).max(LOWEST_M);
+    low_m.z = (low_m.z - BELOW_M).max(lowest_m);
     high_m.z += ABOVE_M;
     PermittedRegion { low_m, high_m }
 }

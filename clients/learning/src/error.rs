@@ -9,11 +9,24 @@ pub enum LearningError {
     /// Empty list of objects.
     #[error("could not make an environment: the list of objects is empty; name at least one")]
     NoObject,
+    /// Object that the hand cannot grasp.
+    #[error(
+        "could not make an environment: the object {object:?} is {:.0} mm wide, the hand grasps at \
+         most {:.0} mm; choose narrower objects", width_m * 1e3, limit_m * 1e3
+    )]
+    TooWide {
+        /// Name of the object.
+        object: String,
+        /// Its width along the closing axis.
+        width_m: f64,
+        /// Largest width that the hand grasps.
+        limit_m: f64,
+    },
     /// Object that cannot be loaded.
     #[error(transparent)]
     Object(#[from] ObjectError),
     /// Robot model that cannot be loaded.
-    #[error("could not load the built-in robot model: {0}")]
+    #[error("could not load the robot: {0}")]
     Robot(#[from] robot_model::ModelError),
     /// Scene that cannot be set up.
     #[error(transparent)]

@@ -26,9 +26,9 @@ pub const CLOSING_M_S: f64 = 0.02;
 /// Acceleration limit of the hand, m/s² (design choice: full speed within 0.1 s).
 const MOVE_M_S2: f64 = 1.0;
 pub(crate) const TICK_S: f64 = 1e-3;
-/// Range of the commanded half opening, m (design choice: from closed to wider than every built-in
-/// object).
-const HALF_OPENING_M: [f64; 2] = [0.0, 0.045];
+/// Largest commanded half opening, m (design choice: wider than every built-in object). A hand that
+/// opens less wide has its own limit.
+const HALF_OPENING_MAX_M: f64 = 0.045;
 
 /// Permitted positions of the hand's centre, base frame, m.
 #[derive(Clone, Copy, Debug)]
@@ -55,13 +55,13 @@ impl PolicyHand {
     pub(crate) fn new(
         hand: Hand,
         model: HandModel,
+        wiring: &HandSensorSetup,
         q_rad: HandVector,
         room: PermittedRegion,
     ) -> Self {
-        let wiring = HandSensorSetup::default();
         Self {
-            intake: FrameIntake::new(hand, &wiring),
-            perception: Perception::new(&wiring, &model),
+            intake: FrameIntake::new(hand, wiring),
+            perception: Perception::new(wiring, &model),
             modules: Modules::default(),
             arbiter: Arbiter::default(),
             servo: HandServo::new(&model, q_rad),
@@ -146,12 +146,12 @@ impl PolicyHand {
 
     /// Limits closing speeds so that the opening stays within its range.
     fn within_opening(&self, closing_m_s: [f64; GRASP_SIDES]) -> [f64; GRASP_SIDES] {
-        let [least_m, most_m] = HALF_OPENING_M;
+        let most_m = HALF_OPENING_MAX_M.min(self.model.max_opening_m() / 2.0);
         let half_m = &self.servo.pose().half_opening_m;
         core::array::from_fn(|side| {
             let closes = closing_m_s[side] > 0.0;
             let at_end = if closes {
-                half_m[side] <= least_m
+                half_m[side] <= 0.0
             } else {
                 half_m[side] >= most_m
             };

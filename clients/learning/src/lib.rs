@@ -5,9 +5,9 @@
 //!            (controller without tasks)         └─ ground truth ─▶ reward, end
 //! ```
 //!
-//! * **In:** a [`Task`], objects, a seed, then one action of [`ACTIONS`] values from −1 to 1 per
+//! * **In:** a robot, a [`Task`], objects, a seed, then one action of [`ACTIONS`] values from −1 to 1 per
 //!   [`STEP_TICKS`] ms.
-//! * **Out:** an observation of [`observation::SIZE`] values, a reward, an end.
+//! * **Out:** an observation of [`observation::Layout::size`] values, a reward, an end.
 //! * **Reproducible:** the same seed and actions give the same bits, alone or in a [`Batch`], on
 //!   any number of threads.
 //! * **Production code:** kinematics, safety gate, intake, perception. Module outputs are observed,

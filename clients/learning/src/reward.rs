@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use shm_schemas::{ObjectTruth, WorldTruth};
 
-use crate::task::{SIDE, Task};
+use crate::task::Task;
 
 /// Required lift height, m (default of a goal), and holding time there or at the target, s (design
 /// choice).
@@ -40,6 +40,8 @@ pub enum End {
 #[derive(Clone, Debug)]
 pub(crate) struct Judge {
     task: Task,
+    /// Index of the acting hand.
+    hand: usize,
     place_m: Option<Vector3<f64>>,
     begin_m: Vector3<f64>,
     progress: f64,
@@ -55,9 +57,15 @@ pub(crate) struct StepEvaluation {
 }
 
 impl Judge {
-    pub(crate) fn new(task: Task, place_m: Option<Vector3<f64>>, truth: &WorldTruth) -> Self {
+    pub(crate) fn new(
+        task: Task,
+        hand: usize,
+        place_m: Option<Vector3<f64>>,
+        truth: &WorldTruth,
+    ) -> Self {
         Self {
             task,
+            hand,
             place_m,
             begin_m: truth.objects[0].position_m.into(),
             progress: 0.0,
@@ -68,7 +76,7 @@ impl Judge {
     pub(crate) fn evaluate(&mut self, truth: &WorldTruth, step_s: f64) -> StepEvaluation {
         let object = &truth.objects[0];
         let way = self.progress(object);
-        let over_grip = over_grip(truth, object);
+        let over_grip = over_grip(&truth.normal_n[self.hand], object);
         let mut reward = PATH_REWARD * (way - self.progress) - OVER_GRIP_PENALTY * over_grip;
         self.progress = way;
         let end = self.end(object, step_s);
@@ -130,10 +138,7 @@ impl Judge {
 
 /// Returns the over-grip: larger normal force of the fingertips divided by the required force,
 /// minus 1.
-fn over_grip(truth: &WorldTruth, object: &ObjectTruth) -> f64 {
-    let pressed_n = truth.normal_n[SIDE.index()]
-        .iter()
-        .copied()
-        .fold(0.0, f64::max);
+fn over_grip(normal_n: &[f64], object: &ObjectTruth) -> f64 {
+    let pressed_n = normal_n.iter().copied().fold(0.0, f64::max);
     (pressed_n / object.needed_n - 1.0).clamp(0.0, OVER_GRIP_MAX)
 }

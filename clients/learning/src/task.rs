@@ -1,9 +1,7 @@
 //! Learning tasks and their scenes.
 
-use robot_model::HandSide;
+use robot_model::HandModel;
 use sim_backend::{GraspHint, Object, Scene};
-
-pub(crate) const SIDE: HandSide = HandSide::Right;
 
 /// Learning task.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +13,8 @@ pub enum Task {
 }
 
 impl Task {
-    /// Built-in objects that two fingertips can hold without crushing.
+    /// Built-in objects that two fingertips can hold without crushing: the default objects, as far
+    /// as the hand opens wide enough.
     pub const OBJECTS: [&'static str; 6] = [
         "wood",
         "slippery-200",
@@ -35,12 +34,13 @@ impl Task {
         }
     }
 
-    /// Makes a random variation of the scene around an object.
-    pub(crate) fn scene(self, object: Object, seed: u64) -> Scene {
+    /// Makes a random variation of the scene around an object in front of a hand.
+    pub(crate) fn scene(self, hand: &HandModel, object: Object, seed: u64) -> Scene {
         match self {
-            Self::Grasp => Scene::grasp(object, SIDE),
-            Self::PickPlace => Scene::pick_place(object, SIDE),
+            Self::Grasp => Scene::grasp(object, hand.side()),
+            Self::PickPlace => Scene::pick_place(object, hand.side()),
         }
+        .moved_to_hand(hand)
         .varied(seed)
     }
 

@@ -1,6 +1,7 @@
 //! Learning environments with simple scripted policies.
 
 use atas_learning::{ACTIONS, Batch, End, Environment, LearningError, Outcome, Task, observation};
+use robot_model::{RobotFiles, SHIPPED};
 
 const LIFT: usize = 2;
 const CLOSE: [usize; 2] = [3, 4];
@@ -11,21 +12,36 @@ fn environment(task: Task, objects: &[&str]) -> Environment {
 }
 
 fn observed(environment: &Environment) -> Vec<f32> {
-    let mut row = vec![0.0; observation::SIZE];
+    let mut row = vec![0.0; environment.layout().size()];
     environment.observe(&mut row);
     row
 }
 
-/// Returns F_n of both grasp sides, N.
+/// Numbers of the last part: hand.
+const HAND: usize = 8;
+
+/// Returns F_n of two fingertips on opposite grasp sides, N.
 fn pressed_n(row: &[f32]) -> [f32; 2] {
-    let first = observation::PARTS[0].len() + observation::PARTS[1].len();
-    [row[first], row[first + observation::PERCEPT]]
+    side_forces_n(row, &[0, 1])
+}
+
+/// Returns F_n per grasp side, N; `sides` has the grasp side of each fingertip.
+fn side_forces_n(row: &[f32], sides: &[usize]) -> [f32; 2] {
+    let begin = row.len() - HAND - observation::MODULES.len() - sides.len() * observation::PERCEPT;
+    let mut forces_n = [0.0; 2];
+    for (finger, side) in sides.iter().enumerate() {
+        forces_n[*side] += row[begin + finger * observation::PERCEPT];
+    }
+    forces_n
 }
 
 /// Closes until both grasp sides reach `force_n`, then lifts with action value `lift`.
 fn grip(row: &[f32], force_n: f32, lift: f32) -> [f32; ACTIONS] {
+    grip_with(pressed_n(row), force_n, lift)
+}
+
+fn grip_with(pressed_n: [f32; 2], force_n: f32, lift: f32) -> [f32; ACTIONS] {
     let mut action = [0.0; ACTIONS];
-    let pressed_n = pressed_n(row);
     for (index, pressed_n) in CLOSE.into_iter().zip(pressed_n) {
         action[index] = (0.3 * (force_n - pressed_n) / force_n).clamp(-0.3, 0.3);
     }
@@ -74,7 +90,7 @@ fn episode_end_follows_ground_truth() {
     assert!(worth < 0.0, "{worth}");
     let mut wood = environment(Task::Grasp, &["wood"]);
     let (outcome, ..) = play(&mut wood, 1, |row, _| {
-        let lifted_m = row[observation::SIZE - 6];
+        let lifted_m = row[row.len() - 6];
         if lifted_m > 0.03 {
             [0.0, 0.0, 0.0, -1.0, -1.0]
         } else {
@@ -90,8 +106,8 @@ fn episode_end_follows_ground_truth() {
 #[test]
 fn carried_and_released_object_counts_as_placed() {
     let mut environment = environment(Task::PickPlace, &["wood"]);
-    let place = observation::SIZE - 3;
     let (outcome, worth, _) = play(&mut environment, 2, |row, step| {
+        let place = row.len() - 3;
         let [x, y, z] = [row[place], row[place + 1], row[place + 2]];
         let over = x.hypot(y) < 0.003;
         let mut action = grip(row, 6.0, 0.3);
@@ -129,11 +145,12 @@ fn batch_equals_single_environments_bit_for_bit() {
     assert_ne!(alone[0], alone[1], "seeds differ");
     for threads in [1, 3] {
         let mut batch = Batch::new(&like, seeds.len(), threads, true).expect("threads");
-        let mut rows = vec![0.0; seeds.len() * observation::SIZE];
+        let size = like.layout().size();
+        let mut rows = vec![0.0; seeds.len() * size];
         batch.reset(&seeds.map(Some), &mut rows).expect("scenes");
         let mut together = vec![Vec::new(); seeds.len()];
         for step in 0..100 {
-            let each = rows.chunks_exact(observation::SIZE);
+            let each = rows.chunks_exact(size);
             for (row, bits) in each.clone().zip(&mut together) {
                 bits.extend(row.iter().map(|value| value.to_bits()));
             }
@@ -142,10 +159,60 @@ fn batch_equals_single_environments_bit_for_bit() {
         }
         for (alone, together) in alone.iter().zip(&together) {
             let both = alone.len().min(together.len());
-            assert!(both > 10 * observation::SIZE);
+            assert!(both > 10 * size);
             assert_eq!(alone[..both], together[..both], "{threads} threads");
         }
     }
+}
+
+/// The observation has the sizes of the robot's hand, and a scripted grip lifts the object.
+#[test]
+fn every_built_in_robot_grasps_in_its_environment() {
+    for files in SHIPPED {
+        let name = files.name.clone();
+        let objects = ["slippery-50".to_owned()];
+        let environment = Environment::with_robot(files, Task::Grasp, Some(&objects), 1.0);
+        let mut environment = environment.expect("built-in robot and object");
+        let robot = environment.robot();
+        let hand = robot.hand(robot.acting_side());
+        let [taxels, joints, percept, ..] = environment.layout().parts();
+        assert_eq!(taxels.shape[0], hand.fingertip_count(), "{name}");
+        assert_eq!(joints.shape, [hand.joints().len(), 3], "{name}");
+        assert_eq!(percept.shape[0], hand.fingertip_count(), "{name}");
+        let tips = 0..hand.fingertip_count();
+        let sides: Vec<usize> = tips.map(|finger| hand.grasp_side(finger)).collect();
+        let policy = |row: &[f32], _| grip_with(side_forces_n(row, &sides), 3.0, 0.5);
+        let (outcome, ..) = play(&mut environment, 1, policy);
+        assert_eq!(outcome.end, End::Success, "{name}: {outcome:?}");
+    }
+}
+
+#[test]
+fn object_wider_than_the_hand_is_rejected_with_limit() {
+    let objects = ["wood".to_owned()];
+    let narrow = robot_with_opening(0.04);
+    let refused = Environment::with_robot(narrow.clone(), Task::Grasp, Some(&objects), 1.0);
+    let text = refused.err().expect("too wide").to_string();
+    assert!(
+        text.contains("50 mm wide") && text.contains("at most"),
+        "{text}"
+    );
+    let rest = Environment::with_robot(narrow, Task::Grasp, None, 1.0);
+    let text = rest.err().expect("no built-in object fits").to_string();
+    assert!(text.contains("empty"), "{text}");
+}
+
+/// Returns the test bench with jaws that open to about this width.
+fn robot_with_opening(opening_m: f64) -> RobotFiles {
+    let bench = SHIPPED.into_iter().find(|files| files.name == "test-bench");
+    let mut files = bench.expect("built-in");
+    let upper = opening_m / 2.0;
+    let text = files.robot_file.replace(
+        "rest_m = 0.035",
+        &format!("rest_m = {upper}, upper = {upper}"),
+    );
+    files.robot_file = text.into();
+    files
 }
 
 #[test]
@@ -179,7 +246,9 @@ fn observations_stay_within_bounds() {
             .step(&[sign, -sign, sign, 1e30, sign])
             .expect("a world");
         let row = observed(&environment);
-        let bounds = observation::PARTS
+        let bounds = environment
+            .layout()
+            .parts()
             .iter()
             .flat_map(observation::Part::each_bound);
         for (value, (low, high)) in row.iter().zip(bounds) {
