@@ -142,9 +142,11 @@ impl Bus {
         Sensor::new(self.node()?, parse_hand(hand)?, layout, fingers, device)
     }
 
-    /// Returns the robot: publishes joint states and executes commands.
-    fn robot(&self) -> PyResult<Robot> {
-        Robot::new(self.node()?)
+    /// Returns the robot: publishes joint states and executes commands. `model` is the daemon's
+    /// robot: a built-in name or the path of a robot file, default "two-hand-arm".
+    #[pyo3(signature = (model = None))]
+    fn robot(&self, model: Option<&str>) -> PyResult<Robot> {
+        Robot::new(self.node()?, model)
     }
 
     /// Grasps, lifts and holds the object at `at` (m, robot base frame: x forward, y left, z up).
@@ -311,7 +313,10 @@ impl Bus {
     }
 
     fn __repr__(&self) -> String {
-        format!("Bus({:?})", self.name())
+        self.name().map_or_else(
+            |_| "<atas.Bus of another thread or process>".to_owned(),
+            |name| format!("Bus({name:?})"),
+        )
     }
 }
 

@@ -109,6 +109,14 @@ impl Goal {
         goal_dict(py, &self.progress)
     }
 
+    fn __repr__(&self) -> String {
+        format!(
+            "<atas.Goal {}: {}>",
+            self.goal_id,
+            goal_words(&self.progress)
+        )
+    }
+
     fn __iter__(slf: Py<Self>) -> Py<Self> {
         slf
     }
@@ -123,6 +131,22 @@ impl Goal {
             }
             pause(py, POLL)?;
         }
+    }
+}
+
+/// Returns the state of a goal in a few words: `goal running, step lift`.
+pub(crate) fn goal_words(progress: &GoalProgress) -> String {
+    let last = progress.last();
+    if last.goal_id == 0 {
+        return "no goal yet".to_owned();
+    }
+    let state = last.state.name();
+    if last.state.is_final() {
+        return format!("goal {state} after {:.2} s", progress.took_s());
+    }
+    match progress.step() {
+        "" => format!("goal {state}"),
+        step => format!("goal {state}, step {step:?}"),
     }
 }
 

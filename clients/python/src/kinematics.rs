@@ -5,9 +5,9 @@ use numpy::{AllowTypeChange, PyArrayLike1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_model::{HandModel, HandSide, HandVector, RobotModel, TWO_HAND_ARM};
+use robot_model::{HandModel, HandVector, RobotModel, TWO_HAND_ARM};
 
-use crate::names::parse_hand;
+use crate::names::side_of;
 use crate::rows::numbers;
 
 /// Forward kinematics of a robot: a built-in name, or the path of a robot file.
@@ -102,25 +102,18 @@ impl Kinematics {
     }
 
     fn __repr__(&self) -> String {
-        format!("Kinematics({:?})", self.name)
+        format!(
+            "Kinematics({:?}): {} joints",
+            self.name,
+            self.robot.joint_count()
+        )
     }
 }
 
 impl Kinematics {
     /// Returns a hand that the robot has.
     fn present(&self, hand: &str) -> PyResult<&HandModel> {
-        let side = HandSide::BOTH[usize::from(parse_hand(hand)? != shm_schemas::Hand::LEFT)];
-        let model = self.robot.hand(side);
-        if model.is_present() {
-            return Ok(model);
-        }
-        let other = match self.robot.acting_side() {
-            HandSide::Left => "left",
-            HandSide::Right => "right",
-        };
-        Err(PyValueError::new_err(format!(
-            "unknown hand {hand:?}: the robot {} has no such hand; use {other:?}",
-            self.name
-        )))
+        let side = side_of(&self.robot, &self.name, Some(hand))?;
+        Ok(self.robot.hand(side))
     }
 }

@@ -1,22 +1,24 @@
 //! Learning environments; `atas.environments` adds spaces and wrappers.
 
-use atas_learning::{ACTIONS, End, Outcome, Task, observation};
+use atas_learning::{ACTIONS, End, Outcome, Task};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use robot_model::{RobotFiles, TWO_HAND_ARM};
 
 use crate::compute;
 use crate::errors::AtasError;
+use crate::picture::{self, Picture};
 use crate::rows::{numbers, shape_of};
 
-/// Parts of an observation, in order: name, shape, lower and upper bound of each number.
-#[pyfunction]
-#[expect(clippy::type_complexity, reason = "Python receives a list of tuples")]
-pub(crate) fn parts() -> Vec<(&'static str, Vec<usize>, Vec<f32>, Vec<f32>)> {
-    let each = observation::PARTS.iter().map(|part| {
+/// Name, shape, lower and upper bound of each number of a part of an observation.
+type PartRow = (&'static str, Vec<usize>, Vec<f32>, Vec<f32>);
+
+fn parts_of(environment: &atas_learning::Environment) -> Vec<PartRow> {
+    let each = environment.layout().parts().iter().map(|part| {
         let (low, high) = part.each_bound().unzip();
-        (part.name, part.shape.to_vec(), low, high)
+        (part.name, part.shape.clone(), low, high)
     });
     each.collect()
 }
@@ -35,9 +37,40 @@ fn new_environment(
     task: &str,
     objects: Option<Vec<String>>,
     noise: f64,
+    robot: Option<&str>,
 ) -> PyResult<atas_learning::Environment> {
-    let objects = objects.unwrap_or_else(|| Task::OBJECTS.map(str::to_owned).to_vec());
-    atas_learning::Environment::new(task_of(task)?, &objects, noise).map_err(learning_error)
+    let task = task_of(task)?;
+    let files = RobotFiles::find(robot.unwrap_or(&TWO_HAND_ARM.name));
+    let files = files.map_err(|why| PyValueError::new_err(why.to_string()))?;
+    atas_learning::Environment::with_robot(files, task, objects.as_deref(), noise)
+        .map_err(learning_error)
+}
+
+/// Draws the current episode of an environment.
+fn render<'py>(
+    py: Python<'py>,
+    environment: &atas_learning::Environment,
+    size_px: [u32; 2],
+) -> PyResult<Picture<'py>> {
+    let (scene, position_rad, truth) = environment.state().ok_or_else(|| {
+        PyValueError::new_err("could not draw: no episode is running; call reset first")
+    })?;
+    let robot = environment.robot();
+    let view = picture::view_of(environment.files(), robot, robot.acting_side(), scene)?;
+    picture::draw(py, &view, position_rad, &truth, size_px)
+}
+
+/// Returns an environment's task, robot and objects: `"grasp", robot "two-hand-arm", …`.
+fn words(environment: &atas_learning::Environment) -> String {
+    let objects: Vec<&str> = environment.objects().collect();
+    let task = match environment.task() {
+        Task::Grasp => "grasp",
+        Task::PickPlace => "pick-place",
+    };
+    format!(
+        "{task:?}, robot {:?}, objects {objects:?}",
+        environment.files().name
+    )
 }
 
 fn learning_error(why: atas_learning::LearningError) -> PyErr {
@@ -76,7 +109,7 @@ impl Environment {
     }
 
     fn row<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
-        let mut row = vec![0.0; observation::SIZE];
+        let mut row = vec![0.0; self.environment.layout().size()];
         self.environment.observe(&mut row);
         PyArray1::from_vec(py, row)
     }
@@ -93,11 +126,30 @@ type Stepped<'py> = (
 #[pymethods]
 impl Environment {
     #[new]
-    #[pyo3(signature = (task, objects = None, noise = 1.0))]
-    fn new(task: &str, objects: Option<Vec<String>>, noise: f64) -> PyResult<Self> {
+    #[pyo3(signature = (task, objects = None, noise = 1.0, robot = None))]
+    fn new(
+        task: &str,
+        objects: Option<Vec<String>>,
+        noise: f64,
+        robot: Option<&str>,
+    ) -> PyResult<Self> {
         Ok(Self {
-            environment: new_environment(task, objects, noise)?,
+            environment: new_environment(task, objects, noise, robot)?,
         })
+    }
+
+    /// Parts of an observation, in order: name, shape, lower and upper bound of each number.
+    fn parts(&self) -> Vec<PartRow> {
+        parts_of(&self.environment)
+    }
+
+    /// Picture of the current episode; see `Simulation.render`.
+    fn render<'py>(&self, py: Python<'py>, width: u32, height: u32) -> PyResult<Picture<'py>> {
+        render(py, &self.environment, [width, height])
+    }
+
+    fn __repr__(&self) -> String {
+        words(&self.environment)
     }
 
     /// Starts an episode: the first of a series with this seed, or the next of the current series.
@@ -141,6 +193,8 @@ impl Environment {
 #[pyclass(module = "atas")]
 pub(crate) struct Batch {
     batch: atas_learning::Batch,
+    /// Environment of the same kind, without an episode.
+    like: atas_learning::Environment,
 }
 
 type Rows<'py> = Bound<'py, PyArray2<f32>>;
@@ -174,7 +228,8 @@ fn columns<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, Py
 #[pymethods]
 impl Batch {
     #[new]
-    #[pyo3(signature = (task, count, objects = None, noise = 1.0, threads = 0, autoreset = true))]
+    #[pyo3(signature = (task, count, objects = None, noise = 1.0, threads = 0, autoreset = true, robot = None))]
+    #[expect(clippy::too_many_arguments, reason = "Python has keyword arguments")]
     fn new(
         task: &str,
         count: usize,
@@ -182,12 +237,40 @@ impl Batch {
         noise: f64,
         threads: usize,
         autoreset: bool,
+        robot: Option<&str>,
     ) -> PyResult<Self> {
-        let like = new_environment(task, objects, noise)?;
+        let like = new_environment(task, objects, noise, robot)?;
         let batch = atas_learning::Batch::new(&like, count, threads, autoreset);
         Ok(Self {
             batch: batch.map_err(learning_error)?,
+            like,
         })
+    }
+
+    /// Parts of an observation; see `Environment.parts`.
+    fn parts(&self) -> Vec<PartRow> {
+        parts_of(&self.like)
+    }
+
+    /// Picture of the current episode of one environment; see `Simulation.render`.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        index: usize,
+        width: u32,
+        height: u32,
+    ) -> PyResult<Picture<'py>> {
+        let environment = self.batch.environment(index).ok_or_else(|| {
+            PyValueError::new_err(format!(
+                "could not draw environment {index}: there are {}",
+                self.batch.len()
+            ))
+        })?;
+        render(py, environment, [width, height])
+    }
+
+    fn __repr__(&self) -> String {
+        words(&self.like)
     }
 
     /// Starts an episode in each environment; `seeds` contains a number or None for each.
@@ -203,7 +286,7 @@ impl Batch {
                 seeds.len()
             )));
         }
-        let mut rows = vec![0.0; count * observation::SIZE];
+        let mut rows = vec![0.0; count * self.like.layout().size()];
         let batch = &mut self.batch;
         let outcomes = compute(py, || batch.reset(&seeds, &mut rows))?.map_err(learning_error)?;
         Ok((table(py, rows, count)?, columns(py, &outcomes)?))
@@ -228,7 +311,7 @@ impl Batch {
             .outer_iter()
             .map(|row| std::array::from_fn(|n| row[n]))
             .collect();
-        let mut rows = vec![0.0; count * observation::SIZE];
+        let mut rows = vec![0.0; count * self.like.layout().size()];
         let batch = &mut self.batch;
         let outcomes = compute(py, || batch.step(&actions, &mut rows))?.map_err(learning_error)?;
         Ok((table(py, rows, count)?, columns(py, &outcomes)?))
@@ -236,5 +319,6 @@ impl Batch {
 }
 
 fn table(py: Python<'_>, rows: Vec<f32>, count: usize) -> PyResult<Rows<'_>> {
-    PyArray1::from_vec(py, rows).reshape([count, observation::SIZE])
+    let size = rows.len() / count.max(1);
+    PyArray1::from_vec(py, rows).reshape([count, size])
 }

@@ -5,6 +5,7 @@
 //!  bus        Bus ─▶ Reader (arrays), Sensor (frames), Robot (joints), Goal, Teleop (targets)
 //!  kinematics pinch poses of joint positions, for leader arms
 //!  simulation the simulator with the production controller, tick by tick
+//!  scene      scenes and goals by name; picture: views of a scene as arrays
 //!  recording  recordings as arrays, replay with the production controller
 //!  learning   environments, one or many
 //!  swarm      fitness of behaviour tables and the genetic algorithm, as ask and tell
@@ -25,10 +26,12 @@ mod kinematics;
 mod learning;
 mod names;
 mod own_thread;
+mod picture;
 mod reader;
 mod recording;
 mod robot;
 mod rows;
+mod scene;
 mod sensor;
 mod simulation;
 mod swarm;
@@ -54,7 +57,7 @@ mod _native {
     #[pymodule_export]
     use super::kinematics::Kinematics;
     #[pymodule_export]
-    use super::learning::{Batch, Environment, parts};
+    use super::learning::{Batch, Environment};
     #[pymodule_export]
     use super::reader::Reader;
     #[pymodule_export]
@@ -64,9 +67,11 @@ mod _native {
     #[pymodule_export]
     use super::rows::{codes, dtype, reason};
     #[pymodule_export]
+    use super::scene::objects;
+    #[pymodule_export]
     use super::sensor::{Sensor, layout};
     #[pymodule_export]
-    use super::simulation::{Simulation, objects};
+    use super::simulation::Simulation;
     #[pymodule_export]
     use super::swarm::{SwarmField, SwarmSearch};
     #[pymodule_export]

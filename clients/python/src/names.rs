@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use robot_model::{HandSide, RobotModel};
 use shm_bus::BusName;
 use shm_schemas::Hand;
 
@@ -20,4 +21,26 @@ pub(crate) fn parse_hand(name: &str) -> PyResult<Hand> {
             "unknown hand {name:?}; needs \"left\" or \"right\""
         ))
     })
+}
+
+/// Returns a hand that the robot has; without a name, the acting hand.
+pub(crate) fn side_of(
+    robot: &RobotModel,
+    robot_name: &str,
+    hand: Option<&str>,
+) -> PyResult<HandSide> {
+    let Some(name) = hand else {
+        return Ok(robot.acting_side());
+    };
+    let side = HandSide::BOTH[usize::from(parse_hand(name)? != Hand::LEFT)];
+    if robot.hand(side).is_present() {
+        return Ok(side);
+    }
+    let other = match robot.acting_side() {
+        HandSide::Left => "left",
+        HandSide::Right => "right",
+    };
+    Err(PyValueError::new_err(format!(
+        "unknown hand {name:?}: the robot {robot_name} has no such hand; use {other:?}"
+    )))
 }

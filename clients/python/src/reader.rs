@@ -157,7 +157,10 @@ impl Reader {
     }
 
     fn __repr__(&self) -> String {
-        format!("Reader({:?})", self.service)
+        format!(
+            "<atas.Reader of {:?}: {} lost>",
+            self.service, self.losses.lost
+        )
     }
 }
 

@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1};
-use pyo3::exceptions::PyTimeoutError;
+use pyo3::exceptions::{PyTimeoutError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_model::{RobotModel, RobotVector};
+use robot_model::{RobotModel, RobotVector, TWO_HAND_ARM};
 use shm_bus::{Bus, Publisher, Subscriber, now_ns, writer_epoch};
 use shm_schemas::capacity::JOINTS;
 use shm_schemas::service::{JOINT_COMMAND, JOINT_STATE};
@@ -36,6 +36,8 @@ type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 /// set-points, so that the next daemon continues from them.
 #[pyclass(module = "atas")]
 pub(crate) struct Robot {
+    /// Name or robot file of its model.
+    name: String,
     states: OwnThread<Publisher<JointState>>,
     commands: OwnThread<Subscriber<JointCommand>>,
     speeds_rad_s: RobotVector,
@@ -47,9 +49,11 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
-    pub(crate) fn new(bus: &Bus) -> PyResult<Self> {
+    pub(crate) fn new(bus: &Bus, model: Option<&str>) -> PyResult<Self> {
+        let default = TWO_HAND_ARM.name;
+        let name = model.unwrap_or(&default).to_owned();
         let robot =
-            RobotModel::two_hand_arm().map_err(|why| AtasError::new_err(why.to_string()))?;
+            RobotModel::find(&name).map_err(|why| PyValueError::new_err(why.to_string()))?;
         let mut commands = bus.subscriber(JOINT_COMMAND).map_err(bus_error)?;
         // Discards a command sent before this robot started.
         commands
@@ -60,6 +64,7 @@ impl Robot {
             .map(|joint| joint.velocity_max_rad_s)
             .collect();
         Ok(Self {
+            name,
             states: OwnThread::new(bus.publisher(JOINT_STATE).map_err(bus_error)?),
             commands: OwnThread::new(commands),
             speeds_rad_s: RobotVector::from_slice(&speeds),
@@ -252,6 +257,16 @@ impl Robot {
     #[getter]
     fn rejected(&self) -> u32 {
         self.validator.map_or(0, |it| it.rejected())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<atas.Robot {:?}: {} joints, {} states published, {} commands rejected>",
+            self.name,
+            self.speeds_rad_s.len(),
+            self.stamp.sequence,
+            self.rejected()
+        )
     }
 }
 

@@ -1,45 +1,58 @@
 //! The simulator with the production controller, in process.
 
 use atas_client::GoalProgress;
-use atas_client::goal::{HOLD_S, LIFT_M};
-use atas_core::{OperatorRequest, Outputs, Settings};
-use atas_evaluation::goals::{assemble_goal, grasp_goal, pick_place_goal, screw_goal};
+use atas_core::{OperatorRequest, Outputs};
+use atas_evaluation::drawing::SceneView;
 use atas_evaluation::offline::OfflineRun;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use robot_model::{HandSide, RobotModel};
+use robot_model::{RobotFiles, RobotModel, TWO_HAND_ARM};
 use shm_schemas::{
     GoalKind, GoalPolicy, GoalRequest, GraspTarget, GripOrder, HandFrame, JointCommand, JointState,
     ModuleEvent, Stamp, TickReport,
 };
-use sim_backend::{GraspHint, Object, Scene};
+use sim_backend::GraspHint;
 
 use crate::compute;
-use crate::errors::{AtasError, atas_error};
-use crate::goal::goal_dict;
-use crate::names::parse_hand;
+use crate::errors::AtasError;
+use crate::goal::{goal_dict, goal_words};
+use crate::names::{parse_hand, side_of};
+use crate::picture::{self, Picture};
 use crate::reader::seconds;
 use crate::rows::{self, Row};
+use crate::scene::{parse_settings, scene_of};
 use crate::teleop::check_finite;
 
 /// The simulator with the production controller in one process and in virtual time, without bus,
 /// clock or daemon.
 ///
 /// `scene` is "grasp", "pick-place", "screw" or "assembly". `object` is a built-in object (see
-/// `objects()`) or the path of a TOML file. With `vary`, the seed draws the object from its family.
-/// `noise` scales the sensor noise, `rate_hz` is the sensor rate. `settings` changes controller
-/// parameters, for example `{"grasp.f2_max_n": 6.0}`. Equal arguments give equal bits.
+/// `objects()`) or the path of a TOML file. `robot` is a built-in robot (`atas robot list`) or the
+/// path of a robot file, default "two-hand-arm"; the scene moves to its `hand`, default "right" if
+/// the robot has it. With `vary`, the seed draws the object from its family. `noise` scales the
+/// sensor noise, `rate_hz` is the sensor rate. `settings` changes controller parameters, for
+/// example `{"grasp.f2_max_n": 6.0}`. Equal arguments give equal bits.
 #[pyclass(module = "atas")]
 pub(crate) struct Simulation {
     run: OfflineRun,
     robot: RobotModel,
+    setup: Setup,
+    view: SceneView,
     goal: GoalRequest,
     hint: GraspHint,
     targets: TeleopTargets,
     request: Option<OperatorRequest>,
     progress: GoalProgress,
     last: LastOutputs,
+}
+
+/// Arguments of a simulation, for its text.
+struct Setup {
+    scene: String,
+    object: String,
+    robot: String,
+    seed: u64,
 }
 
 /// Numbering of teleoperation targets.
@@ -59,20 +72,27 @@ struct LastOutputs {
 #[pymethods]
 impl Simulation {
     #[new]
-    #[pyo3(signature = (object = None, *, scene = "grasp", seed = 0, hand = "right", vary = true, noise = 1.0, rate_hz = 1000, settings = None))]
+    #[pyo3(signature = (object = None, *, scene = "grasp", seed = 0, hand = None, vary = true, noise = 1.0, rate_hz = 1000, settings = None, robot = None))]
     #[expect(clippy::too_many_arguments, reason = "Python has keyword arguments")]
     fn new(
         object: Option<&str>,
         scene: &str,
         seed: u64,
-        hand: &str,
+        hand: Option<&str>,
         vary: bool,
         noise: f64,
         rate_hz: u32,
         settings: Option<&Bound<'_, PyDict>>,
+        robot: Option<&str>,
     ) -> PyResult<Self> {
-        let side = HandSide::BOTH[usize::from(parse_hand(hand)? != shm_schemas::Hand::LEFT)];
-        let (mut set, goal) = scene_of(scene, object, side)?;
+        let default = TWO_HAND_ARM.name;
+        let files = RobotFiles::find(robot.unwrap_or(&default));
+        let files = files.map_err(|why| PyValueError::new_err(why.to_string()))?;
+        let robot = files
+            .load()
+            .map_err(|why| PyValueError::new_err(why.to_string()))?;
+        let side = side_of(&robot, &files.name, hand)?;
+        let (mut set, goal) = scene_of(scene, object, &robot, side)?;
         set.noise_factor = noise;
         set.sensor_rate_hz = [rate_hz; 2];
         if vary {
@@ -82,13 +102,20 @@ impl Simulation {
         let hint = set.grasp_hint(0);
         let hint = hint.ok_or_else(|| PyValueError::new_err("the scene has no object"))?;
         let settings = parse_settings(settings)?;
-        let robot =
-            RobotModel::two_hand_arm().map_err(|why| AtasError::new_err(why.to_string()))?;
+        let setup = Setup {
+            scene: scene.to_owned(),
+            object: set.objects[0].object.name.clone(),
+            robot: files.name.to_string(),
+            seed,
+        };
+        let view = picture::view_of(&files, &robot, side, &set)?;
         let run = OfflineRun::new(&robot, &set, seed, settings)
             .map_err(|why| PyValueError::new_err(why.to_string()))?;
         Ok(Self {
             run,
             robot,
+            setup,
+            view,
             goal,
             hint,
             targets: TeleopTargets::default(),
@@ -261,10 +288,51 @@ impl Simulation {
     fn now_ns(&self) -> u64 {
         self.run.world().now_ns()
     }
+
+    /// Name or robot file of the robot.
+    #[getter]
+    fn robot(&self) -> &str {
+        &self.setup.robot
+    }
+
+    /// Picture of the hand and its objects, seen obliquely: an array of uint8 (height, width, 3).
+    /// Fingertips are green, objects blue, or red once crushed, dropped or tipped; the dashed line
+    /// is the closing axis. The table has a grid of 100 mm.
+    #[pyo3(signature = (width = 640, height = 480))]
+    fn render<'py>(&self, py: Python<'py>, width: u32, height: u32) -> PyResult<Picture<'py>> {
+        let truth = self.run.world().truth();
+        picture::draw(py, &self.view, self.positions(), &truth, [width, height])
+    }
+
+    /// Picture of `render` as SVG, which notebooks display.
+    fn _repr_svg_(&self) -> PyResult<String> {
+        let truth = self.run.world().truth();
+        let drawing = self.view.draw(self.positions(), &truth, NOTEBOOK_PX);
+        let drawing = drawing.map_err(|why| PyValueError::new_err(why.to_string()))?;
+        Ok(drawing.svg(&self.__repr__()))
+    }
+
+    fn __repr__(&self) -> String {
+        let Setup {
+            scene,
+            object,
+            robot,
+            seed,
+        } = &self.setup;
+        format!(
+            "<atas.Simulation {scene:?} with {object:?}, robot {robot:?}, seed {seed}: {:.3} s, {}, \
+             {}>",
+            self.run.ticks() as f64 * 1e-3,
+            self.run.controller().mode().0.name(),
+            goal_words(&self.progress)
+        )
+    }
 }
 
 /// Most ticks per call of `step`, which keeps their reports: 1000 s, about 0.4 GB.
 const TICKS_MAX: u64 = 1_000_000;
+/// Size of a picture in a notebook, px.
+const NOTEBOOK_PX: [u32; 2] = [480, 360];
 /// Ticks between two checks for Ctrl-C.
 const TICKS_UNCHECKED: u64 = 1000;
 
@@ -276,6 +344,12 @@ fn has_ended(progress: &GoalProgress) -> bool {
 const TELEOP_EPOCH: u64 = 0x7465_6c65_6f70;
 
 impl Simulation {
+    /// Measured positions of all joints, rad or m.
+    fn positions(&self) -> &[f64] {
+        let joints = &self.run.sensed().joints;
+        &joints.position_rad[..joints.joint_count as usize]
+    }
+
     /// Stamp of the next target, or of the request for teleoperation.
     fn teleop_stamp(&self) -> Stamp {
         Stamp {
@@ -335,85 +409,4 @@ impl LastOutputs {
             .for_each(|update| progress.add(update));
         outputs.report
     }
-}
-
-type GoalOf = Box<dyn Fn(&Scene) -> Option<GoalRequest>>;
-
-/// Returns a scene by name, and the function that derives its goal.
-fn scene_of(name: &str, object: Option<&str>, side: HandSide) -> PyResult<(Scene, GoalOf)> {
-    let found = |name: &str| {
-        Object::from_name_or_file(name).map_err(|why| PyValueError::new_err(why.to_string()))
-    };
-    let thing = || found(object.unwrap_or(Scene::OBJECT));
-    let (cap, bottle) = (
-        || found(object.unwrap_or(Scene::CAP)),
-        || found(Scene::BOTTLE),
-    );
-    Ok(match name {
-        "grasp" => (
-            Scene::grasp(thing()?, side),
-            Box::new(move |scene| {
-                Some(with_goal_id(grasp_goal(
-                    &scene.grasp_hint(0)?,
-                    side,
-                    LIFT_M,
-                    HOLD_S,
-                )))
-            }),
-        ),
-        "pick-place" => (
-            Scene::pick_place(thing()?, side),
-            Box::new(move |scene| {
-                let place = scene.place?;
-                let goal = pick_place_goal(&scene.grasp_hint(0)?, side, &place, LIFT_M);
-                Some(with_goal_id(goal))
-            }),
-        ),
-        "screw" => (
-            Scene::screw(cap()?, bottle()?, side),
-            Box::new(move |scene| Some(with_goal_id(screw_goal(&scene.grasp_hint(0)?, side)))),
-        ),
-        "assembly" => (
-            Scene::assembly(cap()?, bottle()?, side),
-            Box::new(move |scene| {
-                let (cap, bottle) = (scene.grasp_hint(0)?, scene.grasp_hint(1)?);
-                Some(with_goal_id(assemble_goal(
-                    &cap,
-                    &scene.place?,
-                    bottle.width_m,
-                    side,
-                )))
-            }),
-        ),
-        _ => {
-            return Err(PyValueError::new_err(format!(
-                "unknown scene {name:?}; needs \"grasp\", \"pick-place\", \"screw\" or \"assembly\""
-            )));
-        }
-    })
-}
-
-/// Sets the goal id: a simulation has one goal at a time.
-fn with_goal_id(goal: GoalRequest) -> GoalRequest {
-    GoalRequest { goal_id: 1, ..goal }
-}
-
-fn parse_settings(settings: Option<&Bound<'_, PyDict>>) -> PyResult<Settings> {
-    let mut changed = Settings::default();
-    for (name, value) in settings.into_iter().flat_map(|it| it.iter()) {
-        let (name, value): (String, f64) = (name.extract()?, value.extract()?);
-        changed.set(&name, value).map_err(|why| {
-            PyValueError::new_err(format!("could not set {name:?} to {value}: {why}"))
-        })?;
-    }
-    changed
-        .check()
-        .map_err(|why| atas_error(anyhow::anyhow!("settings rejected: {why}")))?;
-    Ok(changed)
-}
-
-/// Names of the built-in objects that can be grasped.
-#[pyfunction]
-pub(crate) fn objects() -> Vec<&'static str> {
-    Object::names().collect()
 }

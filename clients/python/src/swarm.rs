@@ -124,9 +124,11 @@ impl SwarmField {
 
     fn __repr__(&self) -> String {
         format!(
-            "SwarmField({:?}, {})",
+            "<atas.SwarmField {:?}, {} agents: genomes of {} bits, {} evaluated>",
             self.condition.model.preset().name,
-            self.condition.team.get()
+            self.condition.team.get(),
+            self.condition.genome_bits(),
+            self.evaluations
         )
     }
 }
@@ -269,6 +271,18 @@ impl SwarmSearch {
     #[getter]
     fn bits(&self) -> usize {
         self.bits
+    }
+
+    fn __repr__(&self) -> String {
+        let best = self.population.members().first();
+        let best = best.map_or_else(
+            || "no fitness yet".to_owned(),
+            |best| format!("best fitness {:.1}", best.fitness()),
+        );
+        format!(
+            "<atas.SwarmSearch of {} bits: generation {}, {best}>",
+            self.bits, self.generation
+        )
     }
 }
 

@@ -27,19 +27,22 @@ const BOTH: &str = "both";
 pub(crate) struct Teleop {
     leader: OwnThread<atas_client::TeleopSender>,
     hand: Hand,
+    /// Teleoperated hands: "left", "right" or "both".
+    hands: String,
 }
 
 impl Teleop {
     /// Requests teleoperation and waits until the daemon accepts it.
     pub(crate) fn open(py: Python<'_>, session: &Session, hand: &str) -> PyResult<Self> {
-        let (teleoperated, hand) = match hand {
+        let (teleoperated, acting) = match hand {
             BOTH => (TeleopHands::Both, Hand::RIGHT),
             one => (TeleopHands::One(parse_hand(one)?), parse_hand(one)?),
         };
         let leader = atas_client::TeleopSender::open(session, teleoperated).map_err(bus_error)?;
         let mut leader = Self {
             leader: OwnThread::new(leader),
-            hand,
+            hand: acting,
+            hands: hand.to_owned(),
         };
         let begin = Instant::now();
         while leader.active_progress()?.last().goal_id == 0 || leader.leader.get()?.now_ns() == 0 {
@@ -120,6 +123,15 @@ impl Teleop {
             pause(py, POLL)?;
         }
         Ok(())
+    }
+
+    fn __repr__(&self) -> String {
+        let state = match self.leader.get() {
+            Err(_) => "of another thread or process",
+            Ok(leader) if leader.has_ended() => "ended",
+            Ok(_) => "running",
+        };
+        format!("<atas.Teleop of {:?}: {state}>", self.hands)
     }
 }
 

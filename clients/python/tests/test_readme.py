@@ -52,7 +52,8 @@ SAYS = {
     "sensor.py": "",
     "robot.py": "SUCCEEDED",
     "replay.py": ", 0 commands differ",
-    "learn.py": "'taxels': (2, 41, 3)",
+    "show.py": 'robot "test-bench"',
+    "learn.py": "(480, 640, 3) (2, 3)",
     "optimise.py": "of 800 after 2000 genomes",
 }
 

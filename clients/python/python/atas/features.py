@@ -55,6 +55,12 @@ class HandFeatures:
         self.fingers = self.kinematics.fingertips(hand)
         self.bounds = self.kinematics.teleop_bounds(hand)
 
+    def __repr__(self) -> str:
+        return (
+            f"<HandFeatures {self.hand!r} of {self.kinematics!r}: {self.fingers} fingertips, "
+            f"tactile {self.tactile!r}, actions {self.actions!r}>"
+        )
+
     def state_names(self) -> list[str]:
         """Names of the state, in order."""
         names = [*POSE, *self.joints]

@@ -58,6 +58,10 @@ class BusHand:
         self._received_s = dict.fromkeys(self._readers, time.monotonic())
         self._receive()
 
+    def __repr__(self) -> str:
+        state = "runs" if self._teleop is not None else "holds"
+        return f"<BusHand {self.features.hand!r} on {self._bus!r}: {state}>"
+
     def now_s(self) -> float:
         """Time, s."""
         return time.monotonic()
@@ -123,7 +127,7 @@ class BusHand:
 class SimulatedHand:
     """A simulated hand and object with the controller of the daemon, in virtual time.
 
-    Equal seeds and poses give equal bits. `reflex=False` removes the reflex for comparison: touch
+    Equal seeds and poses give equal bits. `model` is the robot. `reflex=False` removes the reflex for comparison: touch
     is never detected, so that the hand executes the requested openings.
     """
 
@@ -133,6 +137,7 @@ class SimulatedHand:
         *,
         seed: int = 0,
         hand: str = "right",
+        model: str | None = None,
         tactile: str = "summary",
         actions: str = "pose",
         elements: int = 41,
@@ -141,11 +146,11 @@ class SimulatedHand:
         item: Sequence[float] | None = None,
         place: Sequence[float] | None = None,
     ) -> None:
-        self.features = HandFeatures(None, hand, tactile, actions)
+        self.features = HandFeatures(model, hand, tactile, actions)
         self._elements, self._place = elements, place
         touch_n = {"perception.touch_on_n": UNREACHABLE_N, "perception.touch_off_n": UNREACHABLE_N}
         settings = {} if reflex else touch_n
-        self.simulation = _native.Simulation(object, seed=seed, hand=hand, noise=noise, settings=settings)
+        self.simulation = _native.Simulation(object, seed=seed, hand=hand, noise=noise, settings=settings, robot=model)
         hint = self.simulation.hint
         self._item = item or [*hint["at"], hint["yaw"], hint["width"]]
         self._report: Any = None
@@ -154,6 +159,9 @@ class SimulatedHand:
         self.peak_n = 0.0
         """Largest true normal force of a fingertip, N; sampled every 5 ms."""
         self.run(1)
+
+    def __repr__(self) -> str:
+        return f"<SimulatedHand {self.features.hand!r}: {self.simulation!r}, peak {self.peak_n:.2f} N>"
 
     def now_s(self) -> float:
         """Virtual time, s."""

@@ -14,7 +14,7 @@ class Rate:
     def __init__(self, hz: float, seconds: float | None = None) -> None:
         if not 0 < hz <= 100_000:
             raise ValueError(f"invalid rate {hz} Hz; needs more than 0 and at most 100000 Hz")
-        self._period_ns = round(1e9 / hz)
+        self._hz, self._period_ns = hz, round(1e9 / hz)
         self._ticks = None if seconds is None else round(seconds * hz)
         self.late = 0
 
@@ -33,3 +33,7 @@ class Rate:
             yield tick
             due_ns += period_ns
             tick += 1
+
+    def __repr__(self) -> str:
+        length = "without end" if self._ticks is None else f"{self._ticks} iterations"
+        return f"<atas.Rate {self._hz:g} Hz, {length}: {self.late} late>"

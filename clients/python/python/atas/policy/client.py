@@ -98,6 +98,10 @@ class PolicyClient:
             time.sleep(0.001)
         return answer
 
+    def __repr__(self) -> str:
+        state = "closed" if self._ended else "waits for an answer" if self._is_open else "ready"
+        return f"<PolicyClient of {self.url}: {state}>"
+
     def close(self) -> None:
         """Closes the connection."""
         with self._wake:

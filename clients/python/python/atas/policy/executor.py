@@ -97,6 +97,12 @@ class ChunkExecutor:
         self._begun_s = 0.0
         self._asked_s: float | None = None
 
+    def __repr__(self) -> str:
+        return (
+            f"<ChunkExecutor at {1.0 / self.period_s:g} Hz: {self.chunks} chunks, {self.steps} steps, "
+            f"{self.late_steps} late; {self.hand!r}>"
+        )
+
     def observation(self) -> dict[str, Any]:
         """The observation in openpi's form: `observation/state`, `observation/environment`, prompt."""
         seen = self.hand.observe()

@@ -55,6 +55,10 @@ class ReplayServer:
         self._thread = threading.Thread(target=self._server.serve_forever, name="policy server", daemon=True)
         self._thread.start()
 
+    def __repr__(self) -> str:
+        count, steps, width = self.chunks.shape
+        return f"<ReplayServer at {self.url}: {count} chunks of {steps} x {width}, {len(self.observations)} requests>"
+
     def close(self) -> None:
         """Ends the server and its connections."""
         self._ended.set()

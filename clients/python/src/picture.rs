@@ -1,0 +1,42 @@
+//! Pictures of a scene as NumPy arrays.
+
+use atas_evaluation::drawing::SceneView;
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use robot_model::{HandSide, RobotFiles, RobotModel};
+use shm_schemas::WorldTruth;
+use sim_backend::Scene;
+
+use crate::compute;
+
+/// Array of uint8 (height, width, 3): red, green, blue.
+pub(crate) type Picture<'py> = Bound<'py, PyArray3<u8>>;
+
+/// Makes the view of a scene.
+pub(crate) fn view_of(
+    files: &RobotFiles,
+    robot: &RobotModel,
+    side: HandSide,
+    scene: &Scene,
+) -> PyResult<SceneView> {
+    let view = SceneView::new(files, robot, side, scene);
+    view.map_err(|why| PyValueError::new_err(why.to_string()))
+}
+
+/// Draws a scene at these joint positions, rad or m.
+pub(crate) fn draw<'py>(
+    py: Python<'py>,
+    view: &SceneView,
+    position_rad: &[f64],
+    truth: &WorldTruth,
+    size_px: [u32; 2],
+) -> PyResult<Picture<'py>> {
+    let drawn = compute(py, || {
+        let drawing = view.draw(position_rad, truth, size_px)?;
+        Ok(drawing.pixels())
+    })?;
+    let drawn: Result<_, atas_evaluation::drawing::PictureSizeError> = drawn;
+    let (width, height, bytes) = drawn.map_err(|why| PyValueError::new_err(why.to_string()))?;
+    PyArray1::from_vec(py, bytes).reshape([height, width, 3])
+}
