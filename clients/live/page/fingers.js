@@ -28,7 +28,7 @@ export class Fingers {
       tip.tangential.textContent = number(finger.tangential_n, 2);
       tip.utilisation.textContent = number(finger.utilisation, 2);
     });
-    this.scale.textContent = `brightest: ${number(this.full, 2)} N per element; arrows: shear; S: friction utilisation, 1 is slip`;
+    this.scale.textContent = `brightest ${number(this.full, 2)} N; arrows: shear; S: friction utilisation, 1 is slip`;
   }
 
   draw(picture) {

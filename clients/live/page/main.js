@@ -102,7 +102,7 @@ class Page {
   absent() {
     const arena = this.newest ? null : this.newestArena;
     this.mode(arena ? "swarm" : "no daemon");
-    by("goal").textContent = arena ? this.arenaView.sentence() : this.reported.why;
+    this.sentence(arena ? this.arenaView.sentence() : this.reported.why);
     if (arena) by("where").textContent = `bus ${this.scene.bus} · field ${arena.preset}`;
   }
 
@@ -115,10 +115,15 @@ class Page {
     const name = goal.task || goal.kind;
     const told = goal.goal_id ? [`goal ${name} ${goal.state}`, goal.step && `step ${goal.step}`, goal.reason?.sentence] : ["no goal yet"];
     const frozen = status.standstill_s && `no tick for ${status.standstill_s.toFixed(1)} s`;
-    by("goal").textContent = [frozen, ...told, reason?.sentence].filter(Boolean).join(" · ");
+    this.sentence([frozen, ...told, reason?.sentence].filter(Boolean).join(" · "));
     this.mode(mode);
     by("where").textContent = `bus ${this.scene.bus} · atasd ${status.version} · ${status.rate_hz} Hz` +
       (status.lockstep ? " · lock-step" : "") + (status.degraded ? " · DEGRADED" : "");
+  }
+
+  /** Writes the sentence about the goal; the header shows two lines of it, its tooltip everything. */
+  sentence(text) {
+    by("goal").textContent = by("goal").title = text;
   }
 
   mode(mode) {
@@ -191,7 +196,7 @@ async function begin() {
   by("main").classList.add("recorded");
   const recording = await (await fetch("/recording.json")).json();
   by("where").textContent = recording.name;
-  by("goal").textContent = recording.events.filter((event) => event.kind === "goal").at(-1)?.sentence ?? "";
+  page.sentence(recording.events.filter((event) => event.kind === "goal").at(-1)?.sentence ?? "");
   page.past({ moments: recording.moments, events: recording.events, faults: recording.faults });
   page.recorded = new Recorded(page, recording);
 }

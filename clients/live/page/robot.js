@@ -1,7 +1,9 @@
-// 3D view of the robot: the shapes of its URDF, sorted by depth, and the force on each fingertip.
+// 3D view of the robot: the shapes of its URDF, sorted by depth, lines for links without shapes, fingertips with their forces, closing
+// axes and held objects.
 
 import { begin, arrow, palette, number } from "/canvas.js";
 import { Camera, add, cross, dot, length, placed, scale, sub, then, turn, unit } from "/geometry.js";
+import { block, closingAxis, heldObject, tipFrames } from "/hand.js";
 
 const SIDES = 12;
 const LIGHT = unit([0.4, -0.5, 0.9]);
@@ -11,6 +13,13 @@ const PER_NEWTON = 0.03;
 const NEAREST = 0.5;
 const AROUND = 1.4;
 const TABLE = { from: [0.05, -0.45], to: [0.65, 0.45], step: 0.1 };
+/** Width of a link without shapes, m. */
+const STICK = 0.008;
+/** Growth of a fingertip over its link's shape of equal size, so that it is seen. */
+const GROWTH = 1.04;
+const FINGERTIP = [0, 0.62, 0.45, 1];
+const STICKS = [0.65, 0.65, 0.68, 1];
+const OBJECT = [0.34, 0.71, 0.91, 1];
 
 export class Robot {
   constructor(canvas) {
@@ -78,6 +87,7 @@ export class Robot {
 
   show(picture, forces) {
     this.joints = picture.q_rad;
+    this.hands = picture.hands;
     this.forces = forces;
     this.draw();
   }
@@ -98,10 +108,53 @@ export class Robot {
       this.frame(places);
       return this.draw();
     }
-    const faces = this.shapes.flatMap((shape) => this.faces(shape, then(places[shape.index], shape.at)));
+    const frames = tipFrames(this.scene, this.tips, places);
+    const objects = frames.map((hand, side) => heldObject(hand, this.hands?.[side]?.fingers ?? []));
+    const faces = [
+      ...this.shapes.flatMap((shape) => this.faces(shape, then(places[shape.index], shape.at))),
+      ...this.sticks(places),
+      ...frames.flat().map(({ xyz, radius }) => this.ball(xyz, radius * GROWTH, FINGERTIP)),
+      ...objects.filter(Boolean).flatMap((object) => this.facesOf(block(object), OBJECT)),
+    ];
     faces.sort((a, b) => b.depth - a.depth);
     for (const face of faces) paint(context, face);
-    this.drawForces(context, colours, places);
+    this.drawAxes(context, colours, frames, objects);
+    this.drawForces(context, colours, frames);
+    context.fillStyle = colours.soft;
+    context.fillText("grid 100 mm", 8, height - 8);
+  }
+
+  /** Draws closing axes, and the measured width of held objects. */
+  drawAxes(context, colours, frames, objects) {
+    context.strokeStyle = colours.e;
+    context.lineWidth = 1.5;
+    context.setLineDash([5, 4]);
+    for (const axis of frames.map(closingAxis).filter(Boolean)) {
+      context.beginPath();
+      for (const end of axis) context.lineTo(...this.camera.seen(end).slice(0, 2));
+      context.stroke();
+    }
+    context.setLineDash([]);
+    context.fillStyle = colours.ink;
+    for (const object of objects.filter(Boolean)) {
+      const [x, y] = this.camera.seen(add(object.middle, [0, 0, -object.across]));
+      const text = `object ${number(object.width * 1e3, 0)} mm`;
+      context.fillText(text, x - context.measureText(text).width / 2, y + 22);
+    }
+  }
+
+  /** Returns lines from parent links to links without shapes. */
+  sticks(places) {
+    return this.scene.limbs.flatMap((limb, index) => {
+      if (limb.parent === null || limb.shapes.length) return [];
+      const [a, b] = [this.camera.seen(places[limb.parent].xyz), this.camera.seen(places[index].xyz)];
+      return [{ line: [a, b], width: STICK * (a[3] + b[3]) / 2, depth: (a[2] + b[2]) / 2, rgba: STICKS }];
+    });
+  }
+
+  ball(xyz, radius, rgba) {
+    const [x, y, depth, by] = this.camera.seen(xyz);
+    return { ball: [x, y, radius * by], depth: depth - radius, rgba };
   }
 
   drawTable(context, colours) {
@@ -120,35 +173,36 @@ export class Robot {
   }
 
   faces(shape, place) {
-    const { camera } = this;
-    if (shape.mesh.radius) {
-      const [x, y, depth, by] = camera.seen(place.xyz);
-      return [{ ball: [x, y, shape.mesh.radius * by], depth: depth - shape.mesh.radius, rgba: shape.rgba }];
-    }
+    if (shape.mesh.radius) return [this.ball(place.xyz, shape.mesh.radius, shape.rgba)];
     const points = shape.mesh.points.map((point) => add(place.xyz, turn(place.q, point)));
+    return this.facesOf({ points, faces: shape.mesh.faces }, shape.rgba);
+  }
+
+  /** Returns the faces that the camera sees, with their brightness. */
+  facesOf({ points, faces: all }, rgba) {
+    const { camera } = this;
     const seen = points.map((point) => camera.seen(point));
     const faces = [];
-    for (const corners of shape.mesh.faces) {
+    for (const corners of all) {
       const [a, b, c] = corners.map((index) => points[index]);
       const normal = unit(cross(sub(b, a), sub(c, a)));
       if (dot(normal, sub(camera.eye, a)) <= 0) continue;
       const depth = corners.reduce((sum, index) => sum + seen[index][2], 0) / corners.length;
-      faces.push({ corners: corners.map((index) => seen[index]), depth, rgba: shape.rgba, light: 0.55 + 0.45 * Math.max(0, dot(normal, LIGHT)) });
+      faces.push({ corners: corners.map((index) => seen[index]), depth, rgba, light: 0.55 + 0.45 * Math.max(0, dot(normal, LIGHT)) });
     }
     return faces;
   }
 
-  drawForces(context, colours, places) {
+  drawForces(context, colours, frames) {
     context.strokeStyle = context.fillStyle = colours.e;
     context.lineWidth = 3;
     context.font = "600 12px system-ui, sans-serif";
-    this.tips.forEach((hand, side) => hand.forEach((tip, finger) => {
+    frames.forEach((hand, side) => hand.forEach(({ xyz: from, q: orientation, finger }) => {
       const force = this.forces?.[side]?.[finger];
-      if (tip < 0 || !force) return;
+      if (!force) return;
       const newtons = length(force);
       if (newtons < 0.2) return;
-      const from = places[tip].xyz;
-      const along = turn(places[tip].q, force);
+      const along = turn(orientation, force);
       const to = add(from, scale(along, PER_NEWTON * Math.min(1, 4 / newtons)));
       const [p, q] = [this.camera.seen(from), this.camera.seen(to)];
       arrow(context, p, q, 7);
@@ -159,6 +213,16 @@ export class Robot {
 
 function paint(context, face) {
   const [r, g, b] = face.rgba.map((part) => part * 255);
+  if (face.line) {
+    context.strokeStyle = `rgb(${r}, ${g}, ${b})`;
+    context.lineWidth = face.width;
+    context.lineCap = "round";
+    context.beginPath();
+    for (const [x, y] of face.line) context.lineTo(x, y);
+    context.stroke();
+    context.lineCap = "butt";
+    return;
+  }
   if (face.ball) {
     const [x, y, radius] = face.ball;
     const shade = context.createRadialGradient(x - radius * 0.35, y - radius * 0.4, radius * 0.1, x, y, radius);

@@ -32,7 +32,16 @@ export class Recorded {
     this.scrub.addEventListener("input", () => this.seek(Number(this.scrub.value)));
     this.button.addEventListener("click", () => this.play(!this.playing));
     document.getElementById("timeline").hidden = false;
-    this.seek(0);
+    this.seek(this.first());
+  }
+
+  /** Returns the index of the first moment of interest: first touch, else first fault, else first step of a task; 0 without any. */
+  first() {
+    const { events, faults, moments } = this.recording;
+    const of = (wanted) => events.filter(({ kind }) => kind === wanted);
+    const found = [of("touch-on"), faults, of("step")].find((moment) => moment.length);
+    const from = Math.min(...(found ?? []).map(({ t_s }) => t_s));
+    return Math.max(0, moments.findIndex(([t]) => t >= from));
   }
 
   async picture(index) {

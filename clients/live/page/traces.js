@@ -19,6 +19,9 @@ const LIMITS = [
 const TINTS = ["a", "b", "f", "ink"];
 const WIDTHS = [2.8, 1.6, 1.4, 1.2];
 
+/** Force that counts as contact, N (the controller's default). */
+const TOUCHED = 0.1;
+
 const normals = (m, fingers) => [...Array(fingers).keys()].map((finger) => m[3 + 2 * finger]);
 
 /** Returns the plot lines of a hand by its number of fingertips. */
@@ -46,6 +49,7 @@ export class Traces {
     this.modules = scene.modules;
     this.parent.replaceChildren();
     const there = HANDS.map((_, hand) => hand).filter((hand) => scene.fingers[hand] > 0);
+    this.working = null;
     this.panels = there.map((hand) => {
       const canvas = document.createElement("canvas");
       canvas.setAttribute("role", "img");
@@ -93,7 +97,21 @@ export class Traces {
     const first = lowerBound(this.moments, shown.from);
     const last = lowerBound(this.moments, until + 1e-6);
     const moments = this.moments.slice(Math.max(0, first - 1), last);
+    this.arrange(moments.at(-1));
     for (const panel of this.panels) this.drawHand(panel, moments, shown);
+  }
+
+  /** Puts the chart of the working hand first: the last one that had an active module or a contact. */
+  arrange(moment) {
+    if (!moment || this.panels.length < 2) return;
+    const works = ({ hand, fingers }) => {
+      const values = moment.slice(1 + hand * PER_HAND, 1 + (hand + 1) * PER_HAND);
+      return values[2] !== 0 || normals(values, fingers).some((force) => force >= TOUCHED);
+    };
+    const working = this.panels.filter(works);
+    if (working.length !== 1 || working[0] === this.working) return;
+    this.working = working[0];
+    for (const panel of this.panels) panel.canvas.classList.toggle("working", panel === this.working);
   }
 
   drawHand({ canvas, hand, fingers, lines }, moments, shown) {

@@ -25,6 +25,7 @@ assets! {
     "/source.js" as "text/javascript; charset=utf-8" from "source.js";
     "/canvas.js" as "text/javascript; charset=utf-8" from "canvas.js";
     "/robot.js" as "text/javascript; charset=utf-8" from "robot.js";
+    "/hand.js" as "text/javascript; charset=utf-8" from "hand.js";
     "/geometry.js" as "text/javascript; charset=utf-8" from "geometry.js";
     "/fingers.js" as "text/javascript; charset=utf-8" from "fingers.js";
     "/arena.js" as "text/javascript; charset=utf-8" from "arena.js";

@@ -1,6 +1,10 @@
 //! Scene: robot data for the page, with links, fingertips and element positions.
 
-use robot_model::{Form, HandSide, Limb, ModelError, Placement, RobotFiles, Shape};
+use nalgebra::{Isometry3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use robot_model::{
+    Form, HandModel, HandSide, Limb, ModelError, Placement, RobotFiles, RobotModel, Shape,
+    Skeleton, Transform,
+};
 use serde_json::{Value, json};
 use shm_schemas::{Layout, ModuleId};
 
@@ -14,6 +18,7 @@ pub(crate) fn scene(shown: &DisplayedRobot) -> Result<Value, ModelError> {
         "fingers": shown.fingers,
         "limbs": [],
         "tips": [[], []],
+        "tip_frames": [[], []],
         "layouts": shown.layouts.each_ref().map(layout),
         "modules": modules.map(|id| json!({ "id": id.0, "name": id.name() })).collect::<Vec<_>>(),
     });
@@ -28,7 +33,64 @@ fn links(files: &RobotFiles, scene: &mut Value) -> Result<(), ModelError> {
     let tips = HandSide::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());
     scene["limbs"] = skeleton.limbs().iter().map(limb).collect();
     scene["tips"] = json!(tips);
+    scene["tip_frames"] = json!(tip_frames(&skeleton, &robot));
     Ok(())
+}
+
+/// Returns each fingertip's tip frame in its link, its grasp side, 0 or 1, and the distance of its
+/// sensing face from the frame's origin, m.
+fn tip_frames(skeleton: &Skeleton, robot: &RobotModel) -> [Vec<Value>; 2] {
+    let reference_rad: Vec<f64> = robot
+        .sides()
+        .flat_map(|side| robot.hand(side).reference_rad().iter().copied())
+        .collect();
+    let mut base_from_limb: Vec<Isometry3<f64>> = Vec::new();
+    for limb in skeleton.limbs() {
+        let own = isometry(&limb.placed(&reference_rad));
+        let parent = limb.parent.map(|index| base_from_limb[index]);
+        base_from_limb.push(parent.map_or(own, |parent| parent * own));
+    }
+    let frames = |hand: &HandModel| {
+        let pose = hand.forward(hand.reference_rad());
+        let tips = hand.tip_links().zip(pose.base_from_tip()).enumerate();
+        let frame = |(finger, (link, tip)): (usize, (&str, &Transform))| {
+            let limb = skeleton.limbs().iter().position(|limb| limb.name == link)?;
+            let limb_from_tip = base_from_limb[limb].inverse() * pose_of(tip);
+            Some(json!({
+                "at": {
+                    "xyz": limb_from_tip.translation.vector.as_slice(),
+                    "q": limb_from_tip.rotation.coords.as_slice(),
+                },
+                "side": hand.grasp_side(finger),
+                "radius_m": hand.tip_radius_m()[finger],
+            }))
+        };
+        tips.filter_map(frame).collect()
+    };
+    HandSide::BOTH.map(|side| {
+        let hand = robot.hand(side);
+        if hand.is_present() {
+            frames(hand)
+        } else {
+            Vec::new()
+        }
+    })
+}
+
+fn isometry(placement: &Placement) -> Isometry3<f64> {
+    let rotation = Quaternion::from_vector(placement.rotation_xyzw.into());
+    Isometry3::from_parts(
+        Translation3::from(Vector3::from(placement.translation_m)),
+        UnitQuaternion::new_normalize(rotation),
+    )
+}
+
+fn pose_of(transform: &Transform) -> Isometry3<f64> {
+    let rotation = Rotation3::from_matrix_unchecked(transform.rotation);
+    Isometry3::from_parts(
+        Translation3::from(transform.translation_m),
+        UnitQuaternion::from_rotation_matrix(&rotation),
+    )
 }
 
 fn limb(limb: &Limb) -> Value {
@@ -66,4 +128,52 @@ fn layout(layout: &Layout) -> Value {
         "tangent1": layout.tangent1[..count],
         "tangent2": layout.tangent2[..count],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use robot_model::{SHIPPED, TWO_HAND_ARM};
+
+    use super::*;
+
+    #[test]
+    fn every_fingertip_has_a_tip_frame() {
+        for files in SHIPPED {
+            let (skeleton, robot) = (
+                files.skeleton().expect("built-in"),
+                files.load().expect("built-in"),
+            );
+            for (side, frames) in HandSide::BOTH
+                .into_iter()
+                .zip(tip_frames(&skeleton, &robot))
+            {
+                let hand = robot.hand(side);
+                let count = if hand.is_present() {
+                    hand.fingertip_count()
+                } else {
+                    0
+                };
+                assert_eq!(frames.len(), count, "{}", files.name);
+                for (finger, frame) in frames.iter().enumerate() {
+                    assert_eq!(frame["side"], hand.grasp_side(finger), "{}", files.name);
+                    assert_eq!(frame["radius_m"], hand.tip_radius_m()[finger]);
+                }
+            }
+        }
+    }
+
+    /// Links of the built-in robot carry their tip frames at the origin.
+    #[test]
+    fn tip_frame_of_the_two_hand_arm_is_its_link() {
+        let (skeleton, robot) = (
+            TWO_HAND_ARM.skeleton().expect("built-in"),
+            TWO_HAND_ARM.load().expect("built-in"),
+        );
+        for frame in tip_frames(&skeleton, &robot).iter().flatten() {
+            for axis in 0..3 {
+                let xyz_m = frame["at"]["xyz"][axis].as_f64().expect("a number");
+                assert!(xyz_m.abs() < 1e-9, "{frame}");
+            }
+        }
+    }
 }
