@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use rustix::process::Signal;
-use serde_json::Value;
+use serde_json::{Value, json};
 use shm_bus::{Bus, FreshBus, Realtime};
 use shm_schemas::{TickReport, service};
 use system_tests::browser::{Browser, installed, request};
@@ -232,6 +232,7 @@ fn page_shows_bus_values_after_daemon_restart() {
     let goal = rig.grasp();
     wait_tick(&mut browser, "a picture", |_| true);
     compare_until_gripped(&mut browser, &reports);
+    check_layout(&mut browser);
     for part in ["step lift", "module 1, first touch on", "F_1"] {
         browser.wait_contains("events", part);
     }
@@ -263,6 +264,43 @@ fn open_without_token(program: &Path, url: &str) -> Browser {
     browser
 }
 
+/// Checks a screen of 1280 x 800 during a grasp: the chart of the working hand is above the fold, the
+/// held object is drawn, and texts of any length leave the buttons in place.
+fn check_layout(browser: &mut Browser) {
+    let size = json!({ "width": 1280, "height": 800, "deviceScaleFactor": 1, "mobile": false });
+    browser.request("Emulation.setDeviceMetricsOverride", size);
+    let chart = "document.querySelector('#traces canvas.working')";
+    browser.wait_true("the chart of the working hand", &format!("!!{chart}"));
+    let label = browser.value(&format!("{chart}.getAttribute('aria-label')"));
+    assert!(label.to_string().contains("right hand"), "{label}");
+    let bottom = browser.value(&format!("{chart}.getBoundingClientRect().bottom"));
+    assert!(
+        bottom.as_f64() <= Some(800.0),
+        "the chart ends at {bottom} px"
+    );
+    browser.wait_true(
+        "the held object",
+        "(() => { const c = document.getElementById('robot'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; \
+         let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i + 2] > 90 && d[i] < 0.6 * d[i + 2] && d[i + 1] > 0.7 * d[i + 2] \
+         && d[i + 1] < 0.95 * d[i + 2]; return n > 20; })()",
+    );
+    let place = "JSON.stringify(['stop', 'recover'].map(id => document.getElementById(id).getBoundingClientRect()))";
+    let before = browser.value(place);
+    for text in [
+        "x",
+        "a long sentence about a goal, its reason and its remedy; "
+            .repeat(9)
+            .as_str(),
+    ] {
+        browser.value(&format!(
+            "for (const id of ['goal', 'answer', 'where']) document.getElementById(id).textContent = {text:?}"
+        ));
+        assert_eq!(browser.value(place), before, "{text}");
+    }
+    browser.value("document.getElementById('answer').textContent = ''");
+    browser.request("Emulation.clearDeviceMetricsOverride", json!({}));
+}
+
 /// Tests the keyboard: the stop button, opening a fault, and the recover button.
 fn stop_and_recover(browser: &mut Browser) {
     browser.tab_to("#stop");
@@ -281,7 +319,7 @@ fn stop_and_recover(browser: &mut Browser) {
 /// Checks that a reloaded page shows the current values and keeps its token.
 fn reload(browser: &mut Browser) {
     browser.value("window.isOld = true");
-    browser.request("Page.reload", serde_json::json!({}));
+    browser.request("Page.reload", json!({}));
     browser.wait_true("the reloaded page", "window.isOld === undefined");
     wait_tick(browser, "a picture after the reload", |_| true);
     browser.wait_true("an enabled stop button after the reload", "!stop.disabled");
@@ -363,6 +401,7 @@ fn recording_is_scrubbed_by_keyboard() {
     let server = serve(&["--recording", name]);
     let mut browser = Browser::open(&program, &address(&server).0);
     let first = wait_tick(&mut browser, "the first picture", |_| true);
+    check_opening(&mut browser);
     browser.tab_to("#scrub");
     for _ in 0..3 {
         browser.press("ArrowRight");
@@ -378,6 +417,23 @@ fn recording_is_scrubbed_by_keyboard() {
     assert_eq!(hidden, Value::Bool(true), "a recording cannot be stopped");
     assert_accessible(&mut browser, &axe, "a recording");
     assert_eq!(browser.page_errors(), &[] as &[String]);
+}
+
+/// Checks that a recording opens at its first touch.
+fn check_opening(browser: &mut Browser) {
+    let late_s = browser.value(
+        "fetch('/recording.json').then(r => r.json()).then(({ events, moments }) => { \
+         const touch = Math.min(...events.filter(e => e.kind === 'touch-on').map(e => e.t_s)); \
+         return moments[+scrub.value][0] - touch; })",
+    );
+    let late_s = late_s.as_f64().expect("a touch was recorded");
+    assert!(
+        (0.0..0.1).contains(&late_s),
+        "opened {late_s} s after the first touch"
+    );
+    let forces = ["right-1-normal", "right-2-normal"].map(|id| browser.text(id));
+    let is_pressed = |text: &String| text.parse::<f64>().is_ok_and(|normal_n| normal_n > 0.05);
+    assert!(forces.iter().any(is_pressed), "{forces:?}");
 }
 
 #[test]
