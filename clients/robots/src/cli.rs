@@ -77,8 +77,8 @@ const RELAX_HELP: &str =
 Example:
   atas-robot relax robot.toml --joint left_wrist_roll --yes";
 
-const EMULATE_HELP: &str = "Emulates the servos of a map behind pseudo-terminals, in the middle of their joints' travel, with the transmission time of the \
-wire. Writes the map with those terminals. Runs until it is stopped. JSON: {map, ports: [{device, servos}]}.
+const EMULATE_HELP: &str = "Emulates the servos of a map behind pseudo-terminals, in the middle of their joints' travel or with --rest in the reference \
+posture, with the transmission time of the wire. Writes the map with those terminals. Runs until it is stopped. JSON: {map, ports: [{device, servos}]}.
 
 Example:
   atas-robot emulate robot.toml --out emulated.toml &
@@ -178,6 +178,9 @@ pub enum Verb {
         /// Write the map with the emulated terminals to this file.
         #[arg(long, value_name = "FILE.toml", value_parser = map_file)]
         out: PathBuf,
+        /// Begin in the reference posture of the robot file (`rest_deg`, `rest_m`).
+        #[arg(long)]
+        rest: bool,
         /// Output format.
         #[arg(long, value_enum, default_value = "text")]
         format: Format,

@@ -13,6 +13,8 @@ pub struct Joint {
     pub lower_rad: f64,
     /// Upper position limit, rad.
     pub upper_rad: f64,
+    /// Position in the reference posture of the robot file, rad.
+    pub rest_rad: f64,
     /// Maximum speed, rad/s.
     pub speed_max_rad_s: f64,
 }
@@ -23,13 +25,18 @@ pub struct Joint {
 /// # Errors
 /// If the robot does not exist or its files are invalid.
 pub fn load(robot: &str) -> Result<Vec<Joint>, String> {
-    Ok(RobotModel::find(robot)
-        .map_err(|error| error.to_string())?
+    let robot = RobotModel::find(robot).map_err(|error| error.to_string())?;
+    let rest_rad = robot
+        .sides()
+        .flat_map(|side| robot.hand(side).reference_rad().iter().copied());
+    Ok(robot
         .joints()
-        .map(|joint| Joint {
+        .zip(rest_rad)
+        .map(|(joint, rest_rad)| Joint {
             name: joint.name.to_string(),
             lower_rad: joint.lower_rad,
             upper_rad: joint.upper_rad,
+            rest_rad,
             speed_max_rad_s: joint.velocity_max_rad_s,
         })
         .collect())

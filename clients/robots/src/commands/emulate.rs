@@ -15,15 +15,15 @@ use crate::map::{self, Check, PortMap};
 /// Interval between checks for a stop request.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Runs the emulation until a stop request.
-pub(super) fn run(map_path: &Path, out: &Path, format: Format) -> Result<(), Failure> {
+/// Runs the emulation until a stop request. With `rest`, the joints begin in the reference posture.
+pub(super) fn run(map_path: &Path, out: &Path, rest: bool, format: Format) -> Result<(), Failure> {
     let mut file = map::read(map_path)?;
     let map = map::load(map_path, Check::Whole)?;
     let stop = stop_on_signal()?;
     let chains: Vec<Chain> = map
         .ports
         .iter()
-        .map(start_chain)
+        .map(|port| start_chain(port, rest))
         .collect::<Result<_, _>>()?;
     for (entry, chain) in file.ports.iter_mut().zip(&chains) {
         entry.device = chain.path().display().to_string();
@@ -51,13 +51,15 @@ pub(super) fn run(map_path: &Path, out: &Path, format: Format) -> Result<(), Fai
     Ok(())
 }
 
-fn start_chain(port: &PortMap) -> Result<Chain, Failure> {
+fn start_chain(port: &PortMap, rest: bool) -> Result<Chain, Failure> {
     let planned = port.servos.iter().map(|mapped| {
         let (lower_rad, upper_rad) = mapped.limits_rad;
+        let middle_rad = f64::midpoint(lower_rad, upper_rad);
+        let joint_rad = if rest { mapped.rest_rad } else { middle_rad };
         PlannedServo {
             id: mapped.servo.id,
             model: mapped.servo.model.name.to_owned(),
-            position_rad: mapped.shaft_rad(0.5 * (lower_rad + upper_rad)),
+            position_rad: mapped.shaft_rad(joint_rad),
         }
     });
     let planned: Vec<PlannedServo> = planned.collect();

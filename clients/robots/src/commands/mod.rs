@@ -45,7 +45,12 @@ fn execute(verb: Verb) -> Result<(), Failure> {
         } => hz::run(&bus, seconds, format),
         Verb::Calibrate { which, out } => calibrate::run(&which, out.as_deref()),
         Verb::Relax { which, yes } => calibrate::relax(&which, yes),
-        Verb::Emulate { map, out, format } => emulate::run(&map, &out, format),
+        Verb::Emulate {
+            map,
+            out,
+            rest,
+            format,
+        } => emulate::run(&map, &out, rest, format),
         Verb::Completions { shell } => manual::completions(shell),
         Verb::Man { folder } => manual::pages(&folder),
     }

@@ -203,6 +203,7 @@ impl Checker<'_> {
             zero_rad: entry.zero_rad,
             torque_per_current_n_m_a: torque_per_current,
             temperature_limit_c: hot_c,
+            rest_rad: known.rest_rad,
             limits_rad: (known.lower_rad, known.upper_rad),
         };
         self.travel(&place, &mapped);

@@ -73,6 +73,8 @@ pub struct MappedServo {
     pub torque_per_current_n_m_a: f64,
     /// Temperature above which the robot holds, °C.
     pub temperature_limit_c: f64,
+    /// Position of the joint in the reference posture of the robot file, rad.
+    pub rest_rad: f64,
     /// Limits of the joint, rad.
     pub limits_rad: (f64, f64),
 }

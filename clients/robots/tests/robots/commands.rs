@@ -1,11 +1,14 @@
 //! Tests of the other subcommands.
 
 use std::fs::File;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use atas_robots::map::file::MapFile;
+use robot_model::RobotModel;
 use serde_json::Value;
 use shm_bus::{Bus, FreshBus};
+use shm_schemas::{JointState, service};
 
 use crate::rig::{HAND, Program, Rig, STEP_RAD, middle_rad, start_chains, two_hands, wait_until};
 
@@ -179,6 +182,40 @@ fn run_drives_emulated_servos() {
     let bus = shm_bus::FreshBus::new("robot");
     let mut run = Program::start(&["run", out.to_str().unwrap(), "--bus", bus.as_str()]);
     run.wait_for("all 22 joints hold; states begin");
+    run.signal(rustix::process::Signal::INT);
+    assert_eq!(run.finish(), Some(0));
+}
+
+/// The map of the SO-101 is valid, and its emulated servos begin at `rest_deg` and `rest_m`.
+#[test]
+fn emulated_so101_begins_in_its_reference_posture() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let so101 = Path::new(env!("CARGO_MANIFEST_DIR")).join("so101");
+    let robot_file = so101.join("robot.toml").display().to_string();
+    let text = std::fs::read_to_string(so101.join("servos.toml")).unwrap();
+    let mut map: MapFile = toml::from_str(&text).unwrap();
+    map.robot.clone_from(&robot_file);
+    map.ports[0].answer_within_ms = 1000.0;
+    let [path, out] = ["map.toml", "played.toml"].map(|name| folder.path().join(name));
+    std::fs::write(&path, toml::to_string(&map).unwrap()).unwrap();
+    let [path, out] = [&path, &out].map(|path| path.to_str().unwrap());
+    let emulate = Program::start(&["emulate", path, "--rest", "--out", out]);
+    wait_until("the map", || emulate.printed().contains("atas-robot run"));
+    let bus = FreshBus::new("so101");
+    let node = Bus::open(&bus, "reader", shm_bus::Realtime::No).unwrap();
+    let mut states = node.subscriber(service::JOINT_STATE).unwrap();
+    let mut run = Program::start(&["run", out, "--bus", bus.as_str()]);
+    let mut state = JointState::default();
+    wait_until("a joint state", || states.newest(&mut state).unwrap());
+    let robot = RobotModel::find(&robot_file).unwrap();
+    let rest_rad = robot.hand(robot.acting_side()).reference_rad();
+    assert_eq!(state.joint_count as usize, rest_rad.len());
+    for (measured_rad, rest_rad) in state.position_rad.iter().zip(rest_rad) {
+        assert!(
+            (measured_rad - rest_rad).abs() < 2.0 * STEP_RAD,
+            "{measured_rad} {rest_rad}"
+        );
+    }
     run.signal(rustix::process::Signal::INT);
     assert_eq!(run.finish(), Some(0));
 }
