@@ -1,7 +1,24 @@
-//! Element layouts by the hash in a frame.
+//! Element layouts by the hash in a frame, and of a run.
 
-use shm_schemas::Layout;
-use shm_schemas::capacity::ELEMENTS;
+use shm_schemas::capacity::{ELEMENTS, HANDS};
+use shm_schemas::{HandWiringRecord, Layout, RunHeader};
+
+/// Returns the element layout of each hand in a run; the dome of the paper without a header.
+#[must_use]
+pub fn of_run(header: Option<&RunHeader>) -> [Layout; HANDS] {
+    let layout = |wiring: &HandWiringRecord| Layout {
+        count: (wiring.element_count as usize).min(ELEMENTS),
+        normal: wiring.normal,
+        tangent1: wiring.tangent1,
+        tangent2: wiring.tangent2,
+        position_m: wiring.position_m,
+        element_area_m2: wiring.element_area_m2,
+    };
+    header.map_or_else(
+        || [Layout::dome_41(), Layout::dome_41()],
+        |header| header.hands.each_ref().map(layout),
+    )
+}
 
 /// Returns the named layout with this hash, if any.
 ///

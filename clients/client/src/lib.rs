@@ -11,6 +11,7 @@
 //!  stop: over the stop socket, else over the control service
 //!  standstill: detection of stopped ticks and of a suspended daemon
 //!  json, text, percentiles: bus data for programs and for people
+//!  contact: forces of a fingertip from its elements
 //! ```
 //!
 //! * **Input:** the bus of a daemon. **Outputs:** answers, progress, errors with a remedy.
@@ -30,6 +31,7 @@
 //! # }
 //! ```
 
+pub mod contact;
 mod error;
 pub mod goal;
 mod goal_execution;

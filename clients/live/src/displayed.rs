@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use atas_client::{Run, layouts};
-use atas_recording::origin;
 use robot_model::RobotFiles;
 use shm_bus::{Bus, BusError};
 use shm_schemas::capacity::HANDS;
@@ -103,7 +102,7 @@ impl DisplayedRobot {
         Self {
             robot,
             note,
-            layouts: origin::layouts(run.header()),
+            layouts: layouts::of_run(run.header()),
             fingers: if status.pid == 0 {
                 [0; HANDS]
             } else {

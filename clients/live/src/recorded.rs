@@ -6,6 +6,7 @@ use std::array;
 use std::path::PathBuf;
 
 use anyhow::Context;
+use atas_client::layouts;
 use atas_recording::{Row, Rows, origin};
 use robot_model::HandSide;
 use serde_json::{Value, json};
@@ -133,7 +134,7 @@ fn recorded_robot(rows: &Rows) -> anyhow::Result<DisplayedRobot> {
     Ok(DisplayedRobot {
         robot: Some(robot),
         note: String::new(),
-        layouts: origin::layouts(rows.header()),
+        layouts: layouts::of_run(rows.header()),
         fingers: array::from_fn(|hand| if is_there[hand] { sensed[hand] } else { 0 }),
     })
 }

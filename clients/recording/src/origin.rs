@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use anyhow::Context;
 use mcap::records::Metadata;
 use robot_model::{RobotFiles, TWO_HAND_ARM};
-use shm_schemas::capacity::{ELEMENTS, FINGERS};
-use shm_schemas::{HandWiringRecord, Layout, RunHeader};
+use shm_schemas::capacity::FINGERS;
+use shm_schemas::{HandWiringRecord, RunHeader};
 
 /// Default number of fingertips per hand: as on the robot of the paper.
 const DEFAULT_FINGERTIPS: usize = 2;
@@ -81,21 +81,4 @@ pub fn fingers(header: Option<&RunHeader>) -> [usize; 2] {
     header.map_or([DEFAULT_FINGERTIPS; 2], |header| {
         header.hands.each_ref().map(fingers)
     })
-}
-
-/// Returns the element layout per hand; the paper's dome if none is recorded.
-#[must_use]
-pub fn layouts(header: Option<&RunHeader>) -> [Layout; 2] {
-    let layout = |wiring: &HandWiringRecord| Layout {
-        count: (wiring.element_count as usize).min(ELEMENTS),
-        normal: wiring.normal,
-        tangent1: wiring.tangent1,
-        tangent2: wiring.tangent2,
-        position_m: wiring.position_m,
-        element_area_m2: wiring.element_area_m2,
-    };
-    header.map_or_else(
-        || [Layout::dome_41(), Layout::dome_41()],
-        |header| header.hands.each_ref().map(layout),
-    )
 }

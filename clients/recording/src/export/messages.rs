@@ -16,7 +16,7 @@
 
 use std::borrow::Cow;
 
-use atas_client::text;
+use atas_client::{contact, text};
 use robot_model::JointKind;
 use shm_schemas::{
     EventKind, FingerReport, GoalState, Hand, HandFrame, HandReport, JointCommand, JointState,
@@ -327,11 +327,11 @@ impl<O: Outlet> Messages<O> {
         for (finger, topics) in fingers.enumerate() {
             let (valid, force_n) = (frame.valid_mask[finger], &frame.force_n[finger]);
             if is_due {
-                let points: Vec<_> = ros::points(layout, valid, force_n).collect();
+                let points: Vec<_> = contact::points(layout, valid, force_n).collect();
                 self.cdr.cloud(unix_ns, &topics.tip, &points);
                 topics.elements.send(&mut self.outlet, unix_ns, &self.cdr)?;
             }
-            let [force, torque] = ros::wrench(layout, valid, force_n);
+            let [force, torque] = contact::wrench(layout, valid, force_n);
             self.cdr.wrench(unix_ns, &topics.tip, force, torque);
             topics.wrench.send(&mut self.outlet, unix_ns, &self.cdr)?;
         }

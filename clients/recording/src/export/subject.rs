@@ -3,6 +3,7 @@
 use std::array;
 
 use anyhow::Context;
+use atas_client::layouts;
 use robot_model::{HandSide, JointKind, RobotFiles, Skeleton};
 use shm_schemas::Layout;
 
@@ -43,7 +44,7 @@ impl Subject {
         let hash = text(header.map(|h| format!("{:016x}", h.config_hash)));
         let about = Self::from_robot(
             origin::robot(header, rows.robot())?,
-            origin::layouts(header),
+            layouts::of_run(header),
             origin::fingers(header),
         );
         Ok(Self {

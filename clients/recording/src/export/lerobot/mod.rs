@@ -29,6 +29,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::Context;
+use atas_client::layouts;
 use robot_model::HandSide;
 use shm_schemas::{GoalKind, Hand};
 
@@ -111,7 +112,7 @@ fn export_run(
     let robot = origin::robot(rows.header(), rows.robot())?;
     let robot = robot.load().context("could not load the recorded robot")?;
     let fingers = origin::fingers(rows.header());
-    let layouts = origin::layouts(rows.header());
+    let layouts = layouts::of_run(rows.header());
     let mut state: Option<Run> = None;
     let mut has_inputs = false;
     for row in rows {
