@@ -50,6 +50,19 @@ impl TeleopSender {
     /// # Errors
     /// Another client teleoperates a hand already (the error names it), or there is no daemon.
     pub fn open(session: &Session, teleoperated: TeleopHands) -> Result<Self, ClientError> {
+        Self::open_limited(session, teleoperated, 0.0)
+    }
+
+    /// Sends the teleoperation goal with the largest force per grasp side, N; 0 leaves the force to
+    /// the measured stiffness. The limit applies to the right hand if both are teleoperated.
+    ///
+    /// # Errors
+    /// As [`TeleopSender::open`].
+    pub fn open_limited(
+        session: &Session,
+        teleoperated: TeleopHands,
+        max_force_n: f64,
+    ) -> Result<Self, ClientError> {
         let bus = session.bus();
         let targets = bus.publisher(service::GRASP_TARGET)?;
         let reports = bus.subscriber(service::TICK_REPORT)?;
@@ -64,6 +77,7 @@ impl TeleopSender {
             kind,
             hand,
             policy: GoalPolicy::ATTACHED,
+            max_force_n,
             ..GoalRequest::default()
         };
         let client = bus.goal_client()?;
