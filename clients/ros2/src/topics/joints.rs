@@ -1,0 +1,87 @@
+//! Joint states, transforms and robot description.
+
+use shm_schemas::JointState as BusJoints;
+
+use crate::clock::Clock;
+use crate::middleware::{Node, Publish, Quality};
+use crate::robot::KnownRobot;
+use crate::wire::standard::{
+    JointState, Quaternion, Text, Transform, TransformStamped, Transforms, Vector3,
+};
+
+/// Topics of the whole robot.
+pub(super) struct JointTopics {
+    joints: Box<dyn Publish<JointState>>,
+    transforms: Box<dyn Publish<Transforms>>,
+    description: Box<dyn Publish<Text>>,
+}
+
+impl JointTopics {
+    pub(super) fn open(node: &mut Node) -> anyhow::Result<Self> {
+        Ok(Self {
+            joints: node.publisher("/joint_states", Quality::STREAM)?,
+            transforms: node.publisher("/tf", Quality::STREAM)?,
+            description: node.publisher("/robot_description", Quality::LATCHED)?,
+        })
+    }
+
+    pub(super) fn describe(&self, robot: &KnownRobot) -> anyhow::Result<()> {
+        self.description.publish(Text {
+            data: robot.urdf.clone(),
+        })
+    }
+
+    pub(super) fn publish(
+        &self,
+        robot: &KnownRobot,
+        joints: &BusJoints,
+        clock: &Clock,
+    ) -> anyhow::Result<()> {
+        let names = robot.skeleton.joint_names();
+        let count = (joints.joint_count as usize)
+            .min(names.len())
+            .min(joints.position_rad.len());
+        self.joints.publish(JointState {
+            header: clock.header(joints.stamp.captured_ns, ""),
+            name: names[..count].to_vec(),
+            position: joints.position_rad[..count].to_vec(),
+            velocity: joints.velocity_rad_s[..count].to_vec(),
+            effort: joints.effort_n_m[..count].to_vec(),
+        })
+    }
+
+    pub(super) fn transforms(
+        &self,
+        robot: &KnownRobot,
+        joints: &BusJoints,
+        clock: &Clock,
+    ) -> anyhow::Result<()> {
+        let count = (joints.joint_count as usize).min(joints.position_rad.len());
+        if count == 0 {
+            return Ok(());
+        }
+        let limbs = robot.skeleton.limbs();
+        let placed = limbs.iter().filter_map(|limb| {
+            let parent = limbs[limb.parent?].name.as_str();
+            let at = limb.placed(&joints.position_rad[..count]);
+            let [x, y, z] = at.translation_m;
+            let [qx, qy, qz, qw] = at.rotation_xyzw;
+            Some(TransformStamped {
+                header: clock.header(joints.stamp.captured_ns, parent),
+                child_frame_id: limb.name.clone(),
+                transform: Transform {
+                    translation: Vector3 { x, y, z },
+                    rotation: Quaternion {
+                        x: qx,
+                        y: qy,
+                        z: qz,
+                        w: qw,
+                    },
+                },
+            })
+        });
+        self.transforms.publish(Transforms {
+            transforms: placed.collect(),
+        })
+    }
+}
