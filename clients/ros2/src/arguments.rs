@@ -1,7 +1,8 @@
 //! Command line.
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use shm_bus::BusName;
+use shm_schemas::Hand;
 
 use crate::middleware::{Middleware, NodeOptions, ServiceMapping};
 
@@ -42,15 +43,71 @@ pub struct Arguments {
     /// Rate of point clouds, Hz
     #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate)]
     pub cloud_rate: f64,
+    /// ros2_control, daemon as hardware: follow the joint commands in NAMESPACE/joint_commands with
+    /// this hand
+    #[arg(long, value_name = "HAND", value_enum)]
+    pub follow: Option<Side>,
+    /// ros2_control, their robot as the daemon's robot: send joint commands to this kind of
+    /// controller, and read /joint_states
+    #[arg(long, value_name = "CONTROLLER", value_enum, requires = "robot")]
+    pub drive: Option<Controller>,
+    /// With --drive: robot of the daemon, a shipped name or a file
+    #[arg(long, value_name = "NAME|FILE", requires = "drive")]
+    pub robot: Option<String>,
+    /// With --drive: topic of the controller's commands
+    #[arg(long, value_name = "TOPIC", requires = "drive")]
+    pub command_topic: Option<String>,
+    /// With --drive: rate of commands, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate)]
+    pub command_rate: f64,
     /// Prints every interface with its type hash, and exits
     #[arg(long)]
     pub print_types: bool,
 }
 
+/// Hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Side {
+    /// Left hand
+    Left,
+    /// Right hand
+    Right,
+}
+
+impl From<Side> for Hand {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Left => Self::LEFT,
+            Side::Right => Self::RIGHT,
+        }
+    }
+}
+
+/// Kind of a controller of ros2_control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Controller {
+    /// forward_command_controller: std_msgs/Float64MultiArray
+    Forward,
+    /// joint_trajectory_controller: trajectory_msgs/JointTrajectory
+    Trajectory,
+}
+
+impl Controller {
+    /// Returns the topic of a controller with its usual name.
+    #[must_use]
+    pub fn topic(self) -> &'static str {
+        match self {
+            Self::Forward => "/forward_position_controller/commands",
+            Self::Trajectory => "/joint_trajectory_controller/joint_trajectory",
+        }
+    }
+}
+
 const EXAMPLES: &str = "Examples:
   atas-ros2
   atas-ros2 --domain 7 --services cyclonedds
-  atas-ros2 --middleware zenoh --router tcp/10.0.0.2:7447";
+  atas-ros2 --middleware zenoh --router tcp/10.0.0.2:7447
+  atas-ros2 --drive forward --robot my_arm.toml";
 
 fn default_middleware() -> Middleware {
     if cfg!(feature = "dds") {

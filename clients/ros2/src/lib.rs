@@ -5,6 +5,7 @@
 //!  bus ◀─ goals ◀── actions ◀─ clients            grippers and tasks
 //!  stop socket ◀── stop ◀───── clients            a thread of its own
 //!  bus ◀─ control ◀─ services, parameters         recovery, zero, daemon parameters
+//!  bus ◀▶ ros2_control ◀▶ a robot of ros2_control  with --drive
 //! ```
 //!
 //! * **Input:** the bus of a daemon, requests of ROS 2 nodes. **Output:** ROS 2 messages, goals.
@@ -21,6 +22,7 @@ mod middleware;
 mod parameters;
 mod requests;
 mod robot;
+mod ros2_control;
 mod run;
 mod topics;
 pub mod wire;

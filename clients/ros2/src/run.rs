@@ -10,6 +10,7 @@ use crate::link::BusLink;
 use crate::middleware::Node;
 use crate::parameters::Parameters;
 use crate::requests::{ControlServices, StopService};
+use crate::ros2_control::Drive;
 use crate::topics::Topics;
 
 /// Poll interval of services and parameters. Design choice: not perceptible to a person.
@@ -25,9 +26,21 @@ pub fn run(arguments: &Arguments, stop: &Arc<AtomicBool>) -> anyhow::Result<()> 
     let mut stopping = StopService::open(&mut node, namespace)?;
     let mut control = ControlServices::open(&mut node, namespace)?;
     let mut parameters = Parameters::open(&mut node, namespace)?;
-    let mut goals = Goals::open(&mut node, namespace)?;
+    let mut goals = Goals::open(&mut node, arguments)?;
     let mut topics = Topics::open(&mut node, arguments)?;
+    let mut drive = match arguments.drive {
+        Some(controller) => Some(Drive::open(&mut node, arguments, controller)?),
+        None => None,
+    };
     std::thread::scope(|threads| {
+        let driven = drive.as_mut().map(|drive| {
+            threads.spawn(|| {
+                let ended = drive.run(arguments, stop);
+                // Without its robot the bridge is of no use.
+                stop.store(true, Ordering::Relaxed);
+                ended
+            })
+        });
         threads.spawn(|| stopping.run(bus, stop));
         threads.spawn(|| topics.run(&mut BusLink::new(bus), stop));
         threads.spawn(|| {
@@ -40,6 +53,10 @@ pub fn run(arguments: &Arguments, stop: &Arc<AtomicBool>) -> anyhow::Result<()> 
         });
         // Open goals belong to the thread that sent them.
         goals.run(&mut BusLink::new(bus), stop);
-    });
-    Ok(())
+        match driven.map(std::thread::ScopedJoinHandle::join) {
+            Some(Ok(ended)) => ended,
+            Some(Err(_)) => anyhow::bail!("the robot's thread panicked; report this as an error"),
+            None => Ok(()),
+        }
+    })
 }

@@ -7,17 +7,14 @@
 
 use std::time::{Duration, Instant};
 
-use atas_client::{ClientError, Session, TeleopHands, TeleopSender, TeleopTarget};
+use atas_client::Session;
 use robot_model::HandSide;
 use shm_schemas::{ControlOp, Hand};
 
 use super::gripper_action::{Command, GripperState};
 use super::scene::Scene;
+use super::stream::{ANSWER, Stream};
 
-/// Interval of targets. Design choice: half the interval of a keyboard.
-const INTERVAL: Duration = Duration::from_millis(25);
-/// Validity of a target, ns. Design choice: several times the delay on a busy computer.
-const VALID_NS: u64 = 400_000_000;
 /// Time after a new target before its effect is judged. Design choice: ten statuses.
 const EFFECT: Duration = Duration::from_millis(200);
 /// Distance to the commanded opening that counts as reached, m. Design choice: finger lag at rest.
@@ -28,14 +25,11 @@ const MOTION_M: f64 = 0.0002;
 const REST: Duration = Duration::from_secs(3);
 /// Longest command. Design choice: the daemon's own limits of touch, probe and grip, 28 s.
 const COMMAND_MAX: Duration = Duration::from_secs(30);
-/// Longest wait for the daemon's answer and for the end of a stream.
-const ANSWER: Duration = Duration::from_secs(2);
 /// Name of the parameter with the smallest grip force.
 const FORCE_MIN: &str = "grasp.carry_min_n";
 
-/// Steps of a teleoperated hand, as in the controller's table.
+/// Step of a teleoperated hand with free fingers, as in the controller's table.
 const FREE: &str = "teleop";
-const GRIPPED: &str = "carry";
 
 /// End of a command.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,19 +40,6 @@ pub(super) enum Ended {
     Failed(GripperState),
     /// Cancelled; the hand keeps its grip.
     Cancelled(GripperState),
-}
-
-struct Stream {
-    sender: TeleopSender,
-    hand: Hand,
-    target: TeleopTarget,
-    max_force_n: f64,
-    opened: Instant,
-    sent: Option<Instant>,
-    /// True while the hand holds an object.
-    gripped: bool,
-    /// Set when the end was requested.
-    ending: Option<Instant>,
 }
 
 struct Running {
@@ -119,9 +100,8 @@ impl Gripper {
     }
 
     fn end_stream(&mut self) {
-        if let Some(stream) = self.stream.as_mut().filter(|of| of.ending.is_none()) {
-            stream.sender.end();
-            stream.ending = Some(Instant::now());
+        if let Some(stream) = &mut self.stream {
+            stream.end();
         }
     }
 
@@ -157,12 +137,7 @@ impl Gripper {
 
     /// Sends the last target again, so that the hand keeps its place and grip.
     fn keep_idle_stream(&mut self) {
-        let Some(stream) = &mut self.stream else { return };
-        let is_lost = stream.poll().is_err() || stream.sender.has_ended();
-        let is_silent = stream.ending.is_some_and(|since| since.elapsed() > ANSWER);
-        if is_lost || is_silent {
-            self.stream = None;
-        } else if stream.ending.is_none() && stream.send().is_err() {
+        if self.stream.as_mut().is_some_and(|stream| !stream.keep()) {
             self.stream = None;
         }
     }
@@ -247,25 +222,9 @@ impl Gripper {
         };
         check_opening(command.opening_m, hand, scene)?;
         check_force(command.max_force_n, session)?;
-        let hands = TeleopHands::One(hand);
-        let sender = TeleopSender::open_limited(session, hands, command.max_force_n)
+        let stream = Stream::open(session, hand, &place, command.max_force_n)
             .map_err(|error| format!("goal not sent: {error}"))?;
-        let [x, y, z] = [place.centre_m.x, place.centre_m.y, place.centre_m.z];
-        self.stream = Some(Stream {
-            sender,
-            hand,
-            target: TeleopTarget {
-                hand,
-                centre_m: [x, y, z],
-                yaw_rad: place.closing_yaw_rad,
-                opening_m: Some(place.opening_m.max(0.0)),
-            },
-            max_force_n: command.max_force_n,
-            opened: Instant::now(),
-            sent: None,
-            gripped: false,
-            ending: None,
-        });
+        self.stream = Some(stream);
         Ok(())
     }
 
@@ -297,7 +256,7 @@ impl Gripper {
         let step = stream.step();
         let reached = (state.opening_m - wanted_m).abs() < REACHED_M;
         let rests = running.moved.1.elapsed() > REST;
-        if step == GRIPPED || (step == FREE && reached) {
+        if stream.grips() || (step == FREE && reached) {
             return Ok(Some(Ended::Done(GripperState {
                 stalled: !reached,
                 reached,
@@ -318,40 +277,6 @@ impl Gripper {
             })));
         }
         Ok(None)
-    }
-}
-
-impl Stream {
-    fn poll(&mut self) -> Result<(), ClientError> {
-        let progress = self.sender.poll()?;
-        self.gripped = progress.last().step.as_str() == GRIPPED;
-        Ok(())
-    }
-
-    fn is_accepted(&mut self) -> bool {
-        let is_known = self.sender.poll().is_ok_and(|progress| progress.last().goal_id != 0);
-        is_known && self.sender.now_ns() != 0
-    }
-
-    fn step(&mut self) -> String {
-        let progress = self.sender.poll().ok();
-        progress.map_or_else(String::new, |of| of.last().step.to_string())
-    }
-
-    fn text(&mut self) -> String {
-        self.sender.poll().map_or_else(|error| error.to_string(), |of| of.text())
-    }
-
-    fn grips(&self) -> bool {
-        self.gripped
-    }
-
-    fn send(&mut self) -> Result<(), ClientError> {
-        if self.sent.is_some_and(|sent| sent.elapsed() < INTERVAL) {
-            return Ok(());
-        }
-        self.sent = Some(Instant::now());
-        self.sender.send(&self.target, VALID_NS)
     }
 }
 

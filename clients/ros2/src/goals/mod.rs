@@ -6,17 +6,20 @@
 //! | `HAND/parallel_gripper_cmd` | control_msgs/action/ParallelGripperCommand |
 //! | `grasp`, `pick_place`, `screw`, `assemble`, `release` | atas_msgs/action/… |
 
+mod follow;
 mod gripper;
 mod gripper_action;
 mod grippers;
 mod runner;
 mod scene;
 mod server;
+mod stream;
 mod tasks;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::arguments::Arguments;
 use crate::clock::present;
 use crate::link::BusLink;
 use crate::middleware::{Node, Publish, Quality};
@@ -24,6 +27,7 @@ use crate::wire::action::{Assemble, Grasp, PickPlace, Release, Screw};
 use crate::wire::atas::GoalEvent;
 use crate::wire::standard::{Header, Uuid};
 
+use follow::Follow;
 use grippers::Grippers;
 use runner::TaskServer;
 use scene::Scene;
@@ -62,6 +66,8 @@ impl Journal {
 pub(crate) struct Goals {
     journal: Journal,
     grippers: Grippers,
+    /// Joint commands of ros2_control for one hand.
+    follow: Option<Follow>,
     grasp: TaskServer<Grasp>,
     pick_place: TaskServer<PickPlace>,
     screw: TaskServer<Screw>,
@@ -74,11 +80,14 @@ impl Goals {
     ///
     /// # Errors
     /// The middleware fails.
-    pub(crate) fn open(node: &mut Node, namespace: &str) -> anyhow::Result<Self> {
+    pub(crate) fn open(node: &mut Node, arguments: &Arguments) -> anyhow::Result<Self> {
+        let namespace = &arguments.namespace;
+        let followed = arguments.follow.map(|hand| Follow::open(node, namespace, hand.into()));
         let events = node.publisher(&format!("{namespace}/goal_events"), Quality::EVENTS)?;
         Ok(Self {
             journal: Journal(events),
             grippers: Grippers::open(node, namespace)?,
+            follow: followed.transpose()?,
             grasp: TaskServer::open(node, namespace)?,
             pick_place: TaskServer::open(node, namespace)?,
             screw: TaskServer::open(node, namespace)?,
@@ -128,6 +137,9 @@ impl Goals {
         let (scene, journal) = (scene.as_ref(), &self.journal);
         let grippers = &mut self.grippers;
         grippers.poll(link, scene, journal);
+        if let Some(follow) = &mut self.follow {
+            follow.poll(link, scene, grippers);
+        }
         self.grasp.poll(link, scene, journal, grippers);
         self.pick_place.poll(link, scene, journal, grippers);
         self.screw.poll(link, scene, journal, grippers);

@@ -1,5 +1,6 @@
 //! Measurements that goals need: status, joints, robot.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use atas_client::Session;
@@ -73,5 +74,19 @@ impl Scene {
         let count = (joints.commanded_count as usize).min(joints.commanded_rad.len());
         let commanded = self.robot()?.pinch(side, &joints.commanded_rad[..count]);
         commanded.or_else(|| self.measured(side))
+    }
+
+    /// Returns the pose of a hand with some joints at other positions.
+    pub(super) fn with_joints(
+        &self,
+        side: HandSide,
+        wanted: &BTreeMap<String, f64>,
+    ) -> Option<PinchPose> {
+        let joints = &self.view.joints;
+        let count = (joints.joint_count as usize).min(joints.position_rad.len());
+        let names = self.robot()?.skeleton.joint_names().iter();
+        let measured = joints.position_rad[..count].iter();
+        let q_rad = measured.zip(names).map(|(q, name)| *wanted.get(name).unwrap_or(q));
+        self.robot()?.pinch(side, &q_rad.collect::<Vec<f64>>())
     }
 }

@@ -9,24 +9,30 @@ use crate::wire::standard::{
     JointState, Quaternion, Text, Transform, TransformStamped, Transforms, Vector3,
 };
 
-/// Topics of the whole robot.
-pub(super) struct JointTopics {
+/// Topics of the whole robot; none if another node publishes the robot.
+pub(super) struct JointTopics(Option<RobotTopics>);
+
+struct RobotTopics {
     joints: Box<dyn Publish<JointState>>,
     transforms: Box<dyn Publish<Transforms>>,
     description: Box<dyn Publish<Text>>,
 }
 
 impl JointTopics {
-    pub(super) fn open(node: &mut Node) -> anyhow::Result<Self> {
-        Ok(Self {
+    pub(super) fn open(node: &mut Node, publishes_robot: bool) -> anyhow::Result<Self> {
+        if !publishes_robot {
+            return Ok(Self(None));
+        }
+        Ok(Self(Some(RobotTopics {
             joints: node.publisher("/joint_states", Quality::STREAM)?,
             transforms: node.publisher("/tf", Quality::STREAM)?,
             description: node.publisher("/robot_description", Quality::LATCHED)?,
-        })
+        })))
     }
 
     pub(super) fn describe(&self, robot: &KnownRobot) -> anyhow::Result<()> {
-        self.description.publish(Text {
+        let Some(topics) = &self.0 else { return Ok(()) };
+        topics.description.publish(Text {
             data: robot.urdf.clone(),
         })
     }
@@ -37,11 +43,12 @@ impl JointTopics {
         joints: &BusJoints,
         clock: &Clock,
     ) -> anyhow::Result<()> {
+        let Some(topics) = &self.0 else { return Ok(()) };
         let names = robot.skeleton.joint_names();
         let count = (joints.joint_count as usize)
             .min(names.len())
             .min(joints.position_rad.len());
-        self.joints.publish(JointState {
+        topics.joints.publish(JointState {
             header: clock.header(joints.stamp.captured_ns, ""),
             name: names[..count].to_vec(),
             position: joints.position_rad[..count].to_vec(),
@@ -57,9 +64,7 @@ impl JointTopics {
         clock: &Clock,
     ) -> anyhow::Result<()> {
         let count = (joints.joint_count as usize).min(joints.position_rad.len());
-        if count == 0 {
-            return Ok(());
-        }
+        let Some(topics) = self.0.as_ref().filter(|_| count > 0) else { return Ok(()) };
         let limbs = robot.skeleton.limbs();
         let placed = limbs.iter().filter_map(|limb| {
             let parent = limbs[limb.parent?].name.as_str();
@@ -80,7 +85,7 @@ impl JointTopics {
                 },
             })
         });
-        self.transforms.publish(Transforms {
+        topics.transforms.publish(Transforms {
             transforms: placed.collect(),
         })
     }

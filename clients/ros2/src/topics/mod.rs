@@ -78,7 +78,7 @@ impl Topics {
     pub(crate) fn open(node: &mut Node, arguments: &Arguments) -> anyhow::Result<Self> {
         let namespace = &arguments.namespace;
         Ok(Self {
-            joints: JointTopics::open(node)?,
+            joints: JointTopics::open(node, arguments.drive.is_none())?,
             daemon: DaemonTopics::open(node, namespace)?,
             hands: [
                 HandTopics::open(node, namespace, 0)?,
