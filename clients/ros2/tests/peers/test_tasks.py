@@ -1,0 +1,145 @@
+"""Actions of atas_msgs over DDS: grasp, refusal with cause, cancellation, many goals."""
+
+import math
+import time
+
+import pytest
+from bench import Bench
+from cyclone import ABORTED, CANCELED, SUCCEEDED, Peer
+from interfaces import cyclone
+from test_dds import GRIPPER, command, read
+
+POINT = cyclone("geometry_msgs/msg/Point")
+TARGET = cyclone("atas_msgs/msg/ObjectTarget")
+
+
+@pytest.fixture(scope="module")
+def bench():
+    with Bench(bridge=("--services", "cyclonedds")) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def peer(bench):
+    return Peer()
+
+
+def wood(**changed):
+    fields = {
+        "position": POINT(x=0.32, y=-0.15, z=0.0345),
+        "yaw_rad": math.pi / 2,
+        "width_m": 0.05,
+        "top_m": 0.0,
+        "max_force_n": 0.0,
+    }
+    return TARGET(**{**fields, **changed})
+
+
+def opened(peer, name, of):
+    action = peer.action(f"/atas/{name}", f"atas_msgs/action/{of}")
+    action.wait_for_server()
+    return action
+
+
+def test_refusals_have_cause_value_and_remedy(peer):
+    grasp = opened(peer, "grasp", "Grasp")
+    for fields, part in (
+        ({"hand": "third", "object": wood()}, "use left or right"),
+        ({"hand": "right", "object": wood(width_m=math.nan)}, "width is NaN"),
+        ({"hand": "right", "object": wood(position=POINT(x=3.0, y=0.0, z=0.0))}, "reach"),
+        ({"hand": "right", "object": wood(max_force_n=1000.0)}, "maximum force"),
+    ):
+        status, result = grasp.execute(lift_m=0.03, hold_s=0.1, **fields)
+        assert status == ABORTED and result.outcome.state == "rejected", fields
+        assert part in result.outcome.cause, result.outcome.cause
+    names = ["x" * 100_000] * 3
+    status, result = grasp.execute(hand=names[0], object=wood(), lift_m=0.0, hold_s=0.0)
+    assert status == ABORTED and len(result.outcome.cause) < 200
+
+
+def test_grasp_reports_progress_and_holds(peer):
+    grasp = opened(peer, "grasp", "Grasp")
+    read(grasp.feedback, 0.2)
+    goal_id = grasp.send(hand="right", object=wood(), lift_m=0.03, hold_s=0.5)
+    status, result = grasp.result(goal_id, timeout=60)
+    assert status == SUCCEEDED, result.outcome.cause
+    assert result.outcome.state == "succeeded" and result.outcome.cause == ""
+    assert result.outcome.lifted_m == pytest.approx(0.03, abs=0.005)
+    assert result.outcome.friction > 0.1 and result.outcome.stiffness_n_m > 100
+    steps = [sample.feedback.progress.step for sample in read(grasp.feedback, 0.5)[0]]
+    for step in ("reach", "approach", "grip", "lift", "hold"):
+        assert step in steps, steps
+    print(f"grasp: {result.outcome.took_s:.1f} s, {max(result.outcome.normal_n):.2f} N")
+
+
+def test_second_goal_is_refused_while_the_hand_is_full(peer):
+    grasp = opened(peer, "grasp", "Grasp")
+    status, result = grasp.execute(hand="right", object=wood(), lift_m=0.03, hold_s=0.1)
+    assert status == ABORTED and "holds" in result.outcome.cause, result.outcome.cause
+
+
+def test_held_object_is_released(peer):
+    release = opened(peer, "release", "Release")
+    status, result = release.execute(hand="right")
+    assert status == SUCCEEDED, result.outcome.cause
+
+
+def test_cancelled_grasp_ends_and_next_one_runs(peer):
+    grasp = opened(peer, "grasp", "Grasp")
+    fields = {"hand": "left", "object": wood(position=POINT(x=0.32, y=0.15, z=0.0345))}
+    goal_id = grasp.send(lift_m=0.03, hold_s=1.0, **fields)
+    time.sleep(1.0)
+    assert grasp.cancel(goal_id) == 0
+    status, result = grasp.result(goal_id)
+    assert status == CANCELED and result.outcome.state == "cancelled"
+
+
+def test_no_goal_and_no_result_of_many_is_lost(peer):
+    """1,000 goals that the daemon rejects, up to 20 at once; every one has its result."""
+    grasp = opened(peer, "grasp", "Grasp")
+    far = wood(position=POINT(x=3.0, y=0.0, z=0.0))
+    begin, ended = time.monotonic(), 0
+    for _ in range(50):
+        ids = [
+            grasp.send(hand="right", object=far, lift_m=0.03, hold_s=0.1) for _ in range(20)
+        ]
+        for goal_id in ids:
+            status, result = grasp.result(goal_id)
+            assert status == ABORTED and result.outcome.cause
+            ended += 1
+    took_s = time.monotonic() - begin
+    assert ended == 1000
+    print(f"1000 goals and results in {took_s:.1f} s")
+
+
+def test_first_motion_is_as_early_as_from_the_console(bench, peer):
+    """Time from the call of the client to the first commanded motion of a finger."""
+    gripper = peer.action(*GRIPPER)
+    gripper.wait_for_server()
+    joints = peer.reader("/joint_states", "sensor_msgs/msg/JointState")
+
+    def delay_s(start):
+        read(joints, 0.3)
+        begin = time.monotonic()
+        start()
+        while time.monotonic() < begin + 3:
+            for sample in joints.take(10):
+                moving = max(abs(v) for v in sample.velocity)
+                if moving > 0.01:
+                    return time.monotonic() - begin
+            time.sleep(0.0005)
+        raise AssertionError("no motion")
+
+    over_ros = []
+    for opening in (0.03, 0.06, 0.03, 0.06, 0.03):
+        goal_id = None
+
+        def start(to=opening):
+            nonlocal goal_id
+            goal_id = gripper.send(command=command(to))
+
+        over_ros.append(delay_s(start))
+        assert gripper.result(goal_id)[0] == SUCCEEDED
+        time.sleep(0.5)
+    print("gripper: goal to first motion " + ", ".join(f"{s * 1e3:.0f}" for s in over_ros) + " ms")
+    assert sorted(over_ros)[2] <= 0.05
