@@ -53,6 +53,8 @@ pub fn run(arguments: &Arguments, stop: &Arc<AtomicBool>) -> anyhow::Result<()> 
         });
         // Open goals belong to the thread that sent them.
         goals.run(&mut BusLink::new(bus), stop);
+        // RustDDS reports writers that end after their participant.
+        log::set_max_level(log::LevelFilter::Off);
         match driven.map(std::thread::ScopedJoinHandle::join) {
             Some(Ok(ended)) => ended,
             Some(Err(_)) => anyhow::bail!("the robot's thread panicked; report this as an error"),

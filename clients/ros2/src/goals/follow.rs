@@ -91,14 +91,20 @@ impl Follow {
         if let Some(stream) = &mut self.stream
             && !stream.keep()
         {
-            let text = stream.text();
+            let (text, was_wanted) = (stream.text(), stream.ending.is_some());
             self.stream = None;
+            if was_wanted {
+                return Ok(());
+            }
             self.pending = false;
             return Err(format!("the daemon ended the stream: {text}"));
         }
         let idle = self.commanded.is_none_or(|since| since.elapsed() > IDLE);
         if idle && let Some(stream) = self.stream.as_mut().filter(|of| !of.grips()) {
             stream.end();
+        }
+        if self.stream.as_ref().is_some_and(|stream| stream.ending.is_some()) {
+            // A command that arrives now opens the next stream.
             return Ok(());
         }
         let Some(scene) = scene.filter(|_| self.pending) else { return Ok(()) };
