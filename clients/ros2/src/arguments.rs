@@ -133,7 +133,9 @@ fn rate(text: &str) -> Result<f64, String> {
 fn namespace(text: &str) -> Result<String, String> {
     let is_word = |word: &str| {
         let mut letters = word.chars();
-        letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        letters
+            .next()
+            .is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
             && letters.all(|c| c.is_ascii_alphanumeric() || c == '_')
     };
     match text.strip_prefix('/') {
@@ -167,7 +169,9 @@ mod tests {
     #[test]
     fn arguments_out_of_range_are_rejected() {
         let parse = |line: &str| Arguments::try_parse_from(line.split(' '));
-        let hz = parse("atas-ros2 --joint-rate 50").expect("valid").joint_rate;
+        let hz = parse("atas-ros2 --joint-rate 50")
+            .expect("valid")
+            .joint_rate;
         assert!((hz - 50.0).abs() < f64::EPSILON);
         for wrong in [
             "--joint-rate 1000",

@@ -22,7 +22,9 @@ fn main() -> ExitCode {
 fn execute(arguments: &Arguments) -> Result<(), String> {
     if arguments.print_types {
         let lines = catalogue::entries().into_iter();
-        let lines: Vec<String> = lines.map(|(name, hash)| format!("{name} {hash}\n")).collect();
+        let lines: Vec<String> = lines
+            .map(|(name, hash)| format!("{name} {hash}\n"))
+            .collect();
         let written = std::io::stdout().write_all(lines.concat().as_bytes());
         return written.map_err(|error| format!("could not print the types: {error}"));
     }

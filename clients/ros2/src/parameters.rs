@@ -93,7 +93,8 @@ impl Parameters {
         if let Some((caller, request)) = self.describe.take()? {
             let known = all(link);
             let descriptors = each(&request.names, |name| descriptor(&known, name));
-            self.describe.respond(caller, DescribeResponse { descriptors })?;
+            self.describe
+                .respond(caller, DescribeResponse { descriptors })?;
         }
         Ok(())
     }
@@ -169,7 +170,9 @@ fn call(
     value: f64,
     name: &str,
 ) -> Result<ControlReply, ClientError> {
-    let reply = link.session().and_then(|session: &Session| session.request(op, value, name));
+    let reply = link
+        .session()
+        .and_then(|session: &Session| session.request(op, value, name));
     if matches!(reply, Err(ClientError::Bus(_))) {
         // A new daemon may use a new bus.
         link.close();
@@ -192,10 +195,14 @@ fn set(link: &mut BusLink, parameter: &Parameter) -> Result<(), String> {
     let name: String = parameter.name.chars().take(NAME_MAX).collect();
     let of = &parameter.value;
     if of.r#type != kind::DOUBLE || !of.double_value.is_finite() {
-        return Err(format!("{name} needs a finite floating-point number, for example 0.08"));
+        return Err(format!(
+            "{name} needs a finite floating-point number, for example 0.08"
+        ));
     }
     if parameter.name.len() > NAME_MAX {
-        return Err(format!("{name}…: a parameter name has at most {NAME_MAX} bytes"));
+        return Err(format!(
+            "{name}…: a parameter name has at most {NAME_MAX} bytes"
+        ));
     }
     let reply = call(link, ControlOp::PARAM_SET, of.double_value, &name);
     let reply = reply.map_err(|error| error.to_string())?;
@@ -209,7 +216,9 @@ fn set(link: &mut BusLink, parameter: &Parameter) -> Result<(), String> {
 fn all(link: &mut BusLink) -> Vec<Known> {
     let mut known = Vec::new();
     for index in 0..NAMES_MAX as u32 {
-        let Ok(reply) = call(link, ControlOp::PARAM_LIST, f64::from(index), "") else { break };
+        let Ok(reply) = call(link, ControlOp::PARAM_LIST, f64::from(index), "") else {
+            break;
+        };
         if reply.outcome != ControlOutcome::DONE {
             break;
         }
@@ -234,12 +243,20 @@ fn listed(known: &[Known], prefixes: &[String], depth: u64) -> ListResult {
                 .is_some_and(|rest| depth == 0 || levels(rest) <= depth)
         };
         let whole = prefixes.is_empty() && (depth == 0 || levels(name) <= depth);
-        whole || prefixes.iter().any(|prefix| prefix == name || below(prefix))
+        whole
+            || prefixes
+                .iter()
+                .any(|prefix| prefix == name || below(prefix))
     };
-    let names: Vec<String> =
-        known.iter().map(|of| of.name.clone()).filter(|name| is_listed(name)).collect();
-    let mut found: Vec<String> =
-        names.iter().filter_map(|name| Some(name.rsplit_once('.')?.0.to_owned())).collect();
+    let names: Vec<String> = known
+        .iter()
+        .map(|of| of.name.clone())
+        .filter(|name| is_listed(name))
+        .collect();
+    let mut found: Vec<String> = names
+        .iter()
+        .filter_map(|name| Some(name.rsplit_once('.')?.0.to_owned()))
+        .collect();
     found.sort_unstable();
     found.dedup();
     ListResult {
@@ -281,7 +298,11 @@ mod tests {
         });
         let check = |prefixes: &[&str], depth, expected: &[&str]| {
             let prefixes: Vec<String> = prefixes.iter().map(|p| (*p).to_owned()).collect();
-            assert_eq!(listed(&known, &prefixes, depth).names, expected, "{prefixes:?} {depth}");
+            assert_eq!(
+                listed(&known, &prefixes, depth).names,
+                expected,
+                "{prefixes:?} {depth}"
+            );
         };
         check(&[], 0, &["grasp.dr_n", "grasp.f2.max_n", "safety.pause_s"]);
         check(&[], 2, &["grasp.dr_n", "safety.pause_s"]);

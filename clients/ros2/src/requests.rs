@@ -45,7 +45,10 @@ fn stop_robot(bus: &BusName) -> Result<String, String> {
     if reply.outcome == StopOutcome::STOPPED {
         Ok(format!("stopped over the {} channel", reply.channel.name()))
     } else {
-        Err(format!("the daemon answered {}; use the emergency stop", reply.outcome))
+        Err(format!(
+            "the daemon answered {}; use the emergency stop",
+            reply.outcome
+        ))
     }
 }
 
@@ -87,13 +90,17 @@ fn request(link: &mut BusLink, op: ControlOp, value: f64) -> Result<String, Stri
         // A new daemon may use a new bus.
         link.close();
     }
-    reply.map(|reply| reply.text.to_string()).map_err(|error| error.to_string())
+    reply
+        .map(|reply| reply.text.to_string())
+        .map_err(|error| error.to_string())
 }
 
 /// Answers the next request of a service with the result of `act`.
 fn answer(service: &mut Box<dyn Serve<Trigger>>, mut act: impl FnMut() -> Result<String, String>) {
     let done = service.take().and_then(|request| {
-        let Some((caller, _)) = request else { return Ok(()) };
+        let Some((caller, _)) = request else {
+            return Ok(());
+        };
         let (success, message) = match act() {
             Ok(message) => (true, message),
             Err(cause) => (false, cause),

@@ -1,7 +1,7 @@
 //! Robot of the running daemon: kinematics, element layouts, names.
 
 use atas_client::{Run, layouts};
-use robot_model::{HandPose, HandSide, PinchPose, RobotFiles, RobotModel, HandVector, Skeleton};
+use robot_model::{HandPose, HandSide, HandVector, PinchPose, RobotFiles, RobotModel, Skeleton};
 use shm_bus::{Bus, BusError};
 use shm_schemas::capacity::HANDS;
 use shm_schemas::{Layout, RunHeader, Status};

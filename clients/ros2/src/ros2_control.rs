@@ -74,7 +74,10 @@ impl Drive {
     ) -> anyhow::Result<Self> {
         let robot = arguments.robot.as_deref().unwrap_or_default();
         let files = RobotFiles::find(robot).context("could not load the robot of --robot")?;
-        let topic = arguments.command_topic.as_deref().unwrap_or(controller.topic());
+        let topic = arguments
+            .command_topic
+            .as_deref()
+            .unwrap_or(controller.topic());
         Ok(Self {
             names: files.skeleton()?.joint_names().to_vec(),
             model: files.load()?,
@@ -140,8 +143,11 @@ impl Drive {
             }
         };
         if running.validator.is_none() {
-            let speeds: Vec<f64> =
-                self.model.joints().map(|joint| joint.velocity_max_rad_s).collect();
+            let speeds: Vec<f64> = self
+                .model
+                .joints()
+                .map(|joint| joint.velocity_max_rad_s)
+                .collect();
             running.held_rad = joints.iter().map(|[position, ..]| *position).collect();
             running.validator = Some(CommandValidator::new(&running.held_rad, &speeds));
         }
@@ -153,10 +159,14 @@ impl Drive {
             return Ok(());
         }
         let command = running.command;
-        let within = self.model.joints().zip(command.position_rad).all(|(joint, q_rad)| {
-            q_rad >= joint.lower_rad - LIMIT_MARGIN_RAD
-                && q_rad <= joint.upper_rad + LIMIT_MARGIN_RAD
-        });
+        let within = self
+            .model
+            .joints()
+            .zip(command.position_rad)
+            .all(|(joint, q_rad)| {
+                q_rad >= joint.lower_rad - LIMIT_MARGIN_RAD
+                    && q_rad <= joint.upper_rad + LIMIT_MARGIN_RAD
+            });
         let accepted = match &mut running.validator {
             Some(validator) if within => validator.accept(&command, now_ns()),
             _ => None,
@@ -243,11 +253,20 @@ fn ordered(state: &JointState, names: &[String]) -> Result<Vec<[f64; 3]>, String
     }
     let find = |name: &String| {
         let at = state.name.iter().position(|of| of == name);
-        let at = at.ok_or_else(|| format!("joint {name} is missing; publish it, or check --robot"))?;
+        let at =
+            at.ok_or_else(|| format!("joint {name} is missing; publish it, or check --robot"))?;
         let other = |values: &[f64]| values.get(at).copied().unwrap_or(0.0);
-        let joint = [state.position[at], other(&state.velocity), other(&state.effort)];
+        let joint = [
+            state.position[at],
+            other(&state.velocity),
+            other(&state.effort),
+        ];
         // Some drivers report NaN for an effort that they do not measure.
-        let joint = [joint[0], joint[1], if joint[2].is_nan() { 0.0 } else { joint[2] }];
+        let joint = [
+            joint[0],
+            joint[1],
+            if joint[2].is_nan() { 0.0 } else { joint[2] },
+        ];
         match joint.iter().find(|value| !value.is_finite()) {
             Some(value) => Err(format!("joint {name} reports {value}; check its driver")),
             None => Ok(joint),
@@ -269,7 +288,10 @@ mod tests {
             effort: effort.to_vec(),
             ..JointState::default()
         };
-        let joints = ordered(&state(&["b", "x", "a"], &[1.0, 2.0, 3.0], &[f64::NAN]), &names);
+        let joints = ordered(
+            &state(&["b", "x", "a"], &[1.0, 2.0, 3.0], &[f64::NAN]),
+            &names,
+        );
         assert_eq!(joints, Ok(vec![[3.0, 0.0, 0.0], [1.0, 0.0, 0.0]]));
         let error = |of: &JointState| ordered(of, &names).expect_err("invalid");
         assert!(error(&state(&["a"], &[1.0], &[])).contains("joint b is missing"));

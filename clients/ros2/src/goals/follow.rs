@@ -103,13 +103,21 @@ impl Follow {
         if idle && let Some(stream) = self.stream.as_mut().filter(|of| !of.grips()) {
             stream.end();
         }
-        if self.stream.as_ref().is_some_and(|stream| stream.ending.is_some()) {
+        if self
+            .stream
+            .as_ref()
+            .is_some_and(|stream| stream.ending.is_some())
+        {
             // A command that arrives now opens the next stream.
             return Ok(());
         }
-        let Some(scene) = scene.filter(|_| self.pending) else { return Ok(()) };
+        let Some(scene) = scene.filter(|_| self.pending) else {
+            return Ok(());
+        };
         let side = HandSide::BOTH[self.hand.index().unwrap_or(0)];
-        let Some(place) = scene.with_joints(side, &self.wanted) else { return Ok(()) };
+        let Some(place) = scene.with_joints(side, &self.wanted) else {
+            return Ok(());
+        };
         if self.stream.is_none() {
             if !grippers.make_way() || scene.is_arming() {
                 return Ok(());
@@ -120,7 +128,9 @@ impl Follow {
             self.pending = stream.is_ok();
             self.stream = Some(stream.map_err(|error| error.to_string())?);
         }
-        let Some(stream) = &mut self.stream else { return Ok(()) };
+        let Some(stream) = &mut self.stream else {
+            return Ok(());
+        };
         if stream.is_accepted() {
             stream.target = target(self.hand, &place);
             self.pending = false;
@@ -140,8 +150,13 @@ fn checked(command: &JointState) -> Result<(), String> {
             "it has {names} names and {positions} positions; give 1 to {JOINTS} of both"
         ));
     }
-    let wrong = command.position.iter().find(|position| !position.is_finite());
-    wrong.map_or(Ok(()), |position| Err(format!("a position is {position}; give finite numbers")))
+    let wrong = command
+        .position
+        .iter()
+        .find(|position| !position.is_finite());
+    wrong.map_or(Ok(()), |position| {
+        Err(format!("a position is {position}; give finite numbers"))
+    })
 }
 
 #[cfg(test)]

@@ -107,7 +107,9 @@ impl Gripper {
 
     /// Returns opening and force of a hand.
     pub(super) fn state(&self, hand: Hand, scene: &Scene) -> GripperState {
-        let opening_m = scene.measured(side(hand)).map_or(0.0, |pose| pose.opening_m);
+        let opening_m = scene
+            .measured(side(hand))
+            .map_or(0.0, |pose| pose.opening_m);
         GripperState {
             opening_m,
             force_n: force_n(hand, scene),
@@ -148,7 +150,9 @@ impl Gripper {
         scene: &Scene,
         state: &GripperState,
     ) -> Result<Option<Ended>, String> {
-        let Some(running) = &mut self.running else { return Ok(None) };
+        let Some(running) = &mut self.running else {
+            return Ok(None);
+        };
         if let Some(stream) = &mut self.stream {
             stream.poll().map_err(|error| error.to_string())?;
             if stream.sender.has_ended() {
@@ -165,7 +169,9 @@ impl Gripper {
             } else if let Some(since) = stream.ending {
                 if since.elapsed() > ANSWER {
                     self.stream = None;
-                    return Err(format!("the daemon did not end the previous goal in {ANSWER:?}"));
+                    return Err(format!(
+                        "the daemon did not end the previous goal in {ANSWER:?}"
+                    ));
                 }
                 return Ok(None);
             }
@@ -207,7 +213,9 @@ impl Gripper {
 
     /// Opens a stream if there is none, after validating the command.
     fn open_stream(&mut self, session: &Session, scene: &Scene) -> Result<(), String> {
-        let Some(running) = &self.running else { return Ok(()) };
+        let Some(running) = &self.running else {
+            return Ok(());
+        };
         if self.stream.is_some() || (scene.is_arming() && running.since.elapsed() < ANSWER) {
             return Ok(());
         }
@@ -235,7 +243,9 @@ impl Gripper {
         };
         if !stream.is_accepted() {
             return if stream.opened.elapsed() > ANSWER {
-                Err(format!("no answer from the daemon within {ANSWER:?}; see `atas status`"))
+                Err(format!(
+                    "no answer from the daemon within {ANSWER:?}; see `atas status`"
+                ))
             } else {
                 Ok(None)
             };
@@ -246,11 +256,16 @@ impl Gripper {
             (running.targeted, running.moved) = (Some(now), (state.opening_m, now));
             (stream.target.opening_m, stream.sent) = (Some(wanted_m), None);
         }
-        stream.send().map_err(|error| format!("target not sent: {error}"))?;
+        stream
+            .send()
+            .map_err(|error| format!("target not sent: {error}"))?;
         if (state.opening_m - running.moved.0).abs() > MOTION_M {
             running.moved = (state.opening_m, now);
         }
-        if running.targeted.is_some_and(|since| since.elapsed() < EFFECT) {
+        if running
+            .targeted
+            .is_some_and(|since| since.elapsed() < EFFECT)
+        {
             return Ok(None);
         }
         let step = stream.step();
@@ -283,17 +298,23 @@ impl Gripper {
 /// Returns the force of the stronger grasp side, N.
 fn force_n(hand: Hand, scene: &Scene) -> f64 {
     let index = hand.index().unwrap_or(0);
-    let Some(robot) = scene.robot() else { return 0.0 };
+    let Some(robot) = scene.robot() else {
+        return 0.0;
+    };
     let normal_n = &scene.status.hands[index].normal_n;
     let of_side = |of: usize| {
         let tips = robot.model.hand(side(hand)).fingertips_of(of);
-        tips.filter_map(|tip| normal_n.get(tip)).map(|n| f64::from(*n)).sum::<f64>()
+        tips.filter_map(|tip| normal_n.get(tip))
+            .map(|n| f64::from(*n))
+            .sum::<f64>()
     };
     of_side(0).max(of_side(1))
 }
 
 fn check_opening(opening_m: f64, hand: Hand, scene: &Scene) -> Result<(), String> {
-    let Some(robot) = scene.robot() else { return Ok(()) };
+    let Some(robot) = scene.robot() else {
+        return Ok(());
+    };
     let most_m = robot.model.hand(side(hand)).max_opening_m();
     if (0.0..=most_m).contains(&opening_m) {
         return Ok(());
@@ -309,7 +330,9 @@ fn check_force(max_force_n: f64, session: &Session) -> Result<(), String> {
         return Ok(());
     }
     let reply = session.request_success(ControlOp::PARAM_GET, 0.0, FORCE_MIN);
-    let least_n = reply.map_err(|error| format!("goal not sent: {error}"))?.value;
+    let least_n = reply
+        .map_err(|error| format!("goal not sent: {error}"))?
+        .value;
     if max_force_n >= least_n {
         return Ok(());
     }

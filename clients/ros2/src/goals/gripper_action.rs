@@ -129,7 +129,9 @@ fn joint_state(state: &GripperState) -> JointState {
 
 fn checked(opening_m: f64, max_force_n: f64) -> Result<Command, String> {
     if !opening_m.is_finite() {
-        return Err(format!("goal rejected: position is {opening_m}; give a finite number in m"));
+        return Err(format!(
+            "goal rejected: position is {opening_m}; give a finite number in m"
+        ));
     }
     if !(max_force_n.is_finite() && max_force_n >= 0.0) {
         return Err(format!(

@@ -113,12 +113,7 @@ impl Grippers {
         self.gripper.make_way()
     }
 
-    pub(super) fn poll(
-        &mut self,
-        link: &mut BusLink,
-        scene: Option<&Scene>,
-        journal: &Journal,
-    ) {
+    pub(super) fn poll(&mut self, link: &mut BusLink, scene: Option<&Scene>, journal: &Journal) {
         for port in 0..self.ports.len() {
             for request in self.ports[port].1.receive() {
                 match request {
@@ -188,7 +183,9 @@ impl Grippers {
     }
 
     fn end(&mut self, ended: &Ended, journal: &Journal) {
-        let Some(Current { port, id, .. }) = self.current.take() else { return };
+        let Some(Current { port, id, .. }) = self.current.take() else {
+            return;
+        };
         let (status, state) = match ended {
             Ended::Done(state) => (status::SUCCEEDED, state),
             Ended::Failed(state) => (status::ABORTED, state),
@@ -211,7 +208,9 @@ impl Grippers {
     }
 
     fn report(&mut self, scene: Option<&Scene>) {
-        let (Some(current), Some(scene)) = (&mut self.current, scene) else { return };
+        let (Some(current), Some(scene)) = (&mut self.current, scene) else {
+            return;
+        };
         if current.reported.elapsed() < FEEDBACK {
             return;
         }

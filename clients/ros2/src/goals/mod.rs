@@ -82,7 +82,9 @@ impl Goals {
     /// The middleware fails.
     pub(crate) fn open(node: &mut Node, arguments: &Arguments) -> anyhow::Result<Self> {
         let namespace = &arguments.namespace;
-        let followed = arguments.follow.map(|hand| Follow::open(node, namespace, hand.into()));
+        let followed = arguments
+            .follow
+            .map(|hand| Follow::open(node, namespace, hand.into()));
         let events = node.publisher(&format!("{namespace}/goal_events"), Quality::EVENTS)?;
         Ok(Self {
             journal: Journal(events),

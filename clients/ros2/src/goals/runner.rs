@@ -182,7 +182,9 @@ impl Run {
             };
             return Some((status, outcome(&self.progress)));
         }
-        let is_unconfirmed = self.cancelled.is_some_and(|since| since.elapsed() > CONFIRMATION);
+        let is_unconfirmed = self
+            .cancelled
+            .is_some_and(|since| since.elapsed() > CONFIRMATION);
         if is_unconfirmed {
             return failed(format!(
                 "goal cancelled, but the daemon did not confirm it within {CONFIRMATION:?}; see \
@@ -201,7 +203,10 @@ impl Run {
             policy: GoalPolicy::ATTACHED,
             ..self.request
         };
-        let client = session.bus().goal_client().map_err(|error| error.to_string())?;
+        let client = session
+            .bus()
+            .goal_client()
+            .map_err(|error| error.to_string())?;
         let pending = client.send(&request).map_err(|error| error.to_string())?;
         self.sent = Some((client, pending));
         Ok(())

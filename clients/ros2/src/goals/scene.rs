@@ -86,7 +86,9 @@ impl Scene {
         let count = (joints.joint_count as usize).min(joints.position_rad.len());
         let names = self.robot()?.skeleton.joint_names().iter();
         let measured = joints.position_rad[..count].iter();
-        let q_rad = measured.zip(names).map(|(q, name)| *wanted.get(name).unwrap_or(q));
+        let q_rad = measured
+            .zip(names)
+            .map(|(q, name)| *wanted.get(name).unwrap_or(q));
         self.robot()?.pinch(side, &q_rad.collect::<Vec<f64>>())
     }
 }

@@ -8,9 +8,7 @@ use std::time::{Duration, Instant};
 use crate::clock::present;
 use crate::middleware::{ActionPorts, Caller};
 use crate::wire::Action;
-use crate::wire::action::{
-    FeedbackMessage, GetResultResponse, SendGoalResponse, cancel, status,
-};
+use crate::wire::action::{FeedbackMessage, GetResultResponse, SendGoalResponse, cancel, status};
 use crate::wire::standard::{
     CancelGoalRequest, CancelGoalResponse, GoalInfo, GoalStatus, GoalStatusArray, Time, Uuid,
 };
@@ -106,7 +104,10 @@ impl<A: Action> ActionServer<A> {
     /// Returns true unless a goal has this id already.
     fn accept(&mut self, id: &Uuid, stamp: &Time) -> bool {
         if self.find(id).is_some() {
-            tracing::warn!("{}: goal rejected: its identifier was used before", self.name);
+            tracing::warn!(
+                "{}: goal rejected: its identifier was used before",
+                self.name
+            );
             return false;
         }
         self.goals.push(Tracked {
@@ -129,14 +130,21 @@ impl<A: Action> ActionServer<A> {
     /// Selects the goals of a cancellation by identifier, by time, or all.
     fn cancel(&mut self, request: &CancelGoalRequest) -> CancelGoalResponse {
         let info = &request.goal_info;
-        let (any_id, any_time) = (info.goal_id == Uuid::default(), info.stamp == Time::default());
+        let (any_id, any_time) = (
+            info.goal_id == Uuid::default(),
+            info.stamp == Time::default(),
+        );
         let time = |stamp: &Time| (stamp.sec, stamp.nanosec);
         let matches = |goal: &Tracked<A>| {
             let is_it = !any_id && goal.info.goal_id == info.goal_id;
             let is_before = !any_time && time(&goal.info.stamp) <= time(&info.stamp);
             is_it || is_before || (any_id && any_time)
         };
-        let is_known = any_id || self.goals.iter().any(|goal| goal.info.goal_id == info.goal_id);
+        let is_known = any_id
+            || self
+                .goals
+                .iter()
+                .any(|goal| goal.info.goal_id == info.goal_id);
         let mut canceling = Vec::new();
         for goal in self.goals.iter_mut().filter(|goal| matches(goal)) {
             if goal.ended.is_none() {
@@ -195,7 +203,9 @@ impl<A: Action> ActionServer<A> {
             (status, Some(result.clone()), Some(Instant::now()));
         for caller in std::mem::take(&mut goal.waiting) {
             let response = GetResultResponse::new(status, result.clone());
-            self.warn_of("a result", |server| server.ports.respond_result(caller, response));
+            self.warn_of("a result", |server| {
+                server.ports.respond_result(caller, response)
+            });
         }
         self.warn_of("states", |server| server.report_statuses());
     }

@@ -74,7 +74,10 @@ impl Stream {
     }
 
     pub(super) fn is_accepted(&mut self) -> bool {
-        let is_known = self.sender.poll().is_ok_and(|progress| progress.last().goal_id != 0);
+        let is_known = self
+            .sender
+            .poll()
+            .is_ok_and(|progress| progress.last().goal_id != 0);
         is_known && self.sender.now_ns() != 0
     }
 
@@ -84,7 +87,9 @@ impl Stream {
     }
 
     pub(super) fn text(&mut self) -> String {
-        self.sender.poll().map_or_else(|error| error.to_string(), |of| of.text())
+        self.sender
+            .poll()
+            .map_or_else(|error| error.to_string(), |of| of.text())
     }
 
     pub(super) fn grips(&self) -> bool {

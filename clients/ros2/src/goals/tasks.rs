@@ -94,9 +94,13 @@ fn target(of: &ObjectTarget) -> Target {
 /// Returns an error if a number of the goal is not finite.
 pub(super) fn check(request: &GoalRequest) -> Result<(), String> {
     let names = GoalRequest::VALUE_NAMES.iter();
-    let wrong = names.zip(request.values()).find(|(_, value)| !value.is_finite());
+    let wrong = names
+        .zip(request.values())
+        .find(|(_, value)| !value.is_finite());
     wrong.map_or(Ok(()), |(name, value)| {
-        Err(format!("goal rejected: {name} is {value}; give a finite number"))
+        Err(format!(
+            "goal rejected: {name} is {value}; give a finite number"
+        ))
     })
 }
 
@@ -115,7 +119,11 @@ pub(super) fn outcome(progress: &GoalProgress) -> TaskOutcome {
     let succeeded = last.state == GoalState::SUCCEEDED;
     TaskOutcome {
         state: last.state.name().to_owned(),
-        cause: if succeeded { String::new() } else { progress.text() },
+        cause: if succeeded {
+            String::new()
+        } else {
+            progress.text()
+        },
         cause_code: if succeeded { 0 } else { last.reason.cause.0 },
         normal_n: figures.normal_n[..FINGERS].to_vec(),
         stiffness_n_m: figures.stiffness_n_m,
@@ -173,7 +181,10 @@ mod tests {
         let mut goal = grasp_goal();
         goal.hand = "third".repeat(1000);
         let error = Grasp::request(&goal).expect_err("no such hand");
-        assert!(error.contains("use left or right") && error.len() < 100, "{error}");
+        assert!(
+            error.contains("use left or right") && error.len() < 100,
+            "{error}"
+        );
         let mut goal = grasp_goal();
         goal.object.width_m = f64::NAN;
         let error = check(&Grasp::request(&goal).expect("parsed")).expect_err("not finite");

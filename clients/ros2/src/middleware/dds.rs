@@ -120,12 +120,14 @@ impl DdsNode {
             feedback_publisher: profile(Quality::STREAM),
             status_publisher: profile(Quality::LATCHED),
         };
-        let server = self.node.create_action_server::<A::Goal, A::Result, A::Feedback>(
-            self.mapping,
-            &parsed(name)?,
-            &ActionTypeName::new(&package, &of),
-            qualities,
-        );
+        let server = self
+            .node
+            .create_action_server::<A::Goal, A::Result, A::Feedback>(
+                self.mapping,
+                &parsed(name)?,
+                &ActionTypeName::new(&package, &of),
+                qualities,
+            );
         Ok(Box::new(DdsAction::<A> {
             server: server.map_err(|error| failure(name, error))?,
             waiting: Waiting::default(),

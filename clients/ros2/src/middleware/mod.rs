@@ -250,7 +250,10 @@ impl Node {
     ///
     /// # Errors
     /// The name is invalid, or the middleware fails.
-    pub(crate) fn action<A: Action>(&mut self, name: &str) -> anyhow::Result<Box<dyn ActionPorts<A>>> {
+    pub(crate) fn action<A: Action>(
+        &mut self,
+        name: &str,
+    ) -> anyhow::Result<Box<dyn ActionPorts<A>>> {
         on_each!(self, node => node.action::<A>(name))
     }
 }

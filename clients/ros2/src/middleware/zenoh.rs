@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::num::NonZeroUsize;
 
 use anyhow::anyhow;
+use hiroz::Builder;
 use hiroz::context::{ZContext, ZContextBuilder};
 use hiroz::entity::{TypeHash, TypeInfo};
 use hiroz::msg::{SerdeCdrSerdes, ZMessage, ZService};
@@ -11,7 +12,6 @@ use hiroz::node::ZNode;
 use hiroz::pubsub::{ZPub, ZSub};
 use hiroz::qos::{QosDurability, QosHistory, QosProfile, QosReliability};
 use hiroz::service::{ServiceReply, ZServer};
-use hiroz::Builder;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +46,9 @@ impl ZenohNode {
                 )
             })?;
         // The services of parameters are those of the bridge, as over DDS.
-        let node = context.create_node(&options.name).with_namespace(&options.namespace);
+        let node = context
+            .create_node(&options.name)
+            .with_namespace(&options.namespace);
         let node = node.without_parameters().build();
         Ok(Self {
             node: node.map_err(|error| anyhow!("could not create the node: {error}"))?,
@@ -166,9 +168,7 @@ impl<M: Message> Publish<M> for ZPub<Wire<M>, SerdeCdrSerdes<Wire<M>>> {
     }
 }
 
-impl<M: Message> Subscribe<M>
-    for ZSub<Wire<M>, zenoh::sample::Sample, SerdeCdrSerdes<Wire<M>>>
-{
+impl<M: Message> Subscribe<M> for ZSub<Wire<M>, zenoh::sample::Sample, SerdeCdrSerdes<Wire<M>>> {
     fn take(&mut self) -> anyhow::Result<Option<M>> {
         if !self.is_ready() {
             return Ok(None);

@@ -198,12 +198,7 @@ fn sensor(status: &Status, index: usize) -> Option<DiagnosticStatus> {
     Some(status_of(level, &name, &sentence, &values))
 }
 
-fn status_of(
-    level: u8,
-    name: &str,
-    message: &str,
-    values: &[(&str, String)],
-) -> DiagnosticStatus {
+fn status_of(level: u8, name: &str, message: &str, values: &[(&str, String)]) -> DiagnosticStatus {
     let values = values.iter().map(|(key, value)| KeyValue {
         key: (*key).to_owned(),
         value: value.clone(),
@@ -252,7 +247,10 @@ mod tests {
         assert_eq!(all.len(), 2, "the left hand has no sensor");
         assert_eq!(all[0].level, Byte(BAD));
         assert!(all[0].message.contains("stopped by"), "{}", all[0].message);
-        assert_eq!((all[1].level, all[1].name.as_str()), (Byte(OK), "atas: right hand"));
+        assert_eq!(
+            (all[1].level, all[1].name.as_str()),
+            (Byte(OK), "atas: right hand")
+        );
         assert_eq!(diagnostics(&status, false)[0].level, Byte(STALE));
     }
 }

@@ -69,7 +69,9 @@ impl HandTopics {
         }
         let count = fingers.min(frame.finger_count as usize);
         for (finger, topics) in self.fingertips[..count].iter().enumerate() {
-            let tip = robot.tips[index].get(finger).map_or(robot.base(), String::as_str);
+            let tip = robot.tips[index]
+                .get(finger)
+                .map_or(robot.base(), String::as_str);
             let header = clock.header(frame.stamp.captured_ns, tip);
             let wrench = tactile::wrench(header.clone(), frame, finger, layout);
             topics.wrench.publish(wrench)?;
@@ -95,9 +97,13 @@ impl HandTopics {
         let count = (joints.joint_count as usize).min(joints.position_rad.len());
         let pose = robot.pose(self.side, &joints.position_rad[..count]);
         let model = robot.model.hand(self.side);
-        let opening_m = pose.as_ref().map_or(f64::NAN, |pose| model.pinch_pose(pose).opening_m);
-        let touching: Vec<&FingerReport> =
-            hand.fingers[..fingers].iter().filter(|of| of.in_contact != 0).collect();
+        let opening_m = pose
+            .as_ref()
+            .map_or(f64::NAN, |pose| model.pinch_pose(pose).opening_m);
+        let touching: Vec<&FingerReport> = hand.fingers[..fingers]
+            .iter()
+            .filter(|of| of.in_contact != 0)
+            .collect();
         let sides = [0, 1].map(|side| {
             let mut tips = model.fingertips_of(side).filter(|tip| *tip < fingers);
             tips.any(|tip| hand.fingers[tip].in_contact != 0)
@@ -160,8 +166,15 @@ fn load_n(
     let upward_n = tips.map(|(finger, base_from_tip)| {
         let (valid, force_n) = (frame.valid_mask[finger], &frame.force_n[finger]);
         let [force, _] = contact::wrench(layout, valid, force_n);
-        let axes = [base_from_tip.x_axis(), base_from_tip.y_axis(), base_from_tip.z_axis()];
-        axes.iter().zip(force).map(|(axis, part)| axis.z * part).sum::<f64>()
+        let axes = [
+            base_from_tip.x_axis(),
+            base_from_tip.y_axis(),
+            base_from_tip.z_axis(),
+        ];
+        axes.iter()
+            .zip(force)
+            .map(|(axis, part)| axis.z * part)
+            .sum::<f64>()
     });
     -(upward_n.sum::<f64>()) as f32
 }

@@ -64,7 +64,9 @@ impl JointTopics {
         clock: &Clock,
     ) -> anyhow::Result<()> {
         let count = (joints.joint_count as usize).min(joints.position_rad.len());
-        let Some(topics) = self.0.as_ref().filter(|_| count > 0) else { return Ok(()) };
+        let Some(topics) = self.0.as_ref().filter(|_| count > 0) else {
+            return Ok(());
+        };
         let limbs = robot.skeleton.limbs();
         let placed = limbs.iter().filter_map(|limb| {
             let parent = limbs[limb.parent?].name.as_str();

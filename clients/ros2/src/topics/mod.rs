@@ -102,9 +102,8 @@ impl Topics {
                 (Some(watch), Some(session)) => self.poll(watch, session),
                 _ => self.daemon.absent(),
             };
-            let is_silent = |watch: &Watch| {
-                !watch.observer.is_alive() && watch.since.elapsed() > SILENCE
-            };
+            let is_silent =
+                |watch: &Watch| !watch.observer.is_alive() && watch.since.elapsed() > SILENCE;
             if let Err(error) = done {
                 tracing::warn!("could not publish: {error:#}");
                 (watch, due) = (None, Instant::now());

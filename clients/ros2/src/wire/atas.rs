@@ -1,8 +1,8 @@
 //! Messages of package `atas_msgs`. Its `.msg` and `.action` files have the same fields (tested by
 //! their type hashes).
 
-use super::standard::{Header, Point, Uuid};
 use super::messages;
+use super::standard::{Header, Point, Uuid};
 
 messages! {
     /// State of one fingertip.

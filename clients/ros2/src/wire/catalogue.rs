@@ -70,7 +70,11 @@ pub fn entries() -> Vec<Entry> {
         action::<Release>(),
     ];
     let actions = actions.into_iter().flatten();
-    messages.into_iter().chain(services).chain(actions).collect()
+    messages
+        .into_iter()
+        .chain(services)
+        .chain(actions)
+        .collect()
 }
 
 #[cfg(test)]
@@ -82,7 +86,10 @@ mod tests {
     fn hashes_equal_those_of_a_ros_installation() {
         let entries = entries();
         let check = |name: &str, expected: &str| {
-            let found = entries.iter().find(|(of, _)| of == name).expect("in the list");
+            let found = entries
+                .iter()
+                .find(|(of, _)| of == name)
+                .expect("in the list");
             assert_eq!(found.1, format!("RIHS01_{expected}"), "{name}");
         };
         check(

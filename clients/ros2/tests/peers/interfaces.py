@@ -120,6 +120,15 @@ def make_store():
         )
     found = _with_services_named(found)
     store.register({name: of for name, of in found.items() if name not in store.fielddefs})
+    # rosbags takes `char` for a type of its own; rosidl maps it to `uint8`.
+    name = "service_msgs/msg/ServiceEventInfo"
+    constants, fields = store.fielddefs[name]
+    array = dict(fields)["client_gid"]
+    bytes_of = (array[0], ((array[1][0][0], ("uint8", 0)), array[1][1]))
+    store.fielddefs[name] = (
+        constants,
+        [(field, bytes_of if field == "client_gid" else of) for field, of in fields],
+    )
     return store
 
 

@@ -26,10 +26,19 @@ struct Client(Arc<Mutex<Wire>>);
 impl ActionPorts<A> for Client {
     fn take_goal(&mut self) -> anyhow::Result<Option<(Caller, SendGoalRequest<A>)>> {
         let id = self.0.lock().expect("alive").goals.pop_front();
-        Ok(id.map(|id| (test_caller(), SendGoalRequest::new(id, GripperGoal::default()))))
+        Ok(id.map(|id| {
+            (
+                test_caller(),
+                SendGoalRequest::new(id, GripperGoal::default()),
+            )
+        }))
     }
     fn respond_goal(&mut self, _: Caller, response: SendGoalResponse<A>) -> anyhow::Result<()> {
-        self.0.lock().expect("alive").accepted.push(response.accepted);
+        self.0
+            .lock()
+            .expect("alive")
+            .accepted
+            .push(response.accepted);
         Ok(())
     }
     fn take_cancel(&mut self) -> anyhow::Result<Option<(Caller, CancelGoalRequest)>> {
@@ -118,15 +127,24 @@ fn cancellation_selects_goals_and_states_its_result() {
         let wanted = server.poll().len();
         let response = wire().cancelled.pop().expect("answered");
         if response.return_code == cancel::DONE {
-            let ids: Vec<Uuid> = response.goals_canceling.iter().map(|i| i.goal_id.clone()).collect();
-            ids.iter().for_each(|id| server.finish(id, status::CANCELED, &GripperResult::default()));
+            let ids: Vec<Uuid> = response
+                .goals_canceling
+                .iter()
+                .map(|i| i.goal_id.clone())
+                .collect();
+            ids.iter()
+                .for_each(|id| server.finish(id, status::CANCELED, &GripperResult::default()));
         }
         (response.return_code, wanted)
     };
     assert_eq!(cancel(of_goal(7)), (cancel::UNKNOWN_GOAL, 0));
     assert_eq!(cancel(of_goal(1)), (cancel::DONE, 1));
     assert_eq!(cancel(of_goal(1)), (cancel::GOAL_TERMINATED, 0));
-    assert_eq!(cancel(GoalInfo::default()), (cancel::DONE, 1), "all that remain");
+    assert_eq!(
+        cancel(GoalInfo::default()),
+        (cancel::DONE, 1),
+        "all that remain"
+    );
     assert_eq!(cancel(GoalInfo::default()), (cancel::REJECTED, 0));
     assert_eq!(wire().statuses, [status::CANCELED; 2]);
 }
@@ -137,7 +155,12 @@ fn oldest_results_are_forgotten() {
     for n in 0..GOALS_MAX as u32 + 5 {
         let mut uuid = [0; 16];
         uuid[..4].copy_from_slice(&(n + 1).to_le_bytes());
-        client.0.lock().expect("alive").goals.push_back(Uuid { uuid });
+        client
+            .0
+            .lock()
+            .expect("alive")
+            .goals
+            .push_back(Uuid { uuid });
         server.poll();
         server.finish(&Uuid { uuid }, status::ABORTED, &GripperResult::default());
     }
