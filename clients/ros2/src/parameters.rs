@@ -3,8 +3,7 @@
 //! Every parameter of `atas param list` is a number with a range. A change takes effect at the
 //! daemon; the answer has its cause if it is rejected.
 
-use atas_client::{ClientError, Session};
-use shm_schemas::{ControlOp, ControlOutcome, ControlReply};
+mod daemon;
 
 use crate::clock::present;
 use crate::link::BusLink;
@@ -13,14 +12,14 @@ use crate::wire::Bounded;
 use crate::wire::parameters::{
     DescribeParameters, DescribeResponse, Descriptor, FloatRange, GetParameterTypes, GetParameters,
     GetResponse, GetTypesResponse, ListParameters, ListResponse, ListResult, Parameter,
-    ParameterEvent, ParameterValue, SetAllResponse, SetParameters, SetParametersAtomically,
-    SetResponse, SetResult, kind,
+    ParameterEvent, SetAllResponse, SetParameters, SetParametersAtomically, SetResponse, SetResult,
+    kind,
 };
+
+use daemon::{Known, all, set, value};
 
 /// Largest number of names in one request. Design choice: several times the daemon's parameters.
 const NAMES_MAX: usize = 1024;
-/// Longest name, bytes: that of a control request.
-const NAME_MAX: usize = 63;
 
 /// Servers of the parameter services.
 pub(crate) struct Parameters {
@@ -32,13 +31,6 @@ pub(crate) struct Parameters {
     list: Box<dyn Serve<ListParameters>>,
     describe: Box<dyn Serve<DescribeParameters>>,
     events: Box<dyn Publish<ParameterEvent>>,
-}
-
-/// Known parameter of the daemon.
-struct Known {
-    name: String,
-    meaning: String,
-    reply: ControlReply,
 }
 
 impl Parameters {
@@ -156,83 +148,6 @@ fn result(changed: Result<(), String>) -> SetResult {
     }
 }
 
-fn number(double_value: f64) -> ParameterValue {
-    ParameterValue {
-        r#type: kind::DOUBLE,
-        double_value,
-        ..ParameterValue::default()
-    }
-}
-
-fn call(
-    link: &mut BusLink,
-    op: ControlOp,
-    value: f64,
-    name: &str,
-) -> Result<ControlReply, ClientError> {
-    let reply = link
-        .session()
-        .and_then(|session: &Session| session.request(op, value, name));
-    if matches!(reply, Err(ClientError::Bus(_))) {
-        // A new daemon may use a new bus.
-        link.close();
-    }
-    reply
-}
-
-/// Returns the value of a parameter; no value if it is unknown or no daemon answers.
-fn value(link: &mut BusLink, name: &str) -> ParameterValue {
-    if name.len() > NAME_MAX {
-        return ParameterValue::default();
-    }
-    match call(link, ControlOp::PARAM_GET, 0.0, name) {
-        Ok(reply) if reply.outcome == ControlOutcome::DONE => number(reply.value),
-        _ => ParameterValue::default(),
-    }
-}
-
-fn set(link: &mut BusLink, parameter: &Parameter) -> Result<(), String> {
-    let name: String = parameter.name.chars().take(NAME_MAX).collect();
-    let of = &parameter.value;
-    if of.r#type != kind::DOUBLE || !of.double_value.is_finite() {
-        return Err(format!(
-            "{name} needs a finite floating-point number, for example 0.08"
-        ));
-    }
-    if parameter.name.len() > NAME_MAX {
-        return Err(format!(
-            "{name}…: a parameter name has at most {NAME_MAX} bytes"
-        ));
-    }
-    let reply = call(link, ControlOp::PARAM_SET, of.double_value, &name);
-    let reply = reply.map_err(|error| error.to_string())?;
-    if reply.outcome == ControlOutcome::DONE {
-        return Ok(());
-    }
-    Err(format!("{}: {}", reply.outcome, reply.text))
-}
-
-/// Returns all parameters of the daemon; none if it does not answer.
-fn all(link: &mut BusLink) -> Vec<Known> {
-    let mut known = Vec::new();
-    for index in 0..NAMES_MAX as u32 {
-        let Ok(reply) = call(link, ControlOp::PARAM_LIST, f64::from(index), "") else {
-            break;
-        };
-        if reply.outcome != ControlOutcome::DONE {
-            break;
-        }
-        let text = reply.text.as_str();
-        let (name, meaning) = text.split_once('\n').unwrap_or((text, ""));
-        known.push(Known {
-            name: name.to_owned(),
-            meaning: meaning.to_owned(),
-            reply,
-        });
-    }
-    known
-}
-
 /// Selects the names below prefixes, at most `depth` levels deep (0: any).
 fn listed(known: &[Known], prefixes: &[String], depth: u64) -> ListResult {
     let is_listed = |name: &str| {
@@ -288,6 +203,7 @@ fn descriptor(known: &[Known], name: &str) -> Descriptor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shm_schemas::ControlReply;
 
     #[test]
     fn names_are_listed_by_prefix_and_depth() {

@@ -8,10 +8,10 @@
 use std::time::{Duration, Instant};
 
 use atas_client::Session;
-use robot_model::HandSide;
-use shm_schemas::{ControlOp, Hand};
+use shm_schemas::Hand;
 
 use super::gripper_action::{Command, GripperState};
+use super::limits::{check_force, check_opening, force_n, side};
 use super::scene::Scene;
 use super::stream::{ANSWER, Stream};
 
@@ -25,8 +25,6 @@ const MOTION_M: f64 = 0.0002;
 const REST: Duration = Duration::from_secs(3);
 /// Longest command. Design choice: the daemon's own limits of touch, probe and grip, 28 s.
 const COMMAND_MAX: Duration = Duration::from_secs(30);
-/// Name of the parameter with the smallest grip force.
-const FORCE_MIN: &str = "grasp.carry_min_n";
 
 /// Step of a teleoperated hand with free fingers, as in the controller's table.
 const FREE: &str = "teleop";
@@ -58,10 +56,6 @@ struct Running {
 pub(super) struct Gripper {
     stream: Option<Stream>,
     running: Option<Running>,
-}
-
-fn side(hand: Hand) -> HandSide {
-    HandSide::BOTH[hand.index().unwrap_or(0)]
 }
 
 impl Gripper {
@@ -293,51 +287,4 @@ impl Gripper {
         }
         Ok(None)
     }
-}
-
-/// Returns the force of the stronger grasp side, N.
-fn force_n(hand: Hand, scene: &Scene) -> f64 {
-    let index = hand.index().unwrap_or(0);
-    let Some(robot) = scene.robot() else {
-        return 0.0;
-    };
-    let normal_n = &scene.status.hands[index].normal_n;
-    let of_side = |of: usize| {
-        let tips = robot.model.hand(side(hand)).fingertips_of(of);
-        tips.filter_map(|tip| normal_n.get(tip))
-            .map(|n| f64::from(*n))
-            .sum::<f64>()
-    };
-    of_side(0).max(of_side(1))
-}
-
-fn check_opening(opening_m: f64, hand: Hand, scene: &Scene) -> Result<(), String> {
-    let Some(robot) = scene.robot() else {
-        return Ok(());
-    };
-    let most_m = robot.model.hand(side(hand)).max_opening_m();
-    if (0.0..=most_m).contains(&opening_m) {
-        return Ok(());
-    }
-    Err(format!(
-        "goal rejected: position is {opening_m:.4} m, outside 0 to {most_m:.4} m, the opening of \
-         the {hand} hand"
-    ))
-}
-
-fn check_force(max_force_n: f64, session: &Session) -> Result<(), String> {
-    if max_force_n == 0.0 {
-        return Ok(());
-    }
-    let reply = session.request_success(ControlOp::PARAM_GET, 0.0, FORCE_MIN);
-    let least_n = reply
-        .map_err(|error| format!("goal not sent: {error}"))?
-        .value;
-    if max_force_n >= least_n {
-        return Ok(());
-    }
-    Err(format!(
-        "goal rejected: max_effort is {max_force_n} N, below the smallest grip force, {least_n} N \
-         ({FORCE_MIN}); command more, or 0 without limit"
-    ))
 }

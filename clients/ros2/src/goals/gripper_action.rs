@@ -3,10 +3,10 @@
 use crate::clock::present;
 use crate::wire::Action;
 use crate::wire::action::{GripperCommandAction, ParallelGripperAction};
-use crate::wire::standard::{
-    GripperFeedback, GripperResult, Header, JointState, ParallelGripperFeedback,
-    ParallelGripperResult,
+use crate::wire::gripper::{
+    GripperFeedback, GripperResult, ParallelGripperFeedback, ParallelGripperResult,
 };
+use crate::wire::standard::{Header, JointState};
 
 /// Name of the only joint in the states of a parallel gripper.
 const JOINT: &str = "opening";
@@ -147,7 +147,7 @@ fn checked(opening_m: f64, max_force_n: f64) -> Result<Command, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::standard::{GripperCommand, GripperGoal, ParallelGripperGoal};
+    use crate::wire::gripper::{GripperCommand, GripperGoal, ParallelGripperGoal};
 
     #[test]
     fn invalid_commands_are_rejected_with_value() {

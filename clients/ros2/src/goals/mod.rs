@@ -10,6 +10,7 @@ mod follow;
 mod gripper;
 mod gripper_action;
 mod grippers;
+mod limits;
 mod runner;
 mod scene;
 mod server;

@@ -89,6 +89,7 @@ pub struct NodeOptions {
     /// Mapping of services to DDS.
     pub(crate) services: ServiceMapping,
     /// Address of Zenoh's router.
+    #[cfg_attr(not(feature = "zenoh"), expect(dead_code, reason = "Zenoh only"))]
     pub(crate) router: String,
 }
 

@@ -5,10 +5,11 @@ use std::marker::PhantomData;
 
 use serde::{Deserialize, Serialize};
 
-use super::standard::{
+use super::gripper::{
     GripperFeedback, GripperGoal, GripperResult, ParallelGripperFeedback, ParallelGripperGoal,
-    ParallelGripperResult, Time, Uuid,
+    ParallelGripperResult,
 };
+use super::standard::{Time, Uuid};
 use super::{Field, Fields, Message, Nested, Service};
 
 /// ROS 2 action.

@@ -3,6 +3,7 @@
 //! | file | interfaces |
 //! |---|---|
 //! | `standard` | packages of a ROS 2 installation |
+//! | `gripper`, `parameters` | the gripper actions, and parameters of nodes |
 //! | `atas` | package `atas_msgs` (`clients/ros2/atas_msgs`) |
 //! | `action` | the messages that the action protocol derives from an action |
 //! | `describe` | type descriptions and type hashes |
@@ -11,6 +12,7 @@ pub mod action;
 pub mod atas;
 pub mod catalogue;
 mod describe;
+pub mod gripper;
 pub mod parameters;
 pub mod standard;
 

@@ -14,7 +14,10 @@ LOGS = Path(os.environ.get("ATAS_LOGS", "/tmp"))
 
 
 class Bench:
-    """Robot, daemon and bridge on one bus."""
+    """Robot, daemon and bridge on one bus.
+
+    The daemon tolerates the pauses of a busy machine.
+    """
 
     count = 0
 
@@ -25,7 +28,8 @@ class Bench:
         self.processes = {}
         self.bridge_arguments = [str(argument) for argument in bridge]
         self.start("sim", [PROGRAMS / "atas-sim", "run", *scene])
-        self.start("atasd", [PROGRAMS / "atasd", "--config", "/dev/null", *daemon])
+        self.daemon_arguments = daemon
+        self.start_daemon()
         self.wait_for_mode("ready")
         if start_bridge:
             self.start_bridge()
@@ -37,6 +41,12 @@ class Bench:
             [str(part) for part in command], env=self.environment, stdout=log, stderr=log
         )
         return self.processes[name]
+
+    def start_daemon(self):
+        """Starts the daemon."""
+        patient = ("--set", "intake.hold_age_s=0.08")
+        words = [PROGRAMS / "atasd", "--config", "/dev/null", *patient, *self.daemon_arguments]
+        return self.start("atasd", words)
 
     def start_bridge(self):
         """Starts the bridge."""

@@ -39,7 +39,7 @@ def main():
     action = peer.action("/atas/right/gripper_cmd", "control_msgs/action/GripperCommand")
     action.wait_for_server(timeout=30)
     draw = random.Random(5)
-    counts = {"goals": 0, "succeeded": 0, "aborted": 0, "lost": 0, "repeated": 0}
+    counts = {"goals": 0, "succeeded": 0, "aborted": 0, "other": 0, "lost": 0, "repeated": 0}
     for number in range(goals):
         time.sleep(PAUSE_S)
         goal_id = action.uuid(uuid=list(uuid.uuid4().bytes))
@@ -56,8 +56,10 @@ def main():
         result = answer and repeat(action.results, until, goal_id=goal_id)
         counts["repeated"] += action.goals.sequence + action.results.sequence - before - 2
         expected = 4 if moves else 6
-        if result is None or result.status != expected:
+        if result is None or result.status == 0:
             counts["lost"] += 1
+        elif result.status != expected:
+            counts["other"] += 1
         else:
             counts["succeeded" if moves else "aborted"] += 1
     print(json.dumps(counts))

@@ -215,15 +215,9 @@ def test_killed_daemon_aborts_and_its_successor_executes(bench, peer):
     bench.kill("atasd")
     status, _ = gripper.result(goal_id)
     assert status == ABORTED
-    bench.start("atasd", [*bench_daemon()])
+    bench.start_daemon()
     bench.wait_for_mode("ready")
     wait(lambda: gripper.execute(command=command(0.06))[0] == SUCCEEDED, 20, "success")
-
-
-def bench_daemon():
-    from bench import PROGRAMS
-
-    return [PROGRAMS / "atasd", "--config", "/dev/null"]
 
 
 def test_killed_bridge_holds_and_returns(bench, peer):

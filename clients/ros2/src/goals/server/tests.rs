@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 use super::*;
 use crate::middleware::test_caller;
 use crate::wire::action::{GetResultRequest, GripperCommandAction, SendGoalRequest};
-use crate::wire::standard::{GripperGoal, GripperResult};
+use crate::wire::gripper::{GripperGoal, GripperResult};
 
 type A = GripperCommandAction;
 
