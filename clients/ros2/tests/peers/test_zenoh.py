@@ -104,7 +104,7 @@ def call(node, name, of, seconds=60, **fields):
 
 
 def test_joint_states_arrive_at_the_chosen_rate(node):
-    import pyzeros
+    from pyzeros.sub import RawSub
 
     times, samples = [], []
 
@@ -113,7 +113,7 @@ def test_joint_states_arrive_at_the_chosen_rate(node):
         samples.append(bytes(sample.payload))
 
     name = "sensor_msgs/msg/JointState"
-    sub = pyzeros.RawSub(message(name), "/joint_states", receive, session=node, scope=None)
+    sub = RawSub(message(name), "/joint_states", receive, session=node, scope=None)
     time.sleep(11.0)
     sub.close()
     begin = times[0] + 1.0
