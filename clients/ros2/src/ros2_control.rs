@@ -241,8 +241,8 @@ impl Running {
     }
 }
 
-/// Returns position, velocity and effort of each joint in this order. Missing velocities and efforts
-/// are zero.
+/// Returns position, velocity and effort of each joint in this order. Missing velocities and
+/// efforts are zero.
 fn ordered(state: &JointState, names: &[String]) -> Result<Vec<[f64; 3]>, String> {
     let given = state.name.len();
     if given > JOINTS || state.position.len() != given {

@@ -174,7 +174,7 @@ pub(crate) trait ActionPorts<A: Action>: Send {
 pub(crate) enum Node {
     /// Over DDS.
     #[cfg(feature = "dds")]
-    Dds(dds::DdsNode),
+    Dds(Box<dds::DdsNode>),
     /// Over Zenoh.
     #[cfg(feature = "zenoh")]
     Zenoh(zenoh::ZenohNode),
@@ -199,7 +199,7 @@ impl Node {
     pub(crate) fn join(options: &NodeOptions) -> anyhow::Result<Self> {
         match options.middleware {
             #[cfg(feature = "dds")]
-            Middleware::Dds => Ok(Self::Dds(dds::DdsNode::join(options)?)),
+            Middleware::Dds => Ok(Self::Dds(Box::new(dds::DdsNode::join(options)?))),
             #[cfg(feature = "zenoh")]
             Middleware::Zenoh => Ok(Self::Zenoh(zenoh::ZenohNode::join(options)?)),
             #[allow(unreachable_patterns)]

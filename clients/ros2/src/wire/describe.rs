@@ -83,7 +83,8 @@ macro_rules! primitive {
         }
     )*};
 }
-primitive!(i8: 2, u8: 3, i16: 4, u16: 5, i32: 6, u32: 7, i64: 8, u64: 9, f32: 10, f64: 11, bool: 15, Byte: 16, String: 17);
+primitive!(i8: 2, u8: 3, i16: 4, u16: 5, i32: 6, u32: 7, i64: 8, u64: 9, f32: 10, f64: 11);
+primitive!(bool: 15, Byte: 16, String: 17);
 
 /// Byte without numeric meaning (`byte` of a ROS 2 definition, `octet` of IDL).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -62,7 +62,8 @@ class Raw : public TopicDataType {
 class Peer {
  public:
   Peer() {
-    participant_ = DomainParticipantFactory::get_instance()->create_participant(0, PARTICIPANT_QOS_DEFAULT);
+    auto *factory = DomainParticipantFactory::get_instance();
+    participant_ = factory->create_participant(0, PARTICIPANT_QOS_DEFAULT);
     publisher_ = participant_->create_publisher(PUBLISHER_QOS_DEFAULT);
     subscriber_ = participant_->create_subscriber(SUBSCRIBER_QOS_DEFAULT);
   }
@@ -123,7 +124,7 @@ static void listen(Peer &peer, std::istringstream &words) {
   SampleInfo info;
   // The first second is discovery.
   auto begin = Clock::now() + std::chrono::seconds(1);
-  auto end = begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  auto end = begin + std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000.0));
   while (Clock::now() < end) {
     while (reader->take_next_sample(&bytes, &info) == ReturnCode_t::RETCODE_OK)
       if (info.valid_data && Clock::now() >= begin) times.push_back(Clock::now());
@@ -133,8 +134,11 @@ static void listen(Peer &peer, std::istringstream &words) {
   for (size_t n = 1; n < times.size(); ++n)
     gaps.push_back(std::chrono::duration<double, std::milli>(times[n] - times[n - 1]).count());
   std::sort(gaps.begin(), gaps.end());
-  auto at = [&](double share) { return gaps.empty() ? -1.0 : gaps[size_t(share * (gaps.size() - 1))]; };
-  std::printf("%zu %.3f %.3f %.3f %s\n", times.size(), at(0.5), at(0.99), at(1.0), hex(bytes).c_str());
+  auto at = [&](double share) {
+    return gaps.empty() ? -1.0 : gaps[size_t(share * (gaps.size() - 1))];
+  };
+  std::printf("%zu %.3f %.3f %.3f ", times.size(), at(0.5), at(0.99), at(1.0));
+  std::printf("%s\n", hex(bytes).c_str());
 }
 
 static void call(Client &client, std::istringstream &words) {
@@ -152,7 +156,8 @@ static void call(Client &client, std::istringstream &words) {
   while (Clock::now() < end) {
     while (client.replies->take_next_sample(&reply, &info) == ReturnCode_t::RETCODE_OK) {
       const auto &to = info.related_sample_identity;
-      bool is_ours = to.writer_guid() == client.replies->guid() || to.writer_guid() == client.requests->guid();
+      bool is_ours = to.writer_guid() == client.replies->guid() ||
+                     to.writer_guid() == client.requests->guid();
       if (info.valid_data && is_ours && to.sequence_number() == sequence) {
         std::printf("%s\n", hex(reply).c_str());
         return;
@@ -187,7 +192,8 @@ int main() {
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(200));
       clients[name] = client;
-      std::printf("%s\n", asks.current_count > 0 && answers.current_count > 0 ? "open" : "no server");
+      bool is_open = asks.current_count > 0 && answers.current_count > 0;
+      std::printf("%s\n", is_open ? "open" : "no server");
     } else if (verb == "call") {
       words >> name;
       call(clients.at(name), words);

@@ -55,7 +55,8 @@ def test_joint_states_arrive_at_the_chosen_rate(peer):
     samples, times = read(reader, 10.0)
     gaps_ms = np.diff(times) * 1e3
     p50, p99, most = np.percentile(gaps_ms, [50, 99, 100])
-    print(f"joint states: {len(samples)} in 10 s, gap p50 {p50:.2f} p99 {p99:.2f} max {most:.2f} ms")
+    gaps = f"gap p50 {p50:.2f} p99 {p99:.2f} max {most:.2f} ms"
+    print(f"Cyclone DDS, joint states: {len(samples)} in 10 s, {gaps}")
     assert 980 <= len(samples) <= 1020
     assert p99 <= 15.0
     last = samples[-1]
@@ -65,7 +66,8 @@ def test_joint_states_arrive_at_the_chosen_rate(peer):
 
 def test_every_topic_is_listed_and_carries_data(peer):
     found = peer.topics()
-    tips = [f"/atas/{hand}/finger1/{of}" for hand in ("left", "right") for of in ("wrench", "elements")]
+    hands, kinds = ("left", "right"), ("wrench", "elements")
+    tips = [f"/atas/{hand}/finger1/{kind}" for hand in hands for kind in kinds]
     expected = {
         "/joint_states": "sensor_msgs::msg::dds_::JointState_",
         "/tf": "tf2_msgs::msg::dds_::TFMessage_",
@@ -175,7 +177,8 @@ def test_impossible_commands_are_aborted_with_cause(peer):
         goal_id = gripper.send(command=command(position, effort))
         status, result = gripper.result(goal_id)
         assert status == ABORTED and not result.reached_goal, (position, effort)
-        causes = [e.cause for e in read(events, 0.5)[0] if list(e.goal_id.uuid) == list(goal_id.uuid)]
+        seen = read(events, 0.5)[0]
+        causes = [of.cause for of in seen if list(of.goal_id.uuid) == list(goal_id.uuid)]
         assert any(part in cause for cause in causes), (part, causes)
     joints = cyclone("sensor_msgs/msg/JointState")
     status, result = parallel.execute(command=joints(position=[0.01, 0.02]))
