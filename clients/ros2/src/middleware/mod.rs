@@ -177,7 +177,7 @@ pub(crate) enum Node {
     Dds(Box<dds::DdsNode>),
     /// Over Zenoh.
     #[cfg(feature = "zenoh")]
-    Zenoh(zenoh::ZenohNode),
+    Zenoh(Box<zenoh::ZenohNode>),
 }
 
 macro_rules! on_each {
@@ -201,7 +201,7 @@ impl Node {
             #[cfg(feature = "dds")]
             Middleware::Dds => Ok(Self::Dds(Box::new(dds::DdsNode::join(options)?))),
             #[cfg(feature = "zenoh")]
-            Middleware::Zenoh => Ok(Self::Zenoh(zenoh::ZenohNode::join(options)?)),
+            Middleware::Zenoh => Ok(Self::Zenoh(Box::new(zenoh::ZenohNode::join(options)?))),
             #[allow(unreachable_patterns)]
             missing => anyhow::bail!(
                 "could not join the ROS graph: this program has no {missing:?}; build it with \
