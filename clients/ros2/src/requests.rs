@@ -2,7 +2,6 @@
 //!
 //! The stop has a thread and a bus connection of its own, and uses the stop socket first.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use atas_client::request_stop;
@@ -30,9 +29,9 @@ impl StopService {
         Ok(Self(node.server(&format!("{namespace}/stop"))?))
     }
 
-    /// Serves until `stop` is set.
-    pub(crate) fn run(&mut self, bus: &BusName, stop: &AtomicBool) {
-        while !stop.load(Ordering::Relaxed) {
+    /// Serves until `is_over`.
+    pub(crate) fn run(&mut self, bus: &BusName, is_over: impl Fn() -> bool) {
+        while !is_over() {
             answer(&mut self.0, || stop_robot(bus));
             std::thread::sleep(STOP_POLL);
         }

@@ -9,7 +9,6 @@
 //!   sent, and the controller holds the last position. Joint states with a missing joint or a value
 //!   that is not finite are refused; the daemon then holds after `intake.hold_age_s`.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
@@ -92,11 +91,15 @@ impl Drive {
         })
     }
 
-    /// Drives the robot until `stop` is set.
+    /// Drives the robot until `is_over`.
     ///
     /// # Errors
     /// Another process drives the robot of the bus, or the bus fails.
-    pub(crate) fn run(&mut self, arguments: &Arguments, stop: &AtomicBool) -> anyhow::Result<()> {
+    pub(crate) fn run(
+        &mut self,
+        arguments: &Arguments,
+        is_over: impl Fn() -> bool,
+    ) -> anyhow::Result<()> {
         let bus = Bus::open(&arguments.bus, "atas-ros2", Realtime::No)?;
         let mut running = Running {
             states: bus.publisher(service::JOINT_STATE)?,
@@ -112,7 +115,7 @@ impl Drive {
             warned: None,
         };
         let mut due = Instant::now();
-        while !stop.load(Ordering::Relaxed) {
+        while !is_over() {
             self.read_states(&mut running)?;
             self.read_commands(&mut running)?;
             if Instant::now() >= due {

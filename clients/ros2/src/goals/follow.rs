@@ -40,7 +40,7 @@ pub(super) struct Follow {
 impl Follow {
     pub(super) fn open(node: &mut Node, namespace: &str, hand: Hand) -> anyhow::Result<Self> {
         Ok(Self {
-            commands: node.subscription(&format!("{namespace}/joint_commands"), Quality::STREAM)?,
+            commands: commands(node, namespace)?,
             hand,
             wanted: BTreeMap::new(),
             stream: None,
@@ -48,6 +48,12 @@ impl Follow {
             pending: false,
             problem: String::new(),
         })
+    }
+
+    /// Continues with another participant.
+    pub(super) fn reopen(&mut self, node: &mut Node, namespace: &str) -> anyhow::Result<()> {
+        self.commands = commands(node, namespace)?;
+        Ok(())
     }
 
     pub(super) fn poll(
@@ -140,6 +146,10 @@ impl Follow {
         }
         Ok(())
     }
+}
+
+fn commands(node: &mut Node, namespace: &str) -> anyhow::Result<Box<dyn Subscribe<JointState>>> {
+    node.subscription(&format!("{namespace}/joint_commands"), Quality::STREAM)
 }
 
 /// Returns an error unless a command has a finite position per name.

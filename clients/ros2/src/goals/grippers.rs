@@ -27,6 +27,7 @@ enum Request {
 /// Server of one gripper action.
 trait Port: Send {
     fn name(&self) -> &str;
+    fn reopen(&mut self, node: &mut Node) -> anyhow::Result<()>;
     fn receive(&mut self) -> Vec<Request>;
     fn execute(&mut self, id: &Uuid);
     fn feedback(&mut self, id: &Uuid, state: &GripperState);
@@ -36,6 +37,10 @@ trait Port: Send {
 impl<A: GripperAction> Port for ActionServer<A> {
     fn name(&self) -> &str {
         self.name()
+    }
+
+    fn reopen(&mut self, node: &mut Node) -> anyhow::Result<()> {
+        self.reopen(node)
     }
 
     fn receive(&mut self) -> Vec<Request> {
@@ -96,6 +101,13 @@ impl Grippers {
             ports,
             current: None,
         })
+    }
+
+    /// Continues with another participant.
+    pub(super) fn reopen(&mut self, node: &mut Node) -> anyhow::Result<()> {
+        self.ports
+            .iter_mut()
+            .try_for_each(|(_, port)| port.reopen(node))
     }
 
     /// Returns true if no command runs.

@@ -99,11 +99,33 @@ impl Goals {
         })
     }
 
-    /// Executes goals until `stop` is set.
-    pub(crate) fn run(&mut self, link: &mut BusLink, stop: &AtomicBool) {
+    /// Continues with another participant.
+    ///
+    /// # Errors
+    /// The middleware fails.
+    pub(crate) fn reopen(&mut self, node: &mut Node, arguments: &Arguments) -> anyhow::Result<()> {
+        let namespace = &arguments.namespace;
+        let events = node.publisher(&format!("{namespace}/goal_events"), Quality::EVENTS)?;
+        self.journal = Journal(events);
+        self.grippers.reopen(node)?;
+        if let Some(follow) = &mut self.follow {
+            follow.reopen(node, namespace)?;
+        }
+        self.grasp.reopen(node)?;
+        self.pick_place.reopen(node)?;
+        self.screw.reopen(node)?;
+        self.assemble.reopen(node)?;
+        self.release.reopen(node)
+    }
+
+    /// Executes goals until `stop` is set, or until the node must join again and no goal runs.
+    pub(crate) fn run(&mut self, node: &mut Node, link: &mut BusLink, stop: &AtomicBool) {
         let (mut scene, mut heard) = (None, Instant::now());
         while !stop.load(Ordering::Relaxed) {
             self.poll(link, &mut scene);
+            if node.must_rejoin() && self.is_idle() {
+                return;
+            }
             let is_silent = scene.as_ref().is_some_and(|of: &Scene| !of.is_fresh());
             if !is_silent {
                 heard = Instant::now();

@@ -54,6 +54,11 @@ impl<A: TaskAction> TaskServer<A> {
         })
     }
 
+    /// Continues with another participant.
+    pub(super) fn reopen(&mut self, node: &mut Node) -> anyhow::Result<()> {
+        self.server.reopen(node)
+    }
+
     /// Returns true if no goal runs.
     pub(super) fn is_idle(&self) -> bool {
         self.runs.is_empty()

@@ -6,7 +6,7 @@
 use std::time::{Duration, Instant};
 
 use crate::clock::present;
-use crate::middleware::{ActionPorts, Caller};
+use crate::middleware::{ActionPorts, Caller, Node};
 use crate::wire::Action;
 use crate::wire::action::{FeedbackMessage, GetResultResponse, SendGoalResponse, cancel, status};
 use crate::wire::standard::{
@@ -52,6 +52,15 @@ impl<A: Action> ActionServer<A> {
             ports,
             goals: Vec::new(),
         }
+    }
+
+    /// Continues with the ports of another participant; all known results stay available.
+    pub(super) fn reopen(&mut self, node: &mut Node) -> anyhow::Result<()> {
+        self.ports = node.action(&self.name)?;
+        for goal in &mut self.goals {
+            goal.waiting.clear();
+        }
+        self.report_statuses()
     }
 
     /// Returns the name of the action.

@@ -1,10 +1,15 @@
 //! Node over DDS (`ros2-client`).
 
+use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use anyhow::anyhow;
 use byteorder::LittleEndian;
 use ros2_client::action::ActionServerQosPolicies;
+use ros2_client::dds::rustdds::{
+    DomainParticipantStatusListener, GUID, StatusEvented as _,
+    dds::statusevents::{DomainParticipantStatusEvent, LostReason},
+};
 use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
 use ros2_client::{
     ActionServer, ActionTypeName, Context, ContextOptions, MessageTypeName, Name, NodeName,
@@ -30,6 +35,45 @@ const SERVICE_DEPTH: usize = 100;
 pub(crate) struct DdsNode {
     node: ros2_client::Node,
     mapping: DdsMapping,
+    returns: Returns,
+}
+
+/// Participants that were lost by time-out and that came back.
+///
+/// A peer that did not lose the bridge in the meantime does not announce its readers and writers
+/// again, so RustDDS finds the participant without them. Only a new participant on this side helps.
+struct Returns {
+    listener: DomainParticipantStatusListener,
+    /// Identifiers without entity.
+    lost: BTreeSet<GUID>,
+    any: bool,
+}
+
+impl Returns {
+    fn poll(&mut self) -> bool {
+        while let Some(event) = self.listener.try_recv_status() {
+            match event {
+                DomainParticipantStatusEvent::ParticipantLost {
+                    id,
+                    reason: LostReason::Timeout { .. },
+                } => {
+                    self.lost.insert(GUID {
+                        prefix: id,
+                        ..GUID::GUID_UNKNOWN
+                    });
+                }
+                DomainParticipantStatusEvent::ParticipantDiscovered { dpd } => {
+                    let prefix = dpd.guid.prefix;
+                    self.any |= self.lost.remove(&GUID {
+                        prefix,
+                        ..GUID::GUID_UNKNOWN
+                    });
+                }
+                _ => {}
+            }
+        }
+        self.any
+    }
 }
 
 impl DdsNode {
@@ -45,6 +89,11 @@ impl DdsNode {
             .map_err(|error| anyhow!("invalid node name {}: {error:?}", options.name))?;
         // The services of parameters are those of the bridge, because ros2-client's have one
         // mapping only.
+        let returns = Returns {
+            listener: context.domain_participant().status_listener(),
+            lost: BTreeSet::new(),
+            any: false,
+        };
         let node_options = ros2_client::NodeOptions::new().start_parameter_services(false);
         let node = context
             .new_node(name, node_options)
@@ -53,7 +102,16 @@ impl DdsNode {
             ServiceMapping::Fastdds => DdsMapping::Enhanced,
             ServiceMapping::Cyclonedds => DdsMapping::Cyclone,
         };
-        Ok(Self { node, mapping })
+        Ok(Self {
+            node,
+            mapping,
+            returns,
+        })
+    }
+
+    /// Returns true if peers see the bridge without its endpoints, until it joins again.
+    pub(super) fn must_rejoin(&mut self) -> bool {
+        self.returns.poll()
     }
 
     pub(super) fn publisher<M: Message>(

@@ -211,6 +211,11 @@ impl Node {
         }
     }
 
+    /// Returns true if peers see the bridge without its endpoints, until it joins again.
+    pub(crate) fn must_rejoin(&mut self) -> bool {
+        on_each!(self, node => node.must_rejoin())
+    }
+
     /// Opens a writer of a topic with an absolute name.
     ///
     /// # Errors

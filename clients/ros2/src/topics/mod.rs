@@ -18,7 +18,6 @@ mod joints;
 mod pace;
 mod tactile;
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use atas_client::{Observer, Session};
@@ -90,11 +89,11 @@ impl Topics {
         })
     }
 
-    /// Publishes until `stop` is set. A missing daemon is a published state, not an error.
-    pub(crate) fn run(&mut self, link: &mut BusLink, stop: &AtomicBool) {
+    /// Publishes until `is_over`. A missing daemon is a published state, not an error.
+    pub(crate) fn run(&mut self, link: &mut BusLink, is_over: impl Fn() -> bool) {
         let mut watch = None;
         let mut due = Instant::now();
-        while !stop.load(Ordering::Relaxed) {
+        while !is_over() {
             if watch.is_none() {
                 watch = link.poll().and_then(|session| Watch::join(session).ok());
             }
