@@ -31,7 +31,7 @@ pub fn run(arguments: &Arguments, stop: &Arc<AtomicBool>) -> anyhow::Result<()> 
             log::set_max_level(log::LevelFilter::Off);
             return Ok(());
         }
-        tracing::warn!("a peer returned after its lease; the bridge joins the ROS graph again");
+        tracing::warn!("the lease of a peer expired; the bridge joins the ROS graph again");
         let mut next = Node::join(&arguments.node())?;
         goals.reopen(&mut next, arguments)?;
         node = next;

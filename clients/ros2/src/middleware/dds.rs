@@ -1,13 +1,12 @@
 //! Node over DDS (`ros2-client`).
 
-use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use anyhow::anyhow;
 use byteorder::LittleEndian;
 use ros2_client::action::ActionServerQosPolicies;
 use ros2_client::dds::rustdds::{
-    DomainParticipantStatusListener, GUID, StatusEvented as _,
+    DomainParticipantStatusListener, StatusEvented as _,
     dds::statusevents::{DomainParticipantStatusEvent, LostReason},
 };
 use ros2_client::qos::{Durability, History, QosProfile, Reliability, WhenFull};
@@ -35,42 +34,27 @@ const SERVICE_DEPTH: usize = 100;
 pub(crate) struct DdsNode {
     node: ros2_client::Node,
     mapping: DdsMapping,
-    returns: Returns,
+    losses: Losses,
 }
 
-/// Participants that were lost by time-out and that came back.
+/// Participants that were lost by time-out.
 ///
-/// A peer that did not lose the bridge in the meantime does not announce its readers and writers
-/// again, so RustDDS finds the participant without them. Only a new participant on this side helps.
-struct Returns {
+/// Such a peer may have been cut off without losing the bridge. It then does not announce its
+/// readers and writers again, and RustDDS ignores its repeated announcement. Only a new participant
+/// on this side helps.
+struct Losses {
     listener: DomainParticipantStatusListener,
-    /// Identifiers without entity.
-    lost: BTreeSet<GUID>,
     any: bool,
 }
 
-impl Returns {
+impl Losses {
     fn poll(&mut self) -> bool {
         while let Some(event) = self.listener.try_recv_status() {
-            match event {
-                DomainParticipantStatusEvent::ParticipantLost {
-                    id,
-                    reason: LostReason::Timeout { .. },
-                } => {
-                    self.lost.insert(GUID {
-                        prefix: id,
-                        ..GUID::GUID_UNKNOWN
-                    });
-                }
-                DomainParticipantStatusEvent::ParticipantDiscovered { dpd } => {
-                    let prefix = dpd.guid.prefix;
-                    self.any |= self.lost.remove(&GUID {
-                        prefix,
-                        ..GUID::GUID_UNKNOWN
-                    });
-                }
-                _ => {}
-            }
+            let reason = match event {
+                DomainParticipantStatusEvent::ParticipantLost { reason, .. } => reason,
+                _ => continue,
+            };
+            self.any |= matches!(reason, LostReason::Timeout { .. });
         }
         self.any
     }
@@ -89,9 +73,8 @@ impl DdsNode {
             .map_err(|error| anyhow!("invalid node name {}: {error:?}", options.name))?;
         // The services of parameters are those of the bridge, because ros2-client's have one
         // mapping only.
-        let returns = Returns {
+        let losses = Losses {
             listener: context.domain_participant().status_listener(),
-            lost: BTreeSet::new(),
             any: false,
         };
         let node_options = ros2_client::NodeOptions::new().start_parameter_services(false);
@@ -105,13 +88,13 @@ impl DdsNode {
         Ok(Self {
             node,
             mapping,
-            returns,
+            losses,
         })
     }
 
-    /// Returns true if peers see the bridge without its endpoints, until it joins again.
+    /// Returns true if a peer may see the bridge without its endpoints, until it joins again.
     pub(super) fn must_rejoin(&mut self) -> bool {
-        self.returns.poll()
+        self.losses.poll()
     }
 
     pub(super) fn publisher<M: Message>(

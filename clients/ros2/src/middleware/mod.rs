@@ -211,7 +211,7 @@ impl Node {
         }
     }
 
-    /// Returns true if peers see the bridge without its endpoints, until it joins again.
+    /// Returns true if a peer may see the bridge without its endpoints, until it joins again.
     pub(crate) fn must_rejoin(&mut self) -> bool {
         on_each!(self, node => node.must_rejoin())
     }

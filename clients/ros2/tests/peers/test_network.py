@@ -80,13 +80,13 @@ def test_random_cuts_lose_no_goal_and_no_result(bench, link):
 
 def test_partition_longer_than_a_lease_heals(bench, link):
     assert counts(client(link, 2, 60), 90)["lost"] == 0
-    process = client(link, 150, 200)
+    process = client(link, 60, 90)
     time.sleep(4)
     link.is_cut = True
     time.sleep(15)
     link.is_cut = False
     healed = time.monotonic()
-    of = counts(process, 220)
+    of = counts(process, 110)
     print(f"after a partition of 15 s: {of}, last goal {time.monotonic() - healed:.0f} s later")
     assert of["lost"] == of["other"] == 0 and of["repeated"] > 0
 
