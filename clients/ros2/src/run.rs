@@ -60,7 +60,7 @@ fn serve(
     std::thread::scope(|threads| {
         let driven = drive.as_mut().map(|drive| {
             threads.spawn(|| {
-                let ended = drive.run(arguments, &is_over);
+                let ended = drive.run(arguments, is_over);
                 if ended.is_err() {
                     // Without its robot the bridge is of no use.
                     stop.store(true, Ordering::Relaxed);
@@ -68,8 +68,8 @@ fn serve(
                 ended
             })
         });
-        threads.spawn(|| stopping.run(bus, &is_over));
-        threads.spawn(|| topics.run(&mut BusLink::new(bus), &is_over));
+        threads.spawn(|| stopping.run(bus, is_over));
+        threads.spawn(|| topics.run(&mut BusLink::new(bus), is_over));
         threads.spawn(|| {
             let mut link = BusLink::new(bus);
             while !is_over() {
