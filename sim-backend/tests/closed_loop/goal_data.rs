@@ -1,6 +1,6 @@
 //! Optional goal data: object height and tolerated force.
 
-use crate::rig::{Rig, goal, object};
+use crate::rig::{Rig, displace, goal, object};
 use robot_model::HandSide;
 use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, ObjectTruth};
 use sim_backend::{Object, Scene, Shape};
@@ -37,6 +37,22 @@ fn hand_approaches_high_objects_from_above() {
         let what = format!("{height_m} m: {state} {cause}");
         assert_eq!(state, GoalState::SUCCEEDED, "{what}");
         assert!(truth.lifted_m > 0.03 && truth.dropped == 0, "{what}");
+    }
+}
+
+/// Regression: an object that stands 8 mm beside its place was reported as an obstacle.
+#[test]
+fn touched_object_is_grasped_beside_the_touch() {
+    for (y_mm, yaw_deg) in [(8.0, 0.0), (-8.0, 0.0), (0.0, 20.0), (6.0, 15.0)] {
+        let mut scene = Scene::grasp(post(0.12), HandSide::Right);
+        let goal = goal(GoalKind::GRASP, &scene, HandSide::Right);
+        displace(&mut scene, 0, [0.0, y_mm, yaw_deg]);
+        let mut rig = Rig::seeded(&scene, 1);
+        let end = rig.execute(&goal);
+        let what = format!("{y_mm} mm, {yaw_deg}°: {}", end.reason);
+        assert_eq!(end.state, GoalState::SUCCEEDED, "{what}");
+        let truth = rig.object();
+        assert!(truth.lifted_m > 0.03 && truth.tipped == 0, "{what}");
     }
 }
 

@@ -210,7 +210,7 @@ fn emulated_so101_begins_in_its_reference_posture() {
     let robot = RobotModel::find(&robot_file).unwrap();
     let rest_rad = robot.hand(robot.acting_side()).reference_rad();
     assert_eq!(state.joint_count as usize, rest_rad.len());
-    for (measured_rad, rest_rad) in state.position_rad.iter().zip(rest_rad) {
+    for (measured_rad, rest_rad) in state.position_rad.iter().zip(rest_rad.iter()) {
         assert!(
             (measured_rad - rest_rad).abs() < 2.0 * STEP_RAD,
             "{measured_rad} {rest_rad}"

@@ -103,8 +103,9 @@ pub(super) struct Trajectory {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Search {
     engaged: bool,
-    /// Number of places tried.
-    places: u32,
+    /// Indices of the places at the start and at the end of the turn.
+    from: u32,
+    to: u32,
 }
 
 impl Default for Trajectory {
@@ -344,18 +345,19 @@ impl Trajectory {
 impl Search {
     /// Every place has been tried in vain.
     fn is_over(self) -> bool {
-        !self.engaged && self.places == SEARCH_PLACES
+        !self.engaged && self.to == SEARCH_PLACES
     }
 
-    /// Begins a turn: an unengaged cap is carried to the next place.
+    /// Begins a turn: it carries a cap that has not engaged to the next place.
     fn advance(&mut self) {
-        self.places += u32::from(!self.engaged);
+        self.from = self.to;
+        self.to += u32::from(!self.engaged);
     }
 
     /// Returns the horizontal offset after this share of the turn, m.
     fn offset_m(self, share: f64) -> Vector3<f64> {
-        let from_m = place_m(self.places.saturating_sub(1));
-        from_m + (place_m(self.places) - from_m) * share
+        let from_m = place_m(self.from);
+        from_m + (place_m(self.to) - from_m) * share
     }
 }
 

@@ -14,6 +14,7 @@ const LIFTS: StepFacts = StepFacts {
     searches: false,
     verifies_lift: true,
     lowers: false,
+    steadies: false,
     is_monitored: true,
 };
 
@@ -188,4 +189,19 @@ fn another_search_forgets_the_contact() {
     let facts = (object.all_touched, object.carried_m, object.load_is_held);
     assert_eq!(facts, (false, 0.0, false));
     assert!(rig.estimator.stiffness().is_some() && object.grip.is_none());
+}
+
+/// Regression: a thread dragged a bottle along that was held with 1 N of 8 N.
+#[test]
+fn steadied_object_is_gripped_with_a_share_of_f2() {
+    let mut rig = Rig::gripped();
+    let f2_n = rig.estimator.thresholds().f2_n;
+    let steadies = StepFacts {
+        steadies: true,
+        ..LIFTS
+    };
+    for (step, expected) in [(LIFTS, 0.0..0.2), (steadies, 0.39..0.41)] {
+        let share = rig.update(&holding(2.0, 0.0), step).min_force_n / f2_n;
+        assert!(expected.contains(&share), "{share} of F_2: {step:?}");
+    }
 }
