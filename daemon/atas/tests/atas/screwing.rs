@@ -22,11 +22,23 @@ fn resisting(bench: &Bench, shear_n: f64) -> Percept {
     percept([tip(1.0), tip(-1.0)])
 }
 
-/// One clockwise turn with shear force up to `most_n`, and the return.
+/// Descent of a cap on its thread in one turn, m.
+const DESCENT_M: f64 = 0.0005;
+
+/// One clockwise turn of a cap on its thread with shear force up to `most_n`, and the return.
 fn turn(bench: &mut Bench, most_n: f64) -> Verdict {
+    turn_descending(bench, most_n, DESCENT_M)
+}
+
+/// One clockwise turn of a cap that descends, m, with shear force up to `most_n`, and the return.
+fn turn_descending(bench: &mut Bench, most_n: f64, descent_m: f64) -> Verdict {
     let mut verdict = Verdict::None;
+    let height_m = bench.frame.centre_m.z;
     let mut go = |bench: &mut Bench, ahead_m: f64, shear_n: f64| {
         bench.frame.tangential_m = [-ahead_m, ahead_m];
+        let way = (ahead_m / TRAVEL_M + 1.0) / 2.0;
+        let lowest_m = bench.frame.centre_m.z;
+        bench.frame.centre_m.z = lowest_m.min(height_m - descent_m * way);
         let proposal = bench.evaluate(&resisting(bench, shear_n));
         if verdict == Verdict::None {
             verdict = proposal.verdict;
@@ -62,10 +74,31 @@ fn screwing_ends_above_1_4_times_first_maximum() {
     check(&[1.0, 0.3, 0.8], Verdict::None);
 }
 
+/// Regression: the friction of a loose cap on its rim counted as the first turn, so that the thread
+/// itself seemed tight.
+#[test]
+fn turns_beside_the_thread_do_not_count() {
+    let mut bench = Bench::new(ModuleId::TERMINATE_SCREW);
+    for _ in 0..2 {
+        assert_eq!(turn_descending(&mut bench, 0.1, 0.0), Verdict::None);
+    }
+    assert_eq!(turn(&mut bench, 0.5), Verdict::None);
+    assert_eq!(turn(&mut bench, 0.71), Verdict::Done);
+}
+
 /// Runs Module 0 with a firm grip; the sides close at this speed while they turn.
 fn square(bench: &mut Bench, ticks: usize, closing_m_s: f64) -> Vec<Proposal> {
+    square_with(bench, &pressed(2.0), ticks, closing_m_s)
+}
+
+fn square_with(
+    bench: &mut Bench,
+    measured: &Percept,
+    ticks: usize,
+    closing_m_s: f64,
+) -> Vec<Proposal> {
     let run = |_| {
-        let proposal = bench.evaluate(&pressed(2.0));
+        let proposal = bench.evaluate(measured);
         let carried = proposal.pose.unwrap();
         bench.frame = carried.pose;
         bench.closing_m_s = [closing_m_s; 2];
@@ -99,6 +132,29 @@ fn square_trajectory_repeats() {
         let step_m = (ahead_m(&pair[1]) - ahead_m(&pair[0])).abs();
         assert!(step_m <= 3.01e-5, "within the speed limit of its edge");
     }
+}
+
+#[test]
+fn loose_cap_is_carried_along_a_spiral() {
+    let mut bench = Bench::new(ModuleId::TRAJECTORY);
+    let start_m = bench.frame.centre_m;
+    // The rim carries the force with which the hand presses down: the cap does not descend.
+    let mut on_rim = pressed(2.0);
+    for fingertip in &mut on_rim.fingertips[..2] {
+        fingertip.force_tip_n.z = 0.15;
+    }
+    let poses = square_with(&mut bench, &on_rim, 60_000, 0.0);
+    let centres_m = poses.iter().map(|p| p.pose.unwrap().pose.centre_m);
+    let centres_m: Vec<Vector3<f64>> = centres_m.collect();
+    let off_m = |centre_m: &Vector3<f64>| (centre_m - start_m).xy().norm();
+    let farthest_m = centres_m.iter().map(off_m).fold(0.0, f64::max);
+    assert!((0.002..0.0023).contains(&farthest_m), "{farthest_m}");
+    for pair in centres_m.windows(2) {
+        let step_m = (pair[1] - pair[0]).xy().norm();
+        assert!(step_m < 1e-5, "the place never jumps: {step_m}");
+    }
+    let last = poses.last().unwrap().pose.unwrap().pose;
+    assert!(last.half_opening_m[0] > 0.0279, "waits, open");
 }
 
 #[test]
