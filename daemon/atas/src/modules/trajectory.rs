@@ -343,7 +343,7 @@ impl Trajectory {
 }
 
 impl Search {
-    /// Every place has been tried in vain.
+    /// The cap engaged at no place.
     fn is_over(self) -> bool {
         !self.engaged && self.to == SEARCH_PLACES
     }
