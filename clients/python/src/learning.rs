@@ -229,7 +229,6 @@ fn columns<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, Py
 impl Batch {
     #[new]
     #[pyo3(signature = (task, count, objects = None, noise = 1.0, threads = 0, autoreset = true, robot = None))]
-    #[expect(clippy::too_many_arguments, reason = "Python has keyword arguments")]
     fn new(
         task: &str,
         count: usize,
