@@ -7,24 +7,13 @@ import time
 
 import numpy as np
 import pytest
-from bench import Bench, wait
+from bench import wait
 from cyclone import ABORTED, CANCELED, SUCCEEDED, Peer
 from interfaces import cyclone
 
 OBJECT = {"x": 0.32, "y": -0.15, "z": 0.0345}
 GRIPPER = ("/atas/right/gripper_cmd", "control_msgs/action/GripperCommand")
 PARALLEL = ("/atas/right/parallel_gripper_cmd", "control_msgs/action/ParallelGripperCommand")
-
-
-@pytest.fixture(scope="module")
-def bench():
-    with Bench(bridge=("--services", "cyclonedds")) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def peer(bench):
-    return Peer()
 
 
 def read(reader, seconds):

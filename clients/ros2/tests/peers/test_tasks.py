@@ -4,24 +4,12 @@ import math
 import time
 
 import pytest
-from bench import Bench
-from cyclone import ABORTED, CANCELED, SUCCEEDED, Peer
+from cyclone import ABORTED, CANCELED, SUCCEEDED
 from interfaces import cyclone
 from test_dds import GRIPPER, command, read
 
 POINT = cyclone("geometry_msgs/msg/Point")
 TARGET = cyclone("atas_msgs/msg/ObjectTarget")
-
-
-@pytest.fixture(scope="module")
-def bench():
-    with Bench(bridge=("--services", "cyclonedds")) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def peer(bench):
-    return Peer()
 
 
 def wood(**changed):
