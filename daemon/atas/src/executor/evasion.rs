@@ -48,19 +48,4 @@ impl TaskExecutor {
         self.enter(0, now, settings, modules);
         true
     }
-
-    /// Resumes the descent after the withdrawal. Returns true if it did.
-    pub(super) fn end_evasion(
-        &mut self,
-        now: &GraspPose,
-        settings: &Settings,
-        modules: &mut Modules,
-    ) -> bool {
-        let Course::Evasion { resume_step } = self.course else {
-            return false;
-        };
-        self.course = Course::Task;
-        self.enter(resume_step, now, settings, modules);
-        true
-    }
 }

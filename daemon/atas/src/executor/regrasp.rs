@@ -15,7 +15,7 @@ use crate::limits::{DISPLACED_MAX_M, YAW_ERROR_MAX_RAD};
 use crate::modules::{Modules, Verdict};
 use crate::perception::{ObjectPose, Percept};
 use crate::settings::Settings;
-use crate::tasks::{Motion, REGRASP, Step, Transition, Waypoint};
+use crate::tasks::{Motion, Step, Transition, Waypoint};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector2;
 use robot_model::GraspPose;
@@ -41,7 +41,7 @@ const SHIFT_MAX_M: f64 = 0.006;
 /// Maximum offset across the closing axis of a flat object, m (design choice; measured: below 0.1
 /// mm for flat faces). Round objects are graspable only about their axis.
 const FLAT_OFFSET_MAX_M: f64 = 0.0003;
-/// Indices in [`REGRASP`]: start with a lifted object, or with a standing one.
+/// Indices in [`crate::tasks::REGRASP`]: start with a lifted object, or with a standing one.
 const PUT_BACK_STEP: usize = 0;
 const REOPEN_STEP: usize = 1;
 
@@ -66,25 +66,16 @@ impl TaskExecutor {
         self.displacement_m
     }
 
-    /// Starts, continues or ends a regrasp at the end of a step. Returns true if it entered another
-    /// step.
+    /// Starts or continues a regrasp at the end of a step. Returns true if it entered another step.
     pub(super) fn advance_regrasp(
         &mut self,
         now: &GraspPose,
         settings: &Settings,
         modules: &mut Modules,
     ) -> bool {
-        if let Course::Regrasp { resume_step } = self.course {
-            if self.index == PUT_BACK_STEP {
-                self.reopen(now, settings, modules);
-                return true;
-            }
-            let is_back = self.index + 1 == REGRASP.len();
-            if is_back {
-                self.course = Course::Task;
-                self.enter(resume_step, now, settings, modules);
-            }
-            return is_back;
+        if matches!(self.course, Course::Regrasp { .. }) && self.index == PUT_BACK_STEP {
+            self.reopen(now, settings, modules);
+            return true;
         }
         if self.step().transition != Transition::Gripped {
             return false;

@@ -95,17 +95,19 @@ impl TaskExecutor {
     }
 
     fn advance(&mut self, now: &GraspPose, settings: &Settings, modules: &mut Modules) -> Outcome {
-        if self.advance_regrasp(now, settings, modules) || self.end_evasion(now, settings, modules)
-        {
+        if self.advance_regrasp(now, settings, modules) {
             return Outcome::NextStep;
         }
         if self.index + 1 == self.steps().len() {
             return match self.course {
                 Course::Recovery(Recovery::Raise, reason) => Outcome::Failed(reason),
                 Course::Recovery(_, reason) => Outcome::Refused(reason),
-                Course::Task | Course::Regrasp { .. } | Course::Evasion { .. } => {
-                    self.finish_task()
+                Course::Regrasp { resume_step } | Course::Evasion { resume_step } => {
+                    self.course = Course::Task;
+                    self.enter(resume_step, now, settings, modules);
+                    Outcome::NextStep
                 }
+                Course::Task => self.finish_task(),
                 Course::Ended => Outcome::Succeeded,
             };
         }

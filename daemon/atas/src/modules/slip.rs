@@ -10,8 +10,8 @@
 //! * (b) gross slip is detected,
 //! * (c) S exceeds `slip_loading` and dF_t > dr (the paper's rule, gated by S where friction is
 //!   known),
-//! * (d) the torsion ratio exceeds one half, or a fifth until the grip is known to hold the load: an
-//!   object held off-centre turns before it slips out,
+//! * (d) the torsion ratio exceeds one half, or one fifth until the grip is known to hold the load:
+//!   an object held off-centre turns before it slips out,
 //! * (e) the load of a suspended object drops; this needs no friction coefficient, or
 //! * (f) a suspended object suddenly loads the grip more than lift verification has shown it to
 //!   hold. The closing speed then follows from the missing force.
@@ -34,9 +34,10 @@ use shm_schemas::ModuleId;
 /// turned by 10°).
 const TORSION_ON: f64 = 0.5;
 const TORSION_OFF: f64 = 0.45;
-/// The same ratios until the grip is known to hold the load. Design choice, measured with centres of
-/// mass up to 5 mm beside the grip: with the former pair, objects tilt by 4° on an edge of their
-/// base while they leave the support, and land 5 mm beside their place.
+/// Torsion ratios at which turning begins and ends until the grip is known to hold the load. Design
+/// choice, measured with centres of mass up to 5 mm beside the grip: with the pair above, objects
+/// tilt by 4° on an edge of their base while they leave the support, and land 5 mm beside their
+/// place.
 const LIFTING_TORSION_ON: f64 = 0.2;
 const LIFTING_TORSION_OFF: f64 = 0.18;
 /// Path speed factor while an object begins to tilt (design choice: the grip grows by newtons while
