@@ -112,7 +112,7 @@ impl External {
             hand.velocity_rad_s = HandVector::from_slice(&state.velocity_rad_s[joints.clone()]);
             hand.effort_n_m = HandVector::from_slice(&state.effort_n_m[joints]);
             hand.model.place(&mut hand.pose, &hand.position_rad);
-            for of_tip in &mut hand.tips {
+            for (finger, of_tip) in hand.tips.iter_mut().enumerate() {
                 for (to, from) in of_tip
                     .element_force_n
                     .iter_mut()
@@ -124,7 +124,9 @@ impl External {
                 of_tip.normal_n = state.normal_n[tip];
                 of_tip.slip_m = state.slip_m[tip];
                 if let Some(index) = of_tip.touched {
-                    objects[index].record_contact(of_tip.normal_n);
+                    let on_tip_n: Vector3<f64> = of_tip.element_force_n.iter().sum();
+                    let on_tip_n = hand.pose.base_from_tip()[finger].rotation * on_tip_n;
+                    objects[index].record_contact(of_tip.normal_n, -on_tip_n.z);
                 }
                 tip += 1;
             }

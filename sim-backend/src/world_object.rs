@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use shm_schemas::{ObjectTruth, Text};
 
 use crate::body::Body;
+use crate::builtin::SUBSTEPS;
 use crate::contact::{Surface, Wrench};
 use crate::hold::{Grip, Hold};
 use crate::object::Object;
@@ -17,7 +18,7 @@ const CRUSHED_STIFFNESS: f64 = 0.05;
 const DROP_M: f64 = 0.002;
 /// Speed after a free fall from [`DROP_M`], m/s: √(2·g·h). Faster landings count as drops.
 const DROP_M_S: f64 = 0.198;
-/// Share of a tick in the low-passed support force: time constant 10 ms. Design choice: the impact
+/// Share of a tick in the low-passed downward force: time constant 10 ms. Design choice: the impact
 /// of a block that tips flat lasts a few milliseconds.
 const PRESSING_SHARE: f64 = 1.0 / 11.0;
 /// Smallest force, N, and smallest share of the weight of a support that carries an object; the
@@ -54,6 +55,8 @@ pub(crate) struct WorldObject {
     max_force_n: f64,
     /// A fingertip pressed since the last [`WorldObject::evaluate`].
     touched: bool,
+    /// Upward force of the fingertips, mean of the current tick, base frame, N.
+    hand_up_n: f64,
     crushed: bool,
     lifted: bool,
     dropped: bool,
@@ -75,9 +78,9 @@ struct Landing {
     released_ns: u64,
     /// Height above the support at the release, m.
     released_above_m: f64,
-    /// Low-passed excess of the support force over the weight, and its maximum until the release,
-    /// N.
-    excess_n: f64,
+    /// Low-passed downward force of the fingertips, and its maximum until the release, N. The
+    /// impact of a tilted object that falls flat when it is released does not count.
+    hand_down_n: f64,
     pressed_down_n: f64,
     held: bool,
 }
@@ -112,6 +115,7 @@ impl WorldObject {
             pressed: false,
             max_force_n: 0.0,
             touched: false,
+            hand_up_n: 0.0,
             crushed: false,
             lifted: false,
             dropped: false,
@@ -146,15 +150,18 @@ impl WorldObject {
         }
     }
 
-    /// Adds the wrench of a fingertip, body frame, and its normal force.
+    /// Adds the wrench of a fingertip for one substep, body frame, and its normal force.
     pub(crate) fn apply_contact(&mut self, wrench: &Wrench, normal_n: f64) {
         self.body.apply(wrench);
-        self.record_contact(normal_n);
+        let up_n = (self.body.base_from_body * wrench.force_n).z;
+        self.record_contact(normal_n, up_n / SUBSTEPS as f64);
     }
 
-    /// Records the normal force of a fingertip.
-    pub(crate) fn record_contact(&mut self, normal_n: f64) {
+    /// Records the normal force of a fingertip, and its contribution to the mean upward force of the
+    /// tick, base frame, N.
+    pub(crate) fn record_contact(&mut self, normal_n: f64, up_n: f64) {
         self.touched = true;
+        self.hand_up_n += up_n;
         self.max_force_n = self.max_force_n.max(normal_n);
         self.crushed |= normal_n > self.spec.crush_n;
     }
@@ -173,6 +180,7 @@ impl WorldObject {
     /// cannot drop; an `open` one can spill.
     pub(crate) fn evaluate(&mut self, ground: &Ground<'_>, carried: bool, open: bool, now_ns: u64) {
         let held = core::mem::take(&mut self.touched);
+        let hand_up_n = core::mem::take(&mut self.hand_up_n);
         self.pressed = held;
         let tilt_rad = self.body.tilt_rad();
         self.tipped |= tilt_rad > TIPPED_RAD;
@@ -198,8 +206,7 @@ impl WorldObject {
                 .min(CARRIES_SHARE_MAX * weight_n);
             self.landing
                 .update_carrying(self.body.table_n >= carries_n, now_ns);
-            self.landing
-                .update_pressing(self.body.table_n - weight_n, held);
+            self.landing.update_pressing(-hand_up_n, held);
         }
     }
 
@@ -296,10 +303,10 @@ impl Landing {
         }
     }
 
-    fn update_pressing(&mut self, excess_n: f64, held: bool) {
-        self.excess_n += (excess_n - self.excess_n) * PRESSING_SHARE;
-        if held && self.landed_ns > 0 && self.excess_n > self.pressed_down_n {
-            self.pressed_down_n = self.excess_n;
+    fn update_pressing(&mut self, hand_down_n: f64, held: bool) {
+        self.hand_down_n += (hand_down_n - self.hand_down_n) * PRESSING_SHARE;
+        if held && self.landed_ns > 0 && self.hand_down_n > self.pressed_down_n {
+            self.pressed_down_n = self.hand_down_n;
         }
     }
 

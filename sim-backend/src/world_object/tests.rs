@@ -131,3 +131,26 @@ fn object_stands_only_upright_free_and_in_place() {
     check(0.0, 0.0, true, 1.0, 0);
     check(0.0, 0.0, false, 0.5, 0);
 }
+
+/// Regression: the impact of a bottle that fell flat out of opening fingertips counted as 1.1 N of
+/// the hand.
+#[test]
+fn only_the_hands_own_force_presses_the_object_down() {
+    let pressed_down_n = |table_n: f64, hand_up_n: f64| {
+        let mut wood = object("wood");
+        pose(&mut wood, 0.010, 0.0);
+        wood.touched = true;
+        wood.evaluate(&Ground::default(), false, false, TICK_NS);
+        pose(&mut wood, 0.0, 0.0);
+        for tick in 2..200 {
+            wood.record_contact(1.0, hand_up_n);
+            wood.body.table_n = table_n;
+            wood.evaluate(&Ground::default(), false, false, tick * TICK_NS);
+        }
+        wood.truth(None).pressed_down_n
+    };
+    let weight_n = object("wood").body.weight_n();
+    assert_eq!(pressed_down_n(weight_n + 5.0, 0.0), 0.0);
+    assert_eq!(pressed_down_n(weight_n, 2.0), 0.0);
+    assert!((pressed_down_n(weight_n + 2.0, -2.0) - 2.0).abs() < 1e-6);
+}
