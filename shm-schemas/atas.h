@@ -567,18 +567,18 @@ typedef struct atas_joint_state {
     atas_stamp stamp;
     // Number of joints with data, at most JOINTS.
     uint32_t joint_count;
-    // Number of valid entries in commanded_rad: joint_count, or 0 if the robot cannot
+    // Number of valid entries in commanded_position: joint_count, or 0 if the robot cannot
     // report them.
     uint32_t commanded_count;
     // Measured positions, rad.
-    double position_rad[32];
+    double position[32];
     // Measured velocities, rad/s.
-    double velocity_rad_s[32];
+    double velocity[32];
     // Measured efforts, N·m; zero if the drive does not measure them.
-    double effort_n_m[32];
-    // Positions held by the servos, rad: those of the last executed command, even if it has
+    double effort[32];
+    // Positions held by the servos, rad or m: those of the last executed command, even if it has
     // expired.
-    double commanded_rad[32];
+    double commanded_position[32];
     // JointCommand::grip_limit_n of that command, 0 before the first.
     double grip_limit_n[2];
     // Writer epoch of that command, 0 before the first.
@@ -598,10 +598,10 @@ _Static_assert(_Alignof(atas_joint_state) == 8, "atas_joint_state");
 _Static_assert(offsetof(atas_joint_state, stamp) == 0, "atas_joint_state.stamp");
 _Static_assert(offsetof(atas_joint_state, joint_count) == 24, "atas_joint_state.joint_count");
 _Static_assert(offsetof(atas_joint_state, commanded_count) == 28, "atas_joint_state.commanded_count");
-_Static_assert(offsetof(atas_joint_state, position_rad) == 32, "atas_joint_state.position_rad");
-_Static_assert(offsetof(atas_joint_state, velocity_rad_s) == 288, "atas_joint_state.velocity_rad_s");
-_Static_assert(offsetof(atas_joint_state, effort_n_m) == 544, "atas_joint_state.effort_n_m");
-_Static_assert(offsetof(atas_joint_state, commanded_rad) == 800, "atas_joint_state.commanded_rad");
+_Static_assert(offsetof(atas_joint_state, position) == 32, "atas_joint_state.position");
+_Static_assert(offsetof(atas_joint_state, velocity) == 288, "atas_joint_state.velocity");
+_Static_assert(offsetof(atas_joint_state, effort) == 544, "atas_joint_state.effort");
+_Static_assert(offsetof(atas_joint_state, commanded_position) == 800, "atas_joint_state.commanded_position");
 _Static_assert(offsetof(atas_joint_state, grip_limit_n) == 1056, "atas_joint_state.grip_limit_n");
 _Static_assert(offsetof(atas_joint_state, command_epoch) == 1072, "atas_joint_state.command_epoch");
 _Static_assert(offsetof(atas_joint_state, command_sequence) == 1080, "atas_joint_state.command_sequence");
@@ -637,9 +637,9 @@ typedef struct atas_joint_command {
     // Number of joints with data, at most JOINTS.
     uint32_t joint_count;
     // Commanded positions, rad.
-    double position_rad[32];
+    double position[32];
     // Velocity feed-forward, rad/s; zero in HOLD.
-    double velocity_rad_s[32];
+    double velocity[32];
     // Force limit F_2 per hand for the held object, N; 0 for an empty hand. The robot only
     // copies it to JointState, so that the limit survives a restart of the daemon.
     double grip_limit_n[2];
@@ -657,8 +657,8 @@ _Static_assert(offsetof(atas_joint_command, tick) == 32, "atas_joint_command.tic
 _Static_assert(offsetof(atas_joint_command, answers_sequence) == 40, "atas_joint_command.answers_sequence");
 _Static_assert(offsetof(atas_joint_command, mode) == 48, "atas_joint_command.mode");
 _Static_assert(offsetof(atas_joint_command, joint_count) == 52, "atas_joint_command.joint_count");
-_Static_assert(offsetof(atas_joint_command, position_rad) == 56, "atas_joint_command.position_rad");
-_Static_assert(offsetof(atas_joint_command, velocity_rad_s) == 312, "atas_joint_command.velocity_rad_s");
+_Static_assert(offsetof(atas_joint_command, position) == 56, "atas_joint_command.position");
+_Static_assert(offsetof(atas_joint_command, velocity) == 312, "atas_joint_command.velocity");
 _Static_assert(offsetof(atas_joint_command, grip_limit_n) == 568, "atas_joint_command.grip_limit_n");
 _Static_assert(offsetof(atas_joint_command, pad) == 584, "atas_joint_command.pad");
 _Static_assert(offsetof(atas_joint_command, crc32) == 588, "atas_joint_command.crc32");
@@ -1611,7 +1611,7 @@ typedef struct atas_run_header {
     // Written as zero.
     uint32_t pad;
     // Servo stiffness of each joint of one hand, N·m/rad; zero in unused entries.
-    double stiffness_n_m_rad[32];
+    double stiffness[32];
     // Per hand.
     atas_hand_wiring_record hands[2];
     // Settings of the first tick. Later changes are supervisor requests.
@@ -1632,7 +1632,7 @@ _Static_assert(offsetof(atas_run_header, flags) == 332, "atas_run_header.flags")
 _Static_assert(offsetof(atas_run_header, tick_s) == 336, "atas_run_header.tick_s");
 _Static_assert(offsetof(atas_run_header, joints_required) == 344, "atas_run_header.joints_required");
 _Static_assert(offsetof(atas_run_header, pad) == 348, "atas_run_header.pad");
-_Static_assert(offsetof(atas_run_header, stiffness_n_m_rad) == 352, "atas_run_header.stiffness_n_m_rad");
+_Static_assert(offsetof(atas_run_header, stiffness) == 352, "atas_run_header.stiffness");
 _Static_assert(offsetof(atas_run_header, hands) == 608, "atas_run_header.hands");
 _Static_assert(offsetof(atas_run_header, settings) == 12960, "atas_run_header.settings");
 _Static_assert(offsetof(atas_run_header, config) == 13744, "atas_run_header.config");

@@ -224,7 +224,7 @@ impl Failure {
             .joints
             .map_or(command.answers_sequence, |j| j.stamp.sequence);
         command.mode = Mode::FAULT;
-        command.velocity_rad_s = [0.0; JOINTS];
+        command.velocity = [0.0; JOINTS];
         command.seal();
         self.report = TickReport {
             stamp: command.stamp,
@@ -291,8 +291,8 @@ mod tests {
             assert_eq!((command.mode, command.tick), (Mode::FAULT, index));
             assert_eq!(command.stamp.sequence, before.stamp.sequence + index);
             assert_eq!(command.stamp.writer_epoch, before.stamp.writer_epoch);
-            assert_eq!(command.position_rad, before.position_rad);
-            assert_eq!(command.velocity_rad_s, [0.0; JOINTS]);
+            assert_eq!(command.position, before.position);
+            assert_eq!(command.velocity, [0.0; JOINTS]);
             let valid_ns = command.valid_until_ns - inputs(index).tick.now_ns;
             assert_eq!(valid_ns, (VALID_S * 1e9) as u64);
             assert_eq!(step.report.command_crc32, command.crc32);

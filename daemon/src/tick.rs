@@ -226,8 +226,8 @@ fn record_of(
         report,
         body_ns,
         frame_age_ns,
-        at_rest: step.command.velocity_rad_s.iter().all(|v| *v == 0.0),
-        commanded_rad: commanded_rad(step.command),
+        at_rest: step.command.velocity.iter().all(|v| *v == 0.0),
+        commanded_position: commanded_position(step.command),
         bus_failures: 0,
         phase_locked: false,
     }
@@ -250,9 +250,9 @@ fn arrivals(report: &TickReport, ports: &InputPorts) -> [Option<Arrivals>; STREA
     [left, right, (captured_ns != 0).then_some(joints)]
 }
 
-fn commanded_rad(command: &JointCommand) -> Option<RobotVector> {
-    let positions_rad = command.position_rad.get(..command.joint_count as usize)?;
-    (!positions_rad.is_empty()).then(|| RobotVector::from_slice(positions_rad))
+fn commanded_position(command: &JointCommand) -> Option<RobotVector> {
+    let positions = command.position.get(..command.joint_count as usize)?;
+    (!positions.is_empty()).then(|| RobotVector::from_slice(positions))
 }
 
 #[derive(Debug, Default)]

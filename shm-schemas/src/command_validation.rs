@@ -26,19 +26,19 @@ const STEP_MARGIN_S: f64 = 0.008;
 /// Joint set-points. Entries beyond the joints of the robot are zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointSetpoints {
-    /// Positions, rad.
-    pub position_rad: [f64; JOINTS],
-    /// Velocity feed-forward, rad/s.
-    pub velocity_rad_s: [f64; JOINTS],
+    /// Positions, rad or m.
+    pub position: [f64; JOINTS],
+    /// Velocity feed-forward, rad/s or m/s.
+    pub velocity: [f64; JOINTS],
 }
 
 impl JointSetpoints {
-    /// Creates set-points that hold these positions, rad, of at most [`JOINTS`] joints.
+    /// Creates set-points that hold these positions, rad or m, of at most [`JOINTS`] joints.
     #[must_use]
-    pub fn holding(position_rad: &[f64]) -> Self {
+    pub fn holding(position: &[f64]) -> Self {
         Self {
-            position_rad: padded(position_rad),
-            velocity_rad_s: [0.0; JOINTS],
+            position: padded(position),
+            velocity: [0.0; JOINTS],
         }
     }
 }
@@ -81,21 +81,21 @@ impl Accepted {
 pub struct CommandValidator {
     joints: usize,
     speed_max_rad_s: [f64; JOINTS],
-    start_rad: [f64; JOINTS],
+    start: [f64; JOINTS],
     /// Last accepted command and its time of arrival, ns.
     newest: Option<(Accepted, u64)>,
     rejected: u32,
 }
 
 impl CommandValidator {
-    /// Creates a validator for joints at the positions `start_rad` with the speed limits
+    /// Creates a validator for joints at the positions `start` with the speed limits
     /// `speed_max_rad_s`, at most [`JOINTS`]. The joint count is the length of the shorter list.
     #[must_use]
-    pub fn new(start_rad: &[f64], speed_max_rad_s: &[f64]) -> Self {
+    pub fn new(start: &[f64], speed_max_rad_s: &[f64]) -> Self {
         Self {
-            joints: start_rad.len().min(speed_max_rad_s.len()).min(JOINTS),
+            joints: start.len().min(speed_max_rad_s.len()).min(JOINTS),
             speed_max_rad_s: padded(speed_max_rad_s),
-            start_rad: padded(start_rad),
+            start: padded(start),
             newest: None,
             rejected: 0,
         }
@@ -105,8 +105,8 @@ impl CommandValidator {
     pub fn accept(&mut self, command: &JointCommand, now_ns: u64) -> Option<Accepted> {
         let accepted = Accepted {
             setpoints: JointSetpoints {
-                position_rad: padded(&command.position_rad[..self.joints]),
-                velocity_rad_s: padded(&command.velocity_rad_s[..self.joints]),
+                position: padded(&command.position[..self.joints]),
+                velocity: padded(&command.velocity[..self.joints]),
             },
             stamp: command.stamp,
             valid_until_ns: command.valid_until_ns,
@@ -147,25 +147,25 @@ impl CommandValidator {
     /// Returns true if no joint has to exceed its speed limit. The joints can have moved towards
     /// the last command while it was valid; after that they stood still.
     fn is_reachable(&self, orders: &JointSetpoints, now_ns: u64) -> bool {
-        let start = (&self.start_rad, 0);
+        let start = (&self.start, 0);
         let (from_rad, followed_ns) = self.newest.as_ref().map_or(start, |(newest, then_ns)| {
             let until_ns = now_ns.min(newest.valid_until_ns);
             (
-                &newest.setpoints.position_rad,
+                &newest.setpoints.position,
                 until_ns.saturating_sub(*then_ns),
             )
         });
         let within_s = STEP_MARGIN_S + followed_ns as f64 * 1e-9;
         (0..self.joints).all(|joint| {
             let top_rad_s = SPEED_FACTOR_MAX * self.speed_max_rad_s[joint];
-            let step_rad = (orders.position_rad[joint] - from_rad[joint]).abs();
-            step_rad <= top_rad_s * within_s && orders.velocity_rad_s[joint].abs() <= top_rad_s
+            let step_rad = (orders.position[joint] - from_rad[joint]).abs();
+            step_rad <= top_rad_s * within_s && orders.velocity[joint].abs() <= top_rad_s
         })
     }
 
     /// Returns true if the checksum, the joint count and all values are valid.
     fn is_well_formed(&self, command: &JointCommand, orders: &JointSetpoints) -> bool {
-        let mut numbers = orders.position_rad.iter().chain(&orders.velocity_rad_s);
+        let mut numbers = orders.position.iter().chain(&orders.velocity);
         command.is_intact()
             && command.joint_count as usize == self.joints
             && numbers.all(|value| value.is_finite())

@@ -18,18 +18,18 @@ payload! {
         pub stamp: Stamp,
         /// Number of joints with data, at most [`JOINTS`].
         pub joint_count: u32,
-        /// Number of valid entries in `commanded_rad`: `joint_count`, or 0 if the robot cannot
+        /// Number of valid entries in `commanded_position`: `joint_count`, or 0 if the robot cannot
         /// report them.
         pub commanded_count: u32,
-        /// Measured positions, rad.
-        pub position_rad: [f64; JOINTS],
-        /// Measured velocities, rad/s.
-        pub velocity_rad_s: [f64; JOINTS],
-        /// Measured efforts, N·m; zero if the drive does not measure them.
-        pub effort_n_m: [f64; JOINTS],
-        /// Positions held by the servos, rad: those of the last executed command, even if it has
+        /// Measured positions, rad or m.
+        pub position: [f64; JOINTS],
+        /// Measured velocities, rad/s or m/s.
+        pub velocity: [f64; JOINTS],
+        /// Measured efforts, N·m or N; zero if the drive does not measure them.
+        pub effort: [f64; JOINTS],
+        /// Positions held by the servos, rad or m: those of the last executed command, even if it has
         /// expired.
-        pub commanded_rad: [f64; JOINTS],
+        pub commanded_position: [f64; JOINTS],
         /// [`JointCommand::grip_limit_n`] of that command, 0 before the first.
         pub grip_limit_n: [f64; HANDS],
         /// Writer epoch of that command, 0 before the first.
@@ -68,10 +68,10 @@ payload! {
         pub mode: Mode,
         /// Number of joints with data, at most [`JOINTS`].
         pub joint_count: u32,
-        /// Commanded positions, rad.
-        pub position_rad: [f64; JOINTS],
-        /// Velocity feed-forward, rad/s; zero in HOLD.
-        pub velocity_rad_s: [f64; JOINTS],
+        /// Commanded positions, rad or m.
+        pub position: [f64; JOINTS],
+        /// Velocity feed-forward, rad/s or m/s; zero in HOLD.
+        pub velocity: [f64; JOINTS],
         /// Force limit F_2 per hand for the held object, N; 0 for an empty hand. The robot only
         /// copies it to [`JointState`], so that the limit survives a restart of the daemon.
         pub grip_limit_n: [f64; HANDS],

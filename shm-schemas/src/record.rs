@@ -232,7 +232,7 @@ payload! {
         /// Written as zero.
         pub pad: u32,
         /// Servo stiffness of each joint of one hand, N·m/rad; zero in unused entries.
-        pub stiffness_n_m_rad: [f64; JOINTS],
+        pub stiffness: [f64; JOINTS],
         /// Per hand.
         pub hands: [HandWiringRecord; HANDS],
         /// Settings of the first tick. Later changes are supervisor requests.

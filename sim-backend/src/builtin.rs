@@ -40,10 +40,7 @@ impl BuiltIn {
         let per_hand = |values: &[f64; JOINTS]| {
             [0..left, left..left + right].map(|range| HandVector::from_slice(&values[range]))
         };
-        let (target_rad, feed_forward_rad_s) = (
-            per_hand(&orders.position_rad),
-            per_hand(&orders.velocity_rad_s),
-        );
+        let (target, feed_forward_rad_s) = (per_hand(&orders.position), per_hand(&orders.velocity));
         for hand in &mut self.hands {
             hand.begin_tick(objects, TICK_S);
         }
@@ -53,7 +50,7 @@ impl BuiltIn {
             }
             for (index, hand) in self.hands.iter_mut().enumerate() {
                 hand.step(
-                    &target_rad[index],
+                    &target[index],
                     &feed_forward_rad_s[index],
                     SUBSTEPS - substep,
                     SUBSTEP_S,

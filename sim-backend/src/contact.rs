@@ -50,7 +50,7 @@ pub(crate) struct Approach {
     pub(crate) centre_m: Vector3<f64>,
     /// Relative velocity of the tip's point at the object's origin, m/s.
     pub(crate) velocity_m_s: Vector3<f64>,
-    /// Relative angular velocity, rad/s.
+    /// Relative angular velocity, rad/s or m/s.
     pub(crate) angular_rad_s: Vector3<f64>,
 }
 

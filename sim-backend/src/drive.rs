@@ -30,13 +30,13 @@ pub(crate) struct Drive {
 
 impl Drive {
     /// Returns a drive that holds these positions, with these joint speed limits.
-    pub(crate) fn holding(position_rad: RobotVector, speed_max_rad_s: RobotVector) -> Self {
+    pub(crate) fn holding(position: RobotVector, speed_max_rad_s: RobotVector) -> Self {
         Self {
-            obedience: CommandValidator::new(&position_rad, &speed_max_rad_s),
-            joints: position_rad.len(),
+            obedience: CommandValidator::new(&position, &speed_max_rad_s),
+            joints: position.len(),
             pending: [None; LATENCY_MS],
             slot: 0,
-            held: JointSetpoints::holding(&position_rad),
+            held: JointSetpoints::holding(&position),
             executed: None,
             in_force: false,
             expired: 0,
@@ -53,7 +53,7 @@ impl Drive {
         let accepted = arrived.and_then(|command| self.obedience.accept(command, now_ns));
         let due = core::mem::replace(&mut self.pending[self.slot], accepted);
         self.slot = (self.slot + 1) % LATENCY_MS;
-        self.held.velocity_rad_s = [0.0; JOINTS];
+        self.held.velocity = [0.0; JOINTS];
         match due {
             Some(due) if due.valid_until_ns >= now_ns => {
                 self.held = due.setpoints;
@@ -76,7 +76,7 @@ impl Drive {
     /// Writes the commanded positions to the joint state.
     pub(crate) fn report(&self, state: &mut JointState) {
         state.commanded_count = self.joints as u32;
-        state.commanded_rad = self.held.position_rad;
+        state.commanded_position = self.held.position;
         if let Some(last) = &self.executed {
             last.write_to(state);
         }
@@ -97,14 +97,14 @@ mod tests {
     const MS_NS: u64 = 1_000_000;
     const JOINTS: usize = 22;
 
-    fn command(position_rad: f64, valid_until_ns: u64) -> JointCommand {
+    fn command(position: f64, valid_until_ns: u64) -> JointCommand {
         let mut command = JointCommand {
             joint_count: JOINTS as u32,
             valid_until_ns,
             ..Default::default()
         };
-        command.position_rad[..JOINTS].fill(position_rad);
-        command.velocity_rad_s[..JOINTS].fill(0.5);
+        command.position[..JOINTS].fill(position);
+        command.velocity[..JOINTS].fill(0.5);
         command.seal();
         command
     }
@@ -123,7 +123,7 @@ mod tests {
         let followed: Vec<(f64, f64)> = (0..)
             .zip(&arrivals)
             .map(|(tick, arrived)| drive.setpoints(arrived.as_ref(), tick * MS_NS))
-            .map(|orders| (orders.position_rad[3], orders.velocity_rad_s[3]))
+            .map(|orders| (orders.position[3], orders.velocity[3]))
             .collect();
         assert_eq!(followed, [(0.0, 0.0), (0.0, 0.0), (1.0, 0.5), (1.0, 0.0)]);
         assert_eq!(drive.expired(), 0);
@@ -137,7 +137,7 @@ mod tests {
             .map(|tick| drive.setpoints(None, tick * MS_NS))
             .last();
         assert_eq!(
-            last.map(|orders| (orders.position_rad[0], orders.velocity_rad_s[0])),
+            last.map(|orders| (orders.position[0], orders.velocity[0])),
             Some((1.0, 0.0))
         );
         assert_eq!(drive.expired(), 1);
@@ -150,7 +150,7 @@ mod tests {
         let orders = (1..5)
             .map(|tick| drive.setpoints(None, tick * MS_NS))
             .last();
-        assert_eq!(orders.map(|orders| orders.position_rad[0]), Some(0.0));
+        assert_eq!(orders.map(|orders| orders.position[0]), Some(0.0));
         assert_eq!(drive.expired(), 1);
     }
 
@@ -160,8 +160,8 @@ mod tests {
         type Change = fn(&mut JointCommand);
         let check = |obeyed: bool, change: Change, now_ms: u64| {
             let mut drive = drive();
-            let at = |sequence, position_rad: f64, ms: u64| {
-                let mut next = command(position_rad, (ms + 5) * MS_NS);
+            let at = |sequence, position: f64, ms: u64| {
+                let mut next = command(position, (ms + 5) * MS_NS);
                 (next.stamp.sequence, next.stamp.writer_epoch) = (sequence, 7);
                 next
             };
@@ -177,7 +177,7 @@ mod tests {
                 .last();
             let expected_rad = if obeyed { 1.1 } else { 1.0 };
             assert_eq!(
-                followed.map(|orders| orders.position_rad[0]),
+                followed.map(|orders| orders.position[0]),
                 Some(expected_rad)
             );
         };
@@ -186,8 +186,8 @@ mod tests {
         check(false, |c| c.stamp.sequence = 99, 1);
         check(false, |c| c.stamp.writer_epoch = 8, 1);
         check(false, |c| c.valid_until_ns = u64::MAX, 1);
-        check(false, |c| c.position_rad[0] = 3.0, 1);
-        check(false, |c| c.velocity_rad_s[0] = 250.0, 1);
+        check(false, |c| c.position[0] = 3.0, 1);
+        check(false, |c| c.velocity[0] = 250.0, 1);
         check(false, |c| c.joint_count = 23, 1);
         // After the last command has expired, another writer may take over, with any sequence
         // number.
@@ -206,15 +206,14 @@ mod tests {
         let obeyed = |step_rad: f64, after_ms: u64| {
             let still = RobotVector::zeros(JOINTS);
             let mut drive = Drive::holding(still, RobotVector::repeat(JOINTS, top_rad_s));
-            let ordered =
-                |position_rad: f64, ms: u64| command(position_rad, (ms + valid_ms) * MS_NS);
+            let ordered = |position: f64, ms: u64| command(position, (ms + valid_ms) * MS_NS);
             drive.setpoints(Some(&ordered(0.0, 0)), 0);
             let mut second = ordered(step_rad, after_ms);
             second.stamp.sequence = 1;
             second.seal();
             drive.setpoints(Some(&second), after_ms * MS_NS);
             let then = (1..4).map(|ms| drive.setpoints(None, (after_ms + ms) * MS_NS));
-            then.last().expect("some").position_rad[0] == step_rad
+            then.last().expect("some").position[0] == step_rad
         };
         for after_ms in [5, 20, 100, 10_000] {
             assert!(obeyed(0.99 * widest_rad, after_ms), "{after_ms} ms");
@@ -228,7 +227,7 @@ mod tests {
     fn executed_command_is_reported() {
         let (mut drive, mut state) = (drive(), JointState::default());
         drive.report(&mut state);
-        assert_eq!((state.commanded_rad[3], state.command_epoch), (0.0, 0));
+        assert_eq!((state.commanded_position[3], state.command_epoch), (0.0, 0));
         let mut command = command(1.0, 5 * MS_NS);
         (command.stamp.sequence, command.stamp.writer_epoch) = (4, 7);
         command.grip_limit_n = [0.0, 1.5];
@@ -240,7 +239,7 @@ mod tests {
         drive.report(&mut state);
         assert_eq!(state.commanded_count as usize, JOINTS);
         assert_eq!(
-            (state.commanded_rad[3], state.command_epoch),
+            (state.commanded_position[3], state.command_epoch),
             (1.0, 7),
             "an expired command is also reported"
         );
@@ -262,8 +261,8 @@ mod tests {
         ) {
             let mut damaged = command(1.0, 10 * MS_NS);
             match damage {
-                0 => damaged.position_rad[joint] = bad,
-                1 => damaged.velocity_rad_s[joint] = bad,
+                0 => damaged.position[joint] = bad,
+                1 => damaged.velocity[joint] = bad,
                 2 => damaged.joint_count = joint as u32,
                 _ => {
                     use zerocopy::IntoBytes;

@@ -33,12 +33,7 @@ pub struct Sensed {
 }
 
 impl Electronics {
-    pub(crate) fn new(
-        robot: &RobotModel,
-        scene: &Scene,
-        start_rad: RobotVector,
-        seed: u64,
-    ) -> Self {
+    pub(crate) fn new(robot: &RobotModel, scene: &Scene, start: RobotVector, seed: u64) -> Self {
         let sensor = |side: HandSide| {
             let fingers = robot.hand(side).fingertip_count() as u64;
             let random = |first| {
@@ -71,8 +66,8 @@ impl Electronics {
         };
         Self {
             sensors: HandSide::BOTH.map(sensor),
-            drive: Drive::holding(start_rad, joint_speeds_rad_s(robot)),
-            lag: ServoLag::new(scene.errors.servo_lag_s, &start_rad),
+            drive: Drive::holding(start, joint_speeds_rad_s(robot)),
+            lag: ServoLag::new(scene.errors.servo_lag_s, &start),
             clock: Clock::new(Random::new(seed, stream::EPOCH).bits()),
             joint_sequence: 0,
         }
@@ -123,6 +118,6 @@ impl Electronics {
 }
 
 fn joint_speeds_rad_s(robot: &RobotModel) -> RobotVector {
-    let speed = |joint| robot.joint(joint).map_or(0.0, |it| it.velocity_max_rad_s);
+    let speed = |joint| robot.joint(joint).map_or(0.0, |it| it.velocity_max);
     RobotVector::from_fn(robot.joint_count(), speed)
 }

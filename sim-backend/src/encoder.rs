@@ -11,7 +11,7 @@ const ARM_STEP_RAD: f64 = core::f64::consts::TAU / (1 << 20) as f64;
 /// Encoder step of a finger joint, rad: 18 bits per turn, 2.2 µm at the tip (90 mm from the
 /// knuckle). Equals the position quantum of the tactile design.
 const FINGER_STEP_RAD: f64 = core::f64::consts::TAU / (1 << 18) as f64;
-/// Step of a measured velocity, rad/s. Design choice: resolution of a drive's observer.
+/// Step of a measured velocity, rad/s or m/s. Design choice: resolution of a drive's observer.
 const VELOCITY_STEP_RAD_S: f64 = 1e-3;
 /// Step of a measured torque, N·m. Design choice.
 const EFFORT_STEP_N_M: f64 = 1e-3;
@@ -28,9 +28,8 @@ pub(crate) fn append_joints(joints: &JointMotion<'_>, model: &HandModel, out: &m
         } else {
             FINGER_STEP_RAD
         };
-        out.position_rad[index] = quantised(joints.position_rad[joint], step_rad * unit);
-        out.velocity_rad_s[index] =
-            quantised(joints.velocity_rad_s[joint], VELOCITY_STEP_RAD_S * unit);
-        out.effort_n_m[index] = quantised(joints.effort_n_m[joint], EFFORT_STEP_N_M);
+        out.position[index] = quantised(joints.position[joint], step_rad * unit);
+        out.velocity[index] = quantised(joints.velocity[joint], VELOCITY_STEP_RAD_S * unit);
+        out.effort[index] = quantised(joints.effort[joint], EFFORT_STEP_N_M);
     }
 }

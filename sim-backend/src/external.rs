@@ -36,9 +36,9 @@ impl core::fmt::Debug for External {
 #[derive(Clone, Debug)]
 pub(crate) struct ExternalHand {
     model: HandModel,
-    position_rad: HandVector,
-    velocity_rad_s: HandVector,
-    effort_n_m: HandVector,
+    position: HandVector,
+    velocity: HandVector,
+    effort: HandVector,
     vibration: Vibration,
     pose: HandPose,
     tips: Vec<ExternalTip>,
@@ -60,16 +60,16 @@ impl External {
         robot: &RobotModel,
         bodies: [HandBody; 2],
         scene: &Scene,
-        start_rad: &RobotVector,
+        start: &RobotVector,
         vibrations: [Vibration; 2],
         seed: u64,
     ) -> Result<Self, EngineError> {
-        engine.begin(&EngineScene::new(&bodies, start_rad, scene, TICK_S, seed))?;
+        engine.begin(&EngineScene::new(&bodies, start, scene, TICK_S, seed))?;
         let cap = scene.objects.iter().enumerate();
         let mut cap = cap.filter_map(|(index, placed)| Some((index, placed.object.thread?)));
         let [left, right] = bodies.map(|body| body.model);
         let [of_left, of_right] = vibrations;
-        let of = |side| HandVector::from_slice(&start_rad[robot.joint_range(side)]);
+        let of = |side| HandVector::from_slice(&start[robot.joint_range(side)]);
         Ok(Self {
             engine,
             hands: [
@@ -108,10 +108,10 @@ impl External {
         for hand in &mut self.hands {
             let joints = joint..joint + hand.model.joints().len();
             joint = joints.end;
-            hand.position_rad = HandVector::from_slice(&state.position_rad[joints.clone()]);
-            hand.velocity_rad_s = HandVector::from_slice(&state.velocity_rad_s[joints.clone()]);
-            hand.effort_n_m = HandVector::from_slice(&state.effort_n_m[joints]);
-            hand.model.place(&mut hand.pose, &hand.position_rad);
+            hand.position = HandVector::from_slice(&state.position[joints.clone()]);
+            hand.velocity = HandVector::from_slice(&state.velocity[joints.clone()]);
+            hand.effort = HandVector::from_slice(&state.effort[joints]);
+            hand.model.place(&mut hand.pose, &hand.position);
             for (finger, of_tip) in hand.tips.iter_mut().enumerate() {
                 for (to, from) in of_tip
                     .element_force_n
@@ -171,18 +171,18 @@ impl External {
 }
 
 impl ExternalHand {
-    fn new(model: HandModel, position_rad: HandVector, vibration: Vibration) -> Self {
-        let rest = HandVector::zeros(position_rad.len());
+    fn new(model: HandModel, position: HandVector, vibration: Vibration) -> Self {
+        let rest = HandVector::zeros(position.len());
         let elements = model.skin().layout.layout().count;
         let tip = || ExternalTip {
             element_force_n: vec![Vector3::zeros(); elements],
             ..ExternalTip::default()
         };
         Self {
-            pose: model.forward(&position_rad),
-            position_rad,
-            velocity_rad_s: rest,
-            effort_n_m: rest,
+            pose: model.forward(&position),
+            position,
+            velocity: rest,
+            effort: rest,
             vibration,
             tips: (0..model.fingertip_count()).map(|_| tip()).collect(),
             model,
@@ -199,7 +199,7 @@ impl ExternalHand {
         let arm_rad_s = self
             .model
             .arm_joints()
-            .map(|joint| self.velocity_rad_s[joint].abs() / self.model.joints()[joint].radian())
+            .map(|joint| self.velocity[joint].abs() / self.model.joints()[joint].radian())
             .fold(0.0, f64::max);
         self.vibration.blend(arm_rad_s > MOVING_RAD_S, TICK_S);
         let last = (0..SUBSTEPS).map(|_| self.vibration.step().0).last();
@@ -232,9 +232,9 @@ impl SensedHand for ExternalHand {
 
     fn joints(&self) -> JointMotion<'_> {
         JointMotion {
-            position_rad: &self.position_rad,
-            velocity_rad_s: &self.velocity_rad_s,
-            effort_n_m: &self.effort_n_m,
+            position: &self.position,
+            velocity: &self.velocity,
+            effort: &self.effort,
         }
     }
 

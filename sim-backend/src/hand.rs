@@ -26,7 +26,7 @@ pub(crate) struct Hand {
     model: HandModel,
     pub(crate) plant: Plant,
     /// Current command interpolation, rad.
-    reference_rad: HandVector,
+    reference: HandVector,
     /// Per fingertip, as all following vectors except the joint torques.
     pub(crate) contacts: Vec<Contact>,
     nearest_object: Vec<usize>,
@@ -55,18 +55,18 @@ struct Tip {
 
 impl Hand {
     /// Returns a hand at rest.
-    pub(crate) fn new(body: HandBody, start_rad: HandVector, vibration: Vibration) -> Self {
+    pub(crate) fn new(body: HandBody, start: HandVector, vibration: Vibration) -> Self {
         let HandBody {
             model,
             servo_factor,
             pads,
         } = body;
-        let pose = model.forward(&start_rad);
+        let pose = model.forward(&start);
         Self {
-            plant: Plant::at_rest(&model, start_rad, &servo_factor),
+            plant: Plant::at_rest(&model, start, &servo_factor),
             tick_start: TickStart::from_pose(&pose),
             pose,
-            reference_rad: start_rad,
+            reference: start,
             // Not cloned: a clone would lose the reserved capacity of `Contact`.
             contacts: pads.iter().map(Contact::new).collect(),
             nearest_object: vec![0; pads.len()],
@@ -82,12 +82,10 @@ impl Hand {
     pub(crate) fn begin_tick(&mut self, objects: &[WorldObject], dt_s: f64) {
         let arm = self.model.arm_joints();
         let arm_rad_s = arm
-            .map(|joint| {
-                self.plant.velocity_rad_s[joint].abs() / self.model.joints()[joint].radian()
-            })
+            .map(|joint| self.plant.velocity[joint].abs() / self.model.joints()[joint].radian())
             .fold(0.0, f64::max);
         self.vibration.blend(arm_rad_s > MOVING_RAD_S, dt_s);
-        self.model.place(&mut self.pose, &self.plant.position_rad);
+        self.model.place(&mut self.pose, &self.plant.position);
         let pose = &self.pose;
         self.tick_start = TickStart::from_pose(pose);
         self.near = objects.iter().any(|object| {
@@ -110,7 +108,7 @@ impl Hand {
                 .for_each(|contact| contact.step_free(dt_s));
             return;
         }
-        self.model.place(&mut self.pose, &self.plant.position_rad);
+        self.model.place(&mut self.pose, &self.plant.position);
         for finger in 0..self.model.fingertip_count() {
             let mut tip = self.tip(finger);
             tip.base_from_tip.translation_m.z += tremble_m;
@@ -163,19 +161,15 @@ impl Hand {
     /// Moves the joints by one of `left` remaining substeps, this one included.
     pub(crate) fn step(
         &mut self,
-        target_rad: &HandVector,
+        target: &HandVector,
         feed_forward_rad_s: &HandVector,
         left: usize,
         dt_s: f64,
     ) {
-        self.plant.step(
-            &self.reference_rad,
-            feed_forward_rad_s,
-            &self.contact_n_m,
-            dt_s,
-        );
-        let way_rad = *target_rad - self.reference_rad;
-        self.reference_rad += way_rad.map(|way_rad| way_rad / left as f64);
+        self.plant
+            .step(&self.reference, feed_forward_rad_s, &self.contact_n_m, dt_s);
+        let way_rad = *target - self.reference;
+        self.reference += way_rad.map(|way_rad| way_rad / left as f64);
     }
 
     fn tip(&self, finger: usize) -> Tip {
@@ -183,7 +177,7 @@ impl Hand {
         let base_from_tip = pose.base_from_tip()[finger];
         let (mut velocity_m_s, mut angular_rad_s) = (Vector3::zeros(), Vector3::zeros());
         for mover in self.model.movers(finger) {
-            let speed = mover.ratio * self.plant.velocity_rad_s[mover.joint];
+            let speed = mover.ratio * self.plant.velocity[mover.joint];
             let moving = pose.frame_axis(mover.frame) * speed;
             if mover.slides {
                 velocity_m_s += moving;
@@ -211,8 +205,8 @@ impl Hand {
                 let arm_m = tip_m - pose.frame_origin_m(mover.frame);
                 arm_m.cross(&wrench.force_n) + wrench.moment_n_m
             };
-            let effort_n_m = pose.frame_axis(mover.frame).dot(&along);
-            self.contact_n_m[mover.joint] += mover.ratio * effort_n_m;
+            let effort = pose.frame_axis(mover.frame).dot(&along);
+            self.contact_n_m[mover.joint] += mover.ratio * effort;
         }
     }
 }
@@ -224,9 +218,9 @@ impl SensedHand for Hand {
 
     fn joints(&self) -> JointMotion<'_> {
         JointMotion {
-            position_rad: &self.plant.position_rad,
-            velocity_rad_s: &self.plant.velocity_rad_s,
-            effort_n_m: &self.plant.effort_n_m,
+            position: &self.plant.position,
+            velocity: &self.plant.velocity,
+            effort: &self.plant.effort,
         }
     }
 

@@ -104,7 +104,7 @@ pub use pad::{MissingElementPositions, simulated_skin};
 pub use range::OutOfRange;
 pub use scene::{
     ErrorKind, ErrorSpecError, Errors, GraspHint, Mount, OBJECTS_MAX, Placed, Scene, SceneError,
-    SensorErrors, home_rad,
+    SensorErrors, home,
 };
 pub use sensor::{Creep, Hysteresis};
 pub use sensor_model::{

@@ -15,16 +15,16 @@ const DAMPING_RATIO: f64 = 1.0;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Plant {
-    lower_rad: HandVector,
-    upper_rad: HandVector,
-    effort_max_n_m: HandVector,
-    stiffness_n_m_rad: HandVector,
-    damping_n_m_s_rad: HandVector,
+    lower: HandVector,
+    upper: HandVector,
+    effort_max: HandVector,
+    stiffness: HandVector,
+    damping: HandVector,
     inertia_kg_m2: HandVector,
-    pub(crate) position_rad: HandVector,
-    pub(crate) velocity_rad_s: HandVector,
+    pub(crate) position: HandVector,
+    pub(crate) velocity: HandVector,
     /// Servo torque in the last step, N·m.
-    pub(crate) effort_n_m: HandVector,
+    pub(crate) effort: HandVector,
 }
 
 impl Plant {
@@ -32,7 +32,7 @@ impl Plant {
     /// the model's.
     pub(crate) fn at_rest(
         model: &HandModel,
-        position_rad: HandVector,
+        position: HandVector,
         stiffness_factor: &HandVector,
     ) -> Self {
         let of = |value: fn(&robot_model::Joint) -> f64| {
@@ -40,66 +40,60 @@ impl Plant {
         };
         let rest = of(|_| 0.0);
         Self {
-            lower_rad: of(|joint| joint.lower_rad),
-            upper_rad: of(|joint| joint.upper_rad),
-            effort_max_n_m: of(|joint| joint.effort_max_n_m),
-            stiffness_n_m_rad: model
-                .stiffness_n_m_rad()
+            lower: of(|joint| joint.lower),
+            upper: of(|joint| joint.upper),
+            effort_max: of(|joint| joint.effort_max),
+            stiffness: model
+                .stiffness()
                 .zip_map(stiffness_factor, |stiffness, factor| stiffness * factor),
-            damping_n_m_s_rad: of(|joint| {
-                let critical = libm::sqrt(joint.stiffness_n_m_rad * joint.inertia_kg_m2);
+            damping: of(|joint| {
+                let critical = libm::sqrt(joint.stiffness * joint.inertia_kg_m2);
                 2.0 * DAMPING_RATIO * critical
             }),
             inertia_kg_m2: of(|joint| joint.inertia_kg_m2),
-            position_rad,
-            velocity_rad_s: rest,
-            effort_n_m: rest,
+            position,
+            velocity: rest,
+            effort: rest,
         }
     }
 
     /// Integrates one step of `dt_s` towards the reference at its beginning, under contact torques.
     pub(crate) fn step(
         &mut self,
-        reference_rad: &HandVector,
+        reference: &HandVector,
         feed_forward_rad_s: &HandVector,
         contact_n_m: &HandVector,
         dt_s: f64,
     ) {
-        let count = self.position_rad.len();
-        let (position_rad, velocity_rad_s) = (
-            &mut self.position_rad[..count],
-            &mut self.velocity_rad_s[..count],
-        );
-        let effort_n_m = &mut self.effort_n_m[..count];
-        let (reference_rad, feed_forward_rad_s, contact_n_m) = (
-            &reference_rad[..count],
+        let count = self.position.len();
+        let (position, velocity) = (&mut self.position[..count], &mut self.velocity[..count]);
+        let effort = &mut self.effort[..count];
+        let (reference, feed_forward_rad_s, contact_n_m) = (
+            &reference[..count],
             &feed_forward_rad_s[..count],
             &contact_n_m[..count],
         );
-        let (stiffness, damping) = (
-            &self.stiffness_n_m_rad[..count],
-            &self.damping_n_m_s_rad[..count],
-        );
-        let (inertia, limit) = (&self.inertia_kg_m2[..count], &self.effort_max_n_m[..count]);
-        let (lower, upper) = (&self.lower_rad[..count], &self.upper_rad[..count]);
+        let (stiffness, damping) = (&self.stiffness[..count], &self.damping[..count]);
+        let (inertia, limit) = (&self.inertia_kg_m2[..count], &self.effort_max[..count]);
+        let (lower, upper) = (&self.lower[..count], &self.upper[..count]);
         for i in 0..count {
-            let error_rad = reference_rad[i] - position_rad[i];
-            let error_rad_s = feed_forward_rad_s[i] - velocity_rad_s[i];
+            let error_rad = reference[i] - position[i];
+            let error_rad_s = feed_forward_rad_s[i] - velocity[i];
             let wanted_n_m = stiffness[i] * error_rad + damping[i] * error_rad_s;
-            effort_n_m[i] = wanted_n_m.clamp(-limit[i], limit[i]);
-            let pushed_n_m = effort_n_m[i] + contact_n_m[i];
-            let speed_rad_s = velocity_rad_s[i] + pushed_n_m * (dt_s / inertia[i]);
-            let wanted_rad = position_rad[i] + speed_rad_s * dt_s;
-            position_rad[i] = wanted_rad.clamp(lower[i], upper[i]);
+            effort[i] = wanted_n_m.clamp(-limit[i], limit[i]);
+            let pushed_n_m = effort[i] + contact_n_m[i];
+            let speed = velocity[i] + pushed_n_m * (dt_s / inertia[i]);
+            let request = position[i] + speed * dt_s;
+            position[i] = request.clamp(lower[i], upper[i]);
             // A mechanical stop sets the velocity to zero.
-            let is_stopped = position_rad[i] != wanted_rad;
-            velocity_rad_s[i] = if is_stopped { 0.0 } else { speed_rad_s };
+            let is_stopped = position[i] != request;
+            velocity[i] = if is_stopped { 0.0 } else { speed };
         }
     }
 
     /// Returns whether all positions and velocities are finite.
     pub(crate) fn is_finite(&self) -> bool {
-        let mut numbers = self.position_rad.iter().chain(self.velocity_rad_s.iter());
+        let mut numbers = self.position.iter().chain(self.velocity.iter());
         numbers.all(|value| value.is_finite())
     }
 }
@@ -114,12 +108,12 @@ mod tests {
     fn plant() -> Plant {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let hand = robot.hand(HandSide::Right);
-        Plant::at_rest(hand, *hand.reference_rad(), &HandVector::repeat(11, 1.0))
+        Plant::at_rest(hand, *hand.reference(), &HandVector::repeat(11, 1.0))
     }
 
     #[test]
     fn servos_are_critically_damped() {
-        let d = plant().damping_n_m_s_rad;
+        let d = plant().damping;
         let expected = [108.0, 108.0, 48.0, 16.0, 6.4, 0.8, 0.4, 0.4, 0.8, 0.4, 0.4];
         assert!(
             d.iter().zip(expected).all(|(d, e)| (d - e).abs() < 1e-9),
@@ -131,22 +125,21 @@ mod tests {
     #[test]
     fn a_ramp_is_tracked_without_lag() {
         let mut plant = plant();
-        let (mut reference, speed) = (plant.position_rad, HandVector::repeat(11, 0.1));
+        let (mut reference, speed) = (plant.position, HandVector::repeat(11, 0.1));
         for _ in 0..4000 {
             plant.step(&reference, &speed, &HandVector::zeros(11), DT_S);
             reference += speed * DT_S;
         }
-        let lag_rad = (reference - plant.position_rad).amax();
+        let lag_rad = (reference - plant.position).amax();
         assert!(lag_rad < 1e-6, "lag {lag_rad} rad");
     }
 
     #[test]
     fn load_deflects_a_joint_by_its_compliance() {
         let mut plant = plant();
-        let (reference, load) = (plant.position_rad, HandVector::repeat(11, 0.1));
+        let (reference, load) = (plant.position, HandVector::repeat(11, 0.1));
         (0..8000).for_each(|_| plant.step(&reference, &HandVector::zeros(11), &load, DT_S));
-        let sag =
-            (plant.position_rad - reference).zip_map(&plant.stiffness_n_m_rad, |off, k| off * k);
+        let sag = (plant.position - reference).zip_map(&plant.stiffness, |off, k| off * k);
         assert!(
             sag.iter().all(|torque| (torque - 0.1).abs() < 1e-6),
             "{sag:?}"
@@ -166,13 +159,12 @@ mod tests {
         assert!(plant.is_finite());
         assert!(
             plant
-                .effort_n_m
+                .effort
                 .iter()
-                .zip(plant.effort_max_n_m.iter())
+                .zip(plant.effort_max.iter())
                 .all(|(e, max)| e.abs() <= *max)
         );
-        let inside =
-            |j: usize| (plant.lower_rad[j]..=plant.upper_rad[j]).contains(&plant.position_rad[j]);
+        let inside = |j: usize| (plant.lower[j]..=plant.upper[j]).contains(&plant.position[j]);
         assert!((0..11).all(inside));
     }
 }

@@ -114,7 +114,7 @@ pub struct Scene {
     /// Amplitude of the hand tremor, m.
     pub vibration_m: f64,
     /// Joint positions at the start, rad; `None` is home.
-    pub start_rad: Option<RobotVector>,
+    pub start: Option<RobotVector>,
     /// Deviations of robot and sensors from the controller's model; the world's seed draws them.
     /// Set with [`Scene::with_errors`], which also draws the object deviations.
     pub errors: Errors,
@@ -169,7 +169,7 @@ impl Default for Scene {
             noise_factor: 1.0,
             sensor_model: SensorModel::default(),
             vibration_m: VIBRATION_M,
-            start_rad: None,
+            start: None,
             errors: Errors::NONE,
         }
     }
@@ -285,7 +285,7 @@ impl Scene {
         self.sensor_model.check()?;
         self.errors.check()?;
         self.check_positions()?;
-        for angle_rad in self.start_rad.iter().flat_map(|start_rad| start_rad.iter()) {
+        for angle_rad in self.start.iter().flat_map(|start| start.iter()) {
             in_range("a start angle in radians", *angle_rad, -10.0, 10.0)?;
         }
         Ok(())
@@ -316,7 +316,7 @@ impl Scene {
     }
 
     pub(crate) fn start(&self, robot: &RobotModel) -> Result<RobotVector, SceneError> {
-        self.start_rad.map_or_else(|| home_rad(robot), Ok)
+        self.start.map_or_else(|| home(robot), Ok)
     }
 }
 
@@ -325,8 +325,8 @@ impl Scene {
 ///
 /// # Errors
 /// [`SceneError::HomeUnreachable`] if the robot's dimensions do not allow this posture.
-pub fn home_rad(robot: &RobotModel) -> Result<RobotVector, SceneError> {
-    let mut home_rad = RobotVector::zeros(robot.joint_count());
+pub fn home(robot: &RobotModel) -> Result<RobotVector, SceneError> {
+    let mut home = RobotVector::zeros(robot.joint_count());
     for side in robot.sides() {
         let hand = robot.hand(side);
         let centre_m = hand.home_m();
@@ -338,9 +338,9 @@ pub fn home_rad(robot: &RobotModel) -> Result<RobotVector, SceneError> {
                 hand.home_opening_m(),
             ))
             .map_err(|source| SceneError::HomeUnreachable { side, source })?;
-        home_rad[robot.joint_range(side)].copy_from_slice(&posture.q_rad);
+        home[robot.joint_range(side)].copy_from_slice(&posture.q);
     }
-    Ok(home_rad)
+    Ok(home)
 }
 
 fn grasp_height_m(shape: &Shape) -> f64 {

@@ -16,7 +16,7 @@ pub(crate) trait SensedHand {
 /// Position, velocity and drive torque of a hand's joints; rad or m, N·m or N.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointMotion<'a> {
-    pub(crate) position_rad: &'a HandVector,
-    pub(crate) velocity_rad_s: &'a HandVector,
-    pub(crate) effort_n_m: &'a HandVector,
+    pub(crate) position: &'a HandVector,
+    pub(crate) velocity: &'a HandVector,
+    pub(crate) effort: &'a HandVector,
 }

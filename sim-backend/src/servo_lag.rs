@@ -17,22 +17,22 @@ pub(crate) struct ServoLag {
 
 impl ServoLag {
     /// Returns servos at rest at these positions; `None` without lag.
-    pub(crate) fn new(lag_s: f64, position_rad: &RobotVector) -> Option<Self> {
+    pub(crate) fn new(lag_s: f64, position: &RobotVector) -> Option<Self> {
         (lag_s > 0.0).then(|| Self {
             share: 1.0 - libm::exp(-TICK_S / lag_s),
-            executed: JointSetpoints::holding(position_rad),
+            executed: JointSetpoints::holding(position),
         })
     }
 
     /// Advances one tick towards the commanded set-points; returns the executed ones.
     pub(crate) fn follow(&mut self, commanded: &JointSetpoints) -> JointSetpoints {
         let executed = &mut self.executed;
-        let positions = executed.position_rad.iter_mut();
-        for (executed, commanded) in positions.zip(&commanded.position_rad) {
+        let positions = executed.position.iter_mut();
+        for (executed, commanded) in positions.zip(&commanded.position) {
             *executed += self.share * (commanded - *executed);
         }
-        let velocities = executed.velocity_rad_s.iter_mut();
-        for (executed, commanded) in velocities.zip(&commanded.velocity_rad_s) {
+        let velocities = executed.velocity.iter_mut();
+        for (executed, commanded) in velocities.zip(&commanded.velocity) {
             *executed += self.share * (commanded - *executed);
         }
         *executed
@@ -48,22 +48,22 @@ mod tests {
         let mut lag = ServoLag::new(0.02, &RobotVector::zeros(3)).expect("a lag");
         let mut commanded = JointSetpoints::holding(&RobotVector::repeat(3, 1.0));
         let after = |lag: &mut ServoLag, ticks: usize, commanded: &JointSetpoints| {
-            let executed = (0..ticks).map(|_| lag.follow(commanded).position_rad[1]);
+            let executed = (0..ticks).map(|_| lag.follow(commanded).position[1]);
             executed.last().expect("some")
         };
         let reached = after(&mut lag, 20, &commanded);
         assert!((reached - 0.632).abs() < 1e-3, "{reached}");
         assert!(after(&mut lag, 200, &commanded) > 0.9999);
         // A ramp is followed in parallel, 20 ms late.
-        commanded.velocity_rad_s.fill(0.5);
+        commanded.velocity.fill(0.5);
         for _ in 0..500 {
-            commanded.position_rad.iter_mut().for_each(|p| *p += 0.5e-3);
+            commanded.position.iter_mut().for_each(|p| *p += 0.5e-3);
             lag.follow(&commanded);
         }
         let executed = lag.follow(&commanded);
-        let behind = commanded.position_rad[1] - executed.position_rad[1];
+        let behind = commanded.position[1] - executed.position[1];
         assert!((behind - 0.5 * 0.0195).abs() < 5e-4, "{behind}");
-        assert!((executed.velocity_rad_s[1] - 0.5).abs() < 1e-6);
+        assert!((executed.velocity[1] - 0.5).abs() < 1e-6);
         assert!(ServoLag::new(0.0, &RobotVector::zeros(3)).is_none());
     }
 }

@@ -100,7 +100,7 @@ impl World {
         engine: Option<Box<dyn Engine>>,
     ) -> Result<Self, SceneError> {
         scene.check()?;
-        let start_rad = scene.start(robot)?;
+        let start = scene.start(robot)?;
         let vibration = |side: HandSide| {
             let mut random = Random::new(seed, stream::VIBRATION + side.index() as u64);
             Vibration::new(scene.vibration_m, SUBSTEP_S, &mut random)
@@ -111,10 +111,10 @@ impl World {
         let mut objects = WorldObject::from_scene(scene);
         let physics = match engine {
             Some(engine) => Physics::External(External::new(
-                engine, robot, bodies, scene, &start_rad, vibrations, seed,
+                engine, robot, bodies, scene, &start, vibrations, seed,
             )?),
             None => {
-                let start = |side| HandVector::from_slice(&start_rad[robot.joint_range(side)]);
+                let start = |side| HandVector::from_slice(&start[robot.joint_range(side)]);
                 let [left, right] = bodies;
                 let [of_left, of_right] = vibrations;
                 let mut threaded_cap = ThreadedCap::from_scene(&scene.objects);
@@ -131,7 +131,7 @@ impl World {
             }
         };
         Ok(Self {
-            electronics: Electronics::new(robot, scene, start_rad, seed),
+            electronics: Electronics::new(robot, scene, start, seed),
             physics,
             objects,
             plates: scene.plates.clone(),

@@ -182,10 +182,10 @@ fn untouched_world_stays_at_rest() {
     let mut world = World::new(&robot, &scene, 1).expect("valid scene");
     let mut sensed = sim_backend::Sensed::default();
     world.sense(&mut sensed);
-    let start = sensed.joints.position_rad;
+    let start = sensed.joints.position;
     (0..2000).for_each(|_| world.advance(None));
     world.sense(&mut sensed);
-    assert_eq!(sensed.joints.position_rad, start);
+    assert_eq!(sensed.joints.position, start);
     for truth in &world.truth().objects {
         assert!(
             truth.lifted_m.abs() < 1e-9 && truth.tilt_rad < 1e-7,

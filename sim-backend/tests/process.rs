@@ -116,7 +116,7 @@ impl Daemon {
             answers_sequence: self.state.stamp.sequence,
             valid_until_ns: self.state.stamp.captured_ns + 5_000_000,
             joint_count: self.state.joint_count,
-            position_rad: self.state.position_rad,
+            position: self.state.position,
             ..JointCommand::default()
         };
         command.stamp.sequence = self.sequence;

@@ -1,7 +1,7 @@
 //! Scenes: nominal data, variations and rejections.
 
 use robot_model::{GraspPose, HandSide, RobotModel};
-use sim_backend::{Mount, Object, Placed, Plate, Scene, World, home_rad};
+use sim_backend::{Mount, Object, Placed, Plate, Scene, World, home};
 
 fn scene(name: &str, side: HandSide) -> Scene {
     Scene::grasp(Object::built_in(name).expect(name), side)
@@ -33,7 +33,7 @@ fn every_built_in_object_is_reachable() {
 
 #[test]
 fn home_posture_is_symmetric() {
-    let home_rad = home_rad(&robot()).expect("home posture exists");
+    let home = home(&robot()).expect("home posture exists");
     for joint in 0..11 {
         let sign = if joint == 0 || joint == 4 { -1.0 } else { 1.0 };
         let other = if joint < 5 {
@@ -41,7 +41,7 @@ fn home_posture_is_symmetric() {
         } else {
             5 + (joint - 5 + 3) % 6
         };
-        let (left, right) = (home_rad[joint], sign * home_rad[11 + other]);
+        let (left, right) = (home[joint], sign * home[11 + other]);
         assert!(
             (left - right).abs() < 1e-6,
             "joint {joint}: {left} and {right} rad"
@@ -133,7 +133,7 @@ fn errors_state_value_and_range() {
         "a plate's height in metres is -0.01",
     );
     check(
-        &|s| s.start_rad = Some([f64::NAN; 22].into()),
+        &|s| s.start = Some([f64::NAN; 22].into()),
         "a start angle in radians is NaN",
     );
     check(

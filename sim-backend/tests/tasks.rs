@@ -227,7 +227,7 @@ fn held_bottle_stays_while_its_cap_is_screwed() {
     let hint = scene.place.expect("scene has a neck");
     let hold = side_grasp(&scene);
     let right = GraspPose::from_above(hint.from_m.into(), hint.yaw_rad, hint.width_m + 0.004);
-    scene.start_rad = Some(Script::from_pose(scene.clone(), HandSide::Right, right, 1).start_rad());
+    scene.start = Some(Script::from_pose(scene.clone(), HandSide::Right, right, 1).start());
     let mut script = Script::from_pose(scene, HandSide::Left, hold, 1);
     script.close_to(4.0);
     script.change_hand(right);

@@ -157,8 +157,8 @@ fn the_fingertips_carry_the_weight() {
         Layout::dome_41(),
     );
     let hand = script.robot.hand(HandSide::Right);
-    let q_rad = robot_model::HandVector::from_slice(&script.sensed.joints.position_rad[11..22]);
-    let pose = hand.forward(&q_rad);
+    let q = robot_model::HandVector::from_slice(&script.sensed.joints.position[11..22]);
+    let pose = hand.forward(&q);
     let mut force_n = nalgebra::Vector3::<f64>::zeros();
     for finger in 0..2 {
         let axes = |e: usize| {
@@ -214,14 +214,14 @@ fn clock_never_runs_backwards() {
     assert_eq!(world.now_ns(), 5 * START_NS + TICK_NS);
 }
 
-fn command(position_rad: f64, velocity_rad_s: f64, valid_until_ns: u64) -> JointCommand {
+fn command(position: f64, velocity: f64, valid_until_ns: u64) -> JointCommand {
     let mut command = JointCommand {
         joint_count: JOINTS as u32,
         valid_until_ns,
         ..JointCommand::default()
     };
-    command.position_rad[..JOINTS].fill(position_rad);
-    command.velocity_rad_s[..JOINTS].fill(velocity_rad_s);
+    command.position[..JOINTS].fill(position);
+    command.velocity[..JOINTS].fill(velocity);
     command.seal();
     command
 }
@@ -232,17 +232,17 @@ proptest! {
     /// Property: after any finite, sealed command the state is finite and the joints are within
     /// their stops.
     #[test]
-    fn state_stays_finite_under_any_command(position_rad in proptest::num::f64::NORMAL, velocity in proptest::num::f64::NORMAL) {
+    fn state_stays_finite_under_any_command(position in proptest::num::f64::NORMAL, velocity in proptest::num::f64::NORMAL) {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
         let scene = Scene::grasp(Object::built_in("wood").expect("built-in object"), HandSide::Right);
         let (mut world, mut sensed) = (World::new(&robot, &scene, 1).expect("valid scene"), Sensed::default());
         for _ in 0..20 {
-            world.advance(Some(&command(position_rad, velocity, START_NS + 50_000_000)));
+            world.advance(Some(&command(position, velocity, START_NS + 50_000_000)));
         }
         world.sense(&mut sensed);
         prop_assert_eq!(world.fault(), None);
-        for (joint, q_rad) in robot.joints().zip(sensed.joints.position_rad) {
-            prop_assert!(q_rad >= joint.lower_rad - 1e-4 && q_rad <= joint.upper_rad + 1e-4, "{} {q_rad}", joint.name);
+        for (joint, q) in robot.joints().zip(sensed.joints.position) {
+            prop_assert!(q >= joint.lower - 1e-4 && q <= joint.upper + 1e-4, "{} {q}", joint.name);
         }
     }
 
@@ -256,8 +256,8 @@ proptest! {
     ) {
         let mut refused = command(0.1, 0.1, START_NS + 50_000_000);
         match which {
-            0 => refused.position_rad[joint] = bad,
-            1 => refused.velocity_rad_s[joint] = bad,
+            0 => refused.position[joint] = bad,
+            1 => refused.velocity[joint] = bad,
             2 => refused.valid_until_ns = START_NS - 1,
             _ => refused.crc32 ^= 1 << joint,
         }

@@ -98,7 +98,7 @@ impl<'a> RateRun<'a> {
         self.index += 1;
         self.command = outputs.command;
         if carries {
-            let speeds = &outputs.command.velocity_rad_s[..outputs.command.joint_count as usize];
+            let speeds = &outputs.command.velocity[..outputs.command.joint_count as usize];
             let fastest_rad_s = speeds.iter().map(|v| v.abs()).fold(0.0, f64::max);
             self.carrying_rad_s = self.carrying_rad_s.max(fastest_rad_s);
         }

@@ -142,13 +142,13 @@ fn lockstep_run_replays_and_changes_are_located() {
     let (code, printed) = atas(&["replay", changed]);
     assert_eq!(code, 1, "{printed}");
     assert!(
-        printed.contains("tick 500: command.position_rad[3]"),
+        printed.contains("tick 500: command.position[3]"),
         "{printed}"
     );
     let (code, printed) = atas(&["diff", path, changed]);
     assert_eq!(code, 1, "{printed}");
     assert!(
-        printed.contains("tick 500: command.position_rad[3]"),
+        printed.contains("tick 500: command.position[3]"),
         "{printed}"
     );
 }
@@ -195,7 +195,7 @@ fn truncated_recording_is_detected_and_repaired() {
 fn change_one_byte(from: &Path, to: &Path) {
     use shm_schemas::{JointCommand, TickInputs, service};
     let offset = std::mem::offset_of!(TickInputs, command)
-        + std::mem::offset_of!(JointCommand, position_rad)
+        + std::mem::offset_of!(JointCommand, position)
         + 3 * size_of::<f64>();
     let bytes = std::fs::read(from).expect("readable");
     let file = std::fs::File::create_new(to).expect("new");

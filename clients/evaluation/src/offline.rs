@@ -220,7 +220,7 @@ impl OfflineRun {
     ) -> &Outputs {
         self.world.sense(&mut self.sensed);
         if !self.has_torques {
-            self.sensed.joints.effort_n_m.fill(0.0);
+            self.sensed.joints.effort.fill(0.0);
             self.sensed.joints.seal();
         }
         self.sensed

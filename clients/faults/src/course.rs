@@ -227,9 +227,9 @@ pub fn joint_bounds(robot: &RobotModel) -> Vec<JointBounds> {
                 JointKind::Prismatic => JointUnit::Metre,
                 JointKind::Revolute => JointUnit::Radian,
             },
-            lower: joint.lower_rad,
-            upper: joint.upper_rad,
-            speed_max: joint.velocity_max_rad_s,
+            lower: joint.lower,
+            upper: joint.upper,
+            speed_max: joint.velocity_max,
             acceleration_max: JOINT_ACCELERATION_RAD_S2 * unit,
             jerk_max: JOINT_JERK_RAD_S3 * unit,
         }

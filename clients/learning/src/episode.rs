@@ -8,7 +8,7 @@ use atas_core::{SensorSetup, Settings, Tick};
 use nalgebra::Vector3;
 use robot_model::{GRASP_SIDES, GraspPose, HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::{Hand, JointCommand, Mode, WorldTruth};
-use sim_backend::{Object, Scene, Sensed, World, home_rad};
+use sim_backend::{Object, Scene, Sensed, World, home};
 
 use crate::error::LearningError;
 use crate::hand::{ACTIONS, PermittedRegion, PolicyHand, TICK_S};
@@ -68,15 +68,12 @@ impl Episode {
                 hint.width_m + 2.0 * CLEARANCE_M,
             )
         };
-        let q_rad = model
-            .posture_for(&frame)
-            .map_err(LearningError::Reach)?
-            .q_rad;
-        let mut start_rad = home_rad(robot)?;
-        start_rad[robot.joint_range(side)].copy_from_slice(&q_rad);
-        scene.start_rad = Some(start_rad);
+        let q = model.posture_for(&frame).map_err(LearningError::Reach)?.q;
+        let mut start = home(robot)?;
+        start[robot.joint_range(side)].copy_from_slice(&q);
+        scene.start = Some(start);
         let mut gate = Gate::new(robot, 1);
-        gate.synchronise(&start_rad);
+        gate.synchronise(&start);
         let other = HandSide::BOTH[1 - side.index()];
         let wiring = SensorSetup::from_robot(robot).hands[side.index()];
         let lowest_m = model.tip_radius_m().iter().copied().fold(0.0, f64::max) + TABLE_CLEARANCE_M;
@@ -85,11 +82,11 @@ impl Episode {
             world: World::new(robot, &scene, seed)?,
             sensed: Sensed::default(),
             gate,
-            hand: PolicyHand::new(Hand::BOTH[side.index()], *model, &wiring, q_rad, room),
+            hand: PolicyHand::new(Hand::BOTH[side.index()], *model, &wiring, q, room),
             joints: robot.joint_range(side),
             scene,
             side,
-            resting_rad: HandVector::from_slice(&start_rad[robot.joint_range(other)]),
+            resting_rad: HandVector::from_slice(&start[robot.joint_range(other)]),
             settings: Settings::default(),
             source_m,
             place_m,
@@ -119,8 +116,7 @@ impl Episode {
         let mut grips = [self.hand.grip(); 2];
         grips[1 - self.side.index()].normal_n = [0.0; GRASP_SIDES];
         let joints = &self.sensed.joints;
-        let measured_rad =
-            RobotVector::from_slice(&joints.position_rad[..joints.joint_count as usize]);
+        let measured = RobotVector::from_slice(&joints.position[..joints.joint_count as usize]);
         let safe = self.gate.pass(
             &raw,
             &grips,
@@ -128,13 +124,13 @@ impl Episode {
                 tick: self.now(),
                 step_s: TICK_S,
                 mode: Mode::RUN,
-                measured_rad: Some(&measured_rad),
+                measured: Some(&measured),
                 joint_sequence: self.sensed.joints.stamp.sequence,
                 grip_limit_n: [0.0; 2],
                 settings: &self.settings.safety,
             },
         );
-        let own = &self.gate.requested_rad()[self.joints.clone()];
+        let own = &self.gate.requested()[self.joints.clone()];
         self.hand.adopt(HandVector::from_slice(own));
         *safe.command()
     }
@@ -144,8 +140,8 @@ impl Episode {
         let tick = self.now();
         let frame = self.sensed.frames[self.side.index()].as_ref();
         self.hand.process_frame(frame, tick, &self.settings);
-        let measured_rad = self.measured_rad();
-        self.hand.evaluate_modules(&self.settings, &measured_rad);
+        let measured = self.measured();
+        self.hand.evaluate_modules(&self.settings, &measured);
         self.index += 1;
     }
 
@@ -156,8 +152,8 @@ impl Episode {
         }
     }
 
-    fn measured_rad(&self) -> HandVector {
-        HandVector::from_slice(&self.sensed.joints.position_rad[self.joints.clone()])
+    fn measured(&self) -> HandVector {
+        HandVector::from_slice(&self.sensed.joints.position[self.joints.clone()])
     }
 
     pub(crate) fn truth(&self) -> WorldTruth {
@@ -177,7 +173,7 @@ impl Episode {
     /// Returns the measured positions of all joints, rad or m.
     pub(crate) fn positions(&self) -> &[f64] {
         let joints = &self.sensed.joints;
-        &joints.position_rad[..joints.joint_count as usize]
+        &joints.position[..joints.joint_count as usize]
     }
 
     /// Writes the observation; `row` has the size of `layout`.
@@ -197,9 +193,9 @@ impl Episode {
         }
         let state = &self.sensed.joints;
         for (values, joint) in joints.chunks_exact_mut(3).zip(self.joints.clone()) {
-            values[0] = state.position_rad[joint] as f32;
-            values[1] = state.velocity_rad_s[joint] as f32;
-            values[2] = state.effort_n_m[joint] as f32;
+            values[0] = state.position[joint] as f32;
+            values[1] = state.velocity[joint] as f32;
+            values[2] = state.effort[joint] as f32;
         }
         let fingers = &self.hand.percept().fingertips;
         for (values, finger) in percept.chunks_exact_mut(PERCEPT).zip(fingers) {

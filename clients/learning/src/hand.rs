@@ -51,12 +51,12 @@ pub(crate) struct PolicyHand {
 }
 
 impl PolicyHand {
-    /// Makes a stationary hand at these joint positions, rad.
+    /// Makes a stationary hand at these joint positions, rad or m.
     pub(crate) fn new(
         hand: Hand,
         model: HandModel,
         wiring: &HandSensorSetup,
-        q_rad: HandVector,
+        q: HandVector,
         room: PermittedRegion,
     ) -> Self {
         Self {
@@ -64,7 +64,7 @@ impl PolicyHand {
             perception: Perception::new(wiring, &model),
             modules: Modules::default(),
             arbiter: Arbiter::default(),
-            servo: HandServo::new(&model, q_rad),
+            servo: HandServo::new(&model, q),
             model,
             room,
             speed_m_s: Vector3::zeros(),
@@ -89,8 +89,8 @@ impl PolicyHand {
         }
     }
 
-    pub(crate) fn adopt(&mut self, q_rad: HandVector) {
-        self.servo.accept(q_rad);
+    pub(crate) fn adopt(&mut self, q: HandVector) {
+        self.servo.accept(q);
     }
 
     pub(crate) fn process_frame(
@@ -160,8 +160,8 @@ impl PolicyHand {
     }
 
     /// Evaluates the modules for an unknown object; their proposals are observed, not executed.
-    pub(crate) fn evaluate_modules(&mut self, settings: &Settings, measured_rad: &HandVector) {
-        let measured = self.model.forward(measured_rad);
+    pub(crate) fn evaluate_modules(&mut self, settings: &Settings, measured: &HandVector) {
+        let measured = self.model.forward(measured);
         let percept = self.perception.percept();
         let frame = *self.servo.pose();
         let thresholds = Thresholds::for_unknown_object(&settings.grasp);

@@ -54,8 +54,8 @@ def measured_pose(bus: str | None, hand: str, kinematics: atas.Kinematics) -> di
             f"could not read the pose of the {hand} hand: no joint state for {WAIT_S} s; start the "
             "robot and the daemon, or set `start`"
         )
-    position_rad = rows[-1]["position_rad"][: len(kinematics.joint_names)]
-    (x, y, z), yaw, opening = kinematics.pinch_pose(position_rad, hand)
+    position = rows[-1]["position"][: len(kinematics.joint_names)]
+    (x, y, z), yaw, opening = kinematics.pinch_pose(position, hand)
     return dict(zip(POSE, (x, y, z, yaw, opening), strict=True))
 
 
@@ -256,19 +256,19 @@ class AtasLeader(_Proposer):
     def _leader_pose(self, values: Mapping[str, Any]) -> dict[str, float]:
         config = self.config
         names = self.kinematics.joint_names
-        position_rad = np.zeros(len(names))
+        position = np.zeros(len(names))
         known = dict.fromkeys(names[slice(*self.kinematics.joint_range(self.leader_hand))], False)
         for key, value in values.items():
             joint = config.joints.get(key, key.removesuffix(".pos"))
             if joint in known and key != config.gripper:
-                position_rad[names.index(joint)] = float(value) * config.scale
+                position[names.index(joint)] = float(value) * config.scale
                 known[joint] = True
         if not any(known.values()):
             raise ValueError(
                 f"leader arm rejected: none of its values {', '.join(map(str, values))} belongs to a joint "
                 f"of the {self.leader_hand} hand: {', '.join(known)}; set `joints`"
             )
-        (x, y, z), yaw, opening = self.kinematics.pinch_pose(position_rad, self.leader_hand)
+        (x, y, z), yaw, opening = self.kinematics.pinch_pose(position, self.leader_hand)
         if config.gripper is not None:
             if config.gripper not in values:
                 raise ValueError(

@@ -129,9 +129,9 @@ def test_absolute_leader_and_gripper_set_the_pose(options: dict[str, Any]) -> No
     made.connect()
     pose = made.get_action()
     kinematics = atas.Kinematics()
-    position_rad = np.zeros(len(kinematics.joint_names))
-    position_rad[slice(*kinematics.joint_range("right"))] = [math.radians(v) for n, v in arm.values.items() if n != "gripper.pos"]
-    (x, y, z), _yaw, _opening = kinematics.pinch_pose(position_rad, "right")
+    position = np.zeros(len(kinematics.joint_names))
+    position[slice(*kinematics.joint_range("right"))] = [math.radians(v) for n, v in arm.values.items() if n != "gripper.pos"]
+    (x, y, z), _yaw, _opening = kinematics.pinch_pose(position, "right")
     assert [pose["hand.x"], pose["hand.y"], pose["hand.z"]] == pytest.approx([x, y, z])
     assert pose["hand.opening"] == pytest.approx(0.025)
     arm.values["gripper.pos"] = 900.0

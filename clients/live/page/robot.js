@@ -86,7 +86,7 @@ export class Robot {
   }
 
   show(picture, forces) {
-    this.joints = picture.q_rad;
+    this.joints = picture.q;
     this.hands = picture.hands;
     this.forces = forces;
     this.draw();

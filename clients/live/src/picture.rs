@@ -15,8 +15,8 @@ pub(crate) struct Picture {
     pub(crate) goal_id: u64,
     /// Left, right.
     pub(crate) hands: [HandPicture; HANDS],
-    /// Joint positions, rad; empty if unknown.
-    pub(crate) q_rad: Vec<f32>,
+    /// Joint positions, rad or m; empty if unknown.
+    pub(crate) q: Vec<f32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -60,8 +60,8 @@ impl Picture {
             hand_picture(&report.hands[hand], frames[hand], counts)
         };
         let positions = joints.map_or(&[][..], |joints| {
-            let count = (joints.joint_count as usize).min(joints.position_rad.len());
-            &joints.position_rad[..count]
+            let count = (joints.joint_count as usize).min(joints.position.len());
+            &joints.position[..count]
         });
         Self {
             tick: report.tick,
@@ -69,7 +69,7 @@ impl Picture {
             mode: report.mode.name(),
             goal_id: report.goal_id,
             hands: std::array::from_fn(hand),
-            q_rad: positions.iter().map(|q| rounded(*q as f32)).collect(),
+            q: positions.iter().map(|q| rounded(*q as f32)).collect(),
         }
     }
 }
@@ -131,7 +131,7 @@ mod tests {
         let picture = Picture::from_report(&report, [None, Some(&frame)], None, [2, 3], [41, 3]);
         let text = serde_json::to_string(&picture).expect("JSON");
         let check = |part: &str| assert!(text.contains(part), "{part} in {text}");
-        check(r#""q_rad":[]"#);
+        check(r#""q":[]"#);
         check(r#""age_ms":null"#);
         check(r#""normal_n":1.2346"#);
         check(r#""friction":null"#);

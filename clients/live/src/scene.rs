@@ -40,18 +40,18 @@ fn links(files: &RobotFiles, scene: &mut Value) -> Result<(), ModelError> {
 /// Returns each fingertip's tip frame in its link, its grasp side, 0 or 1, and the distance of its
 /// sensing face from the frame's origin, m.
 fn tip_frames(skeleton: &Skeleton, robot: &RobotModel) -> [Vec<Value>; 2] {
-    let reference_rad: Vec<f64> = robot
+    let reference: Vec<f64> = robot
         .sides()
-        .flat_map(|side| robot.hand(side).reference_rad().iter().copied())
+        .flat_map(|side| robot.hand(side).reference().iter().copied())
         .collect();
     let mut base_from_limb: Vec<Isometry3<f64>> = Vec::new();
     for limb in skeleton.limbs() {
-        let own = isometry(&limb.placed(&reference_rad));
+        let own = isometry(&limb.placed(&reference));
         let parent = limb.parent.map(|index| base_from_limb[index]);
         base_from_limb.push(parent.map_or(own, |parent| parent * own));
     }
     let frames = |hand: &HandModel| {
-        let pose = hand.forward(hand.reference_rad());
+        let pose = hand.forward(hand.reference());
         let tips = hand.tip_links().zip(pose.base_from_tip()).enumerate();
         let frame = |(finger, (link, tip)): (usize, (&str, &Transform))| {
             let limb = skeleton.limbs().iter().position(|limb| limb.name == link)?;

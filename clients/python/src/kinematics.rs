@@ -56,11 +56,11 @@ impl Kinematics {
     /// `Teleop.send` accepts these values.
     fn pinch_pose(
         &self,
-        position_rad: PyArrayLike1<'_, f64, AllowTypeChange>,
+        position: PyArrayLike1<'_, f64, AllowTypeChange>,
         hand: &str,
     ) -> PyResult<([f64; 3], f64, f64)> {
         let hand = self.present(hand)?;
-        let positions = numbers(&position_rad);
+        let positions = numbers(&position);
         let needed = self.robot.joint_count();
         if positions.len() != needed {
             return Err(PyValueError::new_err(format!(

@@ -52,12 +52,12 @@ fn render<'py>(
     environment: &atas_learning::Environment,
     size_px: [u32; 2],
 ) -> PyResult<Picture<'py>> {
-    let (scene, position_rad, truth) = environment.state().ok_or_else(|| {
+    let (scene, position, truth) = environment.state().ok_or_else(|| {
         PyValueError::new_err("could not draw: no episode is running; call reset first")
     })?;
     let robot = environment.robot();
     let view = picture::view_of(environment.files(), robot, robot.acting_side(), scene)?;
-    picture::draw(py, &view, position_rad, &truth, size_px)
+    picture::draw(py, &view, position, &truth, size_px)
 }
 
 /// Returns an environment's task, robot and objects: `"grasp", robot "two-hand-arm", …`.

@@ -28,12 +28,12 @@ pub(crate) fn view_of(
 pub(crate) fn draw<'py>(
     py: Python<'py>,
     view: &SceneView,
-    position_rad: &[f64],
+    position: &[f64],
     truth: &WorldTruth,
     size_px: [u32; 2],
 ) -> PyResult<Picture<'py>> {
     let drawn = compute(py, || {
-        let drawing = view.draw(position_rad, truth, size_px)?;
+        let drawing = view.draw(position, truth, size_px)?;
         Ok(drawing.pixels())
     })?;
     let drawn: Result<_, atas_evaluation::drawing::PictureSizeError> = drawn;

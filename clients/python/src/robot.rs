@@ -59,10 +59,7 @@ impl Robot {
         commands
             .newest(&mut JointCommand::default())
             .map_err(bus_error)?;
-        let speeds: Vec<f64> = robot
-            .joints()
-            .map(|joint| joint.velocity_max_rad_s)
-            .collect();
+        let speeds: Vec<f64> = robot.joints().map(|joint| joint.velocity_max).collect();
         Ok(Self {
             name,
             states: OwnThread::new(bus.publisher(JOINT_STATE).map_err(bus_error)?),
@@ -80,7 +77,7 @@ impl Robot {
     }
 
     fn state(&self, values: [&[f64]; 3], captured_ns: u64) -> JointState {
-        let [position_rad, velocity_rad_s, effort_n_m] = values;
+        let [position, velocity, effort] = values;
         let joints = self.speeds_rad_s.len();
         let mut state = JointState {
             stamp: Stamp {
@@ -91,10 +88,10 @@ impl Robot {
             commanded_count: joints as u32,
             ..JointState::default()
         };
-        state.position_rad[..joints].copy_from_slice(position_rad);
-        state.velocity_rad_s[..joints].copy_from_slice(velocity_rad_s);
-        state.effort_n_m[..joints].copy_from_slice(effort_n_m);
-        state.commanded_rad = self.held.position_rad;
+        state.position[..joints].copy_from_slice(position);
+        state.velocity[..joints].copy_from_slice(velocity);
+        state.effort[..joints].copy_from_slice(effort);
+        state.commanded_position = self.held.position;
         if let Some((last, ..)) = &self.accepted {
             last.write_to(&mut state);
         }
@@ -131,15 +128,15 @@ impl Robot {
             .accepted
             .is_some_and(|(last, ..)| last.valid_until_ns >= now_ns);
         if !in_force {
-            self.held.velocity_rad_s = [0.0; JOINTS];
+            self.held.velocity = [0.0; JOINTS];
         }
         fields.set_item(
-            "position_rad",
-            PyArray1::from_slice(py, &self.held.position_rad[..self.speeds_rad_s.len()]),
+            "position",
+            PyArray1::from_slice(py, &self.held.position[..self.speeds_rad_s.len()]),
         )?;
         fields.set_item(
-            "velocity_rad_s",
-            PyArray1::from_slice(py, &self.held.velocity_rad_s[..self.speeds_rad_s.len()]),
+            "velocity",
+            PyArray1::from_slice(py, &self.held.velocity[..self.speeds_rad_s.len()]),
         )?;
         fields.set_item("in_force", in_force)?;
         fields.set_item(
@@ -158,25 +155,22 @@ impl Robot {
     /// (default now). Returns the state's sequence number.
     ///
     /// In lock-step, send the frames of a tick first, then this, then wait for `answer`.
-    #[pyo3(signature = (position_rad, velocity_rad_s = None, effort_n_m = None, *, captured_ns = None))]
+    #[pyo3(signature = (position, velocity = None, effort = None, *, captured_ns = None))]
     fn publish(
         &mut self,
-        position_rad: Numbers<'_>,
-        velocity_rad_s: Option<Numbers<'_>>,
-        effort_n_m: Option<Numbers<'_>>,
+        position: Numbers<'_>,
+        velocity: Option<Numbers<'_>>,
+        effort: Option<Numbers<'_>>,
         captured_ns: Option<u64>,
     ) -> PyResult<u64> {
         let joints = self.speeds_rad_s.len();
         let or_zero =
             |values: Option<Numbers<'_>>| values.map_or(vec![0.0; joints], |it| numbers(&it));
-        let (positions, velocities, efforts) = (
-            numbers(&position_rad),
-            or_zero(velocity_rad_s),
-            or_zero(effort_n_m),
-        );
-        finite("position_rad", &positions, joints)?;
-        finite("velocity_rad_s", &velocities, joints)?;
-        finite("effort_n_m", &efforts, joints)?;
+        let (positions, velocities, efforts) =
+            (numbers(&position), or_zero(velocity), or_zero(effort));
+        finite("position", &positions, joints)?;
+        finite("velocity", &velocities, joints)?;
+        finite("effort", &efforts, joints)?;
         if self.validator.is_none() {
             self.held = JointSetpoints::holding(&positions);
             self.validator = Some(CommandValidator::new(&positions, &self.speeds_rad_s));
@@ -189,7 +183,7 @@ impl Robot {
         Ok(state.stamp.sequence)
     }
 
-    /// Returns the set-points of the joints: `position_rad`, `velocity_rad_s`, `in_force` (False if
+    /// Returns the set-points of the joints: `position`, `velocity`, `in_force` (False if
     /// the last command has expired and is only held), `mode`, `tick`. `now_ns` is the time
     /// (default now; virtual time in lock-step). Does not wait.
     #[pyo3(signature = (now_ns = None))]

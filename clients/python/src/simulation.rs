@@ -347,7 +347,7 @@ impl Simulation {
     /// Measured positions of all joints, rad or m.
     fn positions(&self) -> &[f64] {
         let joints = &self.run.sensed().joints;
-        &joints.position_rad[..joints.joint_count as usize]
+        &joints.position[..joints.joint_count as usize]
     }
 
     /// Stamp of the next target, or of the request for teleoperation.

@@ -127,9 +127,9 @@ def test_robot_reports_held_positions(bus_name: str) -> None:
     robot.publish(position, captured_ns=5)
     row = reader.receive()[0]
     assert row["joint_count"] == 22 == row["commanded_count"] and sealed(row)
-    assert (row["commanded_rad"][:22] == position).all(), "the measured position is held"
+    assert (row["commanded_position"][:22] == position).all(), "the measured position is held"
     orders = robot.command(now_ns=6)
-    assert not orders["in_force"] and (orders["velocity_rad_s"] == 0).all()
+    assert not orders["in_force"] and (orders["velocity"] == 0).all()
     with pytest.raises(ValueError, match="finite"):
         robot.publish(np.full(22, np.nan))
     with pytest.raises(ValueError, match="22"):

@@ -41,7 +41,7 @@ class World:
         self.robot = bus.robot()
         self.sensors = [bus.sensor(hand) for hand in ("left", "right")]
         self.noise = np.random.default_rng(0)
-        self.joints = atas.Simulation().joint_state["position_rad"][: atas.JOINTS].copy()
+        self.joints = atas.Simulation().joint_state["position"][: atas.JOINTS].copy()
         # Away from the home position of the right hand, so that it must move.
         self.joints[11] += 0.15
         self.now_ns = 10_000_000_000
@@ -52,7 +52,7 @@ class World:
         self.robot.publish(self.joints, captured_ns=self.now_ns)
         orders = self.robot.answer(self.now_ns, goal)
         if orders is not None:
-            self.joints += 0.5 * (orders["position_rad"] - self.joints)
+            self.joints += 0.5 * (orders["position"] - self.joints)
             self.now_ns += 1_000_000
         return orders
 
@@ -86,7 +86,7 @@ def test_custom_robot_runs_in_lockstep(programs: Programs) -> None:
 def test_commands_are_deterministic(programs: Programs, tmp_path_factory: pytest.TempPathFactory) -> None:
     def run(programs: Programs) -> list[bytes]:
         world = World(daemon(programs))
-        return [orders["position_rad"].tobytes() for orders in world.settle()]
+        return [orders["position"].tobytes() for orders in world.settle()]
 
     first = run(programs)
     again = Programs(programs.bus + "x", tmp_path_factory.mktemp("again"))

@@ -18,7 +18,7 @@ def test_pinch_pose_is_the_teleoperated_pose() -> None:
     for _ in range(30):
         simulation.send((0.33, -0.16, 0.12), 0.06, yaw=1.4)
         simulation.step(100)
-    at, yaw, opening = kinematics.pinch_pose(simulation.joint_state["position_rad"][: atas.JOINTS], "right")
+    at, yaw, opening = kinematics.pinch_pose(simulation.joint_state["position"][: atas.JOINTS], "right")
     assert at == pytest.approx([0.33, -0.16, 0.12], abs=1e-3)
     assert (yaw, opening) == pytest.approx((1.4, 0.06), abs=1e-3)
 

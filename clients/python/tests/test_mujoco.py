@@ -43,8 +43,8 @@ def scene_of(folder: Path, *arguments: str) -> dict[str, Any]:
 def bench(folder: Path, friction: float) -> dict[str, Any]:
     """A fingertip of the two-hand arm on two slides, above a clamped plate; its pole points down."""
     scene = scene_of(folder)
-    servo = {"stiffness_n_m_rad": 1e6, "damping_n_m_s_rad": 2e3, "inertia_kg_m2": 1.0, "effort_max_n_m": 1e3}
-    joint = {"slides": True, "start_rad": 0.0, "lower_rad": -0.1, "upper_rad": 0.1} | servo
+    servo = {"stiffness": 1e6, "damping": 2e3, "inertia_kg_m2": 1.0, "effort_max": 1e3}
+    joint = {"slides": True, "start": 0.0, "lower": -0.1, "upper": 0.1} | servo
     along_x, down = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]), np.diag([1, -1, -1])
     slide = {"slides": True, "ratio": 1.0, "offset": 0.0}
     frames = [
@@ -176,7 +176,7 @@ class ScrewWorld:
 
     def advance(self, force_n: float, ticks: int) -> Iterator[NDArray[np.float64]]:
         """States of the ticks with this vertical force on the cap."""
-        joints = [joint["start_rad"] for hand in self.scene["hands"] for joint in hand["joints"]]
+        joints = [joint["start"] for hand in self.scene["hands"] for joint in hand["joints"]]
         values = np.concatenate([joints, np.zeros(len(joints) + 2), [0, 0, force_n, 0, 0, 0], [np.inf, np.inf]])
         for _ in range(ticks):
             yield self.world.advance(values)

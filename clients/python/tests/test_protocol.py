@@ -38,7 +38,7 @@ class ProtocolRobot:
         self.commands = self.peer.subscriber("atas/v2/joint-command")
         self.epoch = epoch()
         self.noise = np.random.default_rng(1)
-        self.joints = atas.Simulation().joint_state["position_rad"][:22].copy()
+        self.joints = atas.Simulation().joint_state["position"][:22].copy()
         self.joints[11] += 0.15
         self.sequence = 0
         self.update: Any = None
@@ -58,14 +58,14 @@ class ProtocolRobot:
         state = PAYLOADS["JointState"]()
         state.stamp.sequence, state.stamp.captured_ns, state.stamp.writer_epoch = self.sequence, now_ns, self.epoch
         state.joint_count = 22
-        np.ctypeslib.as_array(state.position_rad)[:22] = self.joints
+        np.ctypeslib.as_array(state.position)[:22] = self.joints
         seal(state)
         send(self.states, state)
         command = self.answer(pending)
         if command is None:
             return None
         if command.joint_count == 22:
-            self.joints += 0.5 * (np.ctypeslib.as_array(command.position_rad)[:22] - self.joints)
+            self.joints += 0.5 * (np.ctypeslib.as_array(command.position)[:22] - self.joints)
         self.sequence += 1
         return command
 

@@ -147,8 +147,8 @@ pub fn command_difference(a: &JointCommand, b: &JointCommand, except: &[&str]) -
             a[at], b[at]
         ))
     };
-    joints("position_rad", &a.position_rad, &b.position_rad)
-        .or_else(|| joints("velocity_rad_s", &a.velocity_rad_s, &b.velocity_rad_s))
+    joints("position", &a.position, &b.position)
+        .or_else(|| joints("velocity", &a.velocity, &b.velocity))
         .or_else(|| {
             (a.mode != b.mode).then(|| format!("command.mode is {} and {}", a.mode, b.mode))
         })

@@ -16,12 +16,12 @@ const HEAD: &str = "\
 /// Units by name or suffix of a field, the longest first.
 const UNITS: [(&str, &str); 18] = [
     // Joint values: in metres for a prismatic joint.
-    ("stiffness_n_m_rad", "N·m/rad; N/m of a joint that slides"),
-    ("velocity_rad_s", "rad/s; m/s of a joint that slides"),
-    ("commanded_rad", "rad; m of a joint that slides"),
-    ("position_rad", "rad; m of a joint that slides"),
+    ("stiffness", "N·m/rad; N/m of a joint that slides"),
+    ("velocity", "rad/s; m/s of a joint that slides"),
+    ("commanded_position", "rad; m of a joint that slides"),
+    ("position", "rad; m of a joint that slides"),
     ("stiffness_n_m", "N/m"),
-    ("effort_n_m", "N·m; N of a joint that slides"),
+    ("effort", "N·m; N of a joint that slides"),
     ("captured_ns", "ns of the sensors' clock"),
     ("started_ns", "ns of the sensors' clock"),
     ("until_ns", "ns of the sensors' clock"),

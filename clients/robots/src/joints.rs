@@ -9,13 +9,13 @@ use robot_model::RobotModel;
 pub struct Joint {
     /// Name in the URDF and in the servo map.
     pub name: String,
-    /// Lower position limit, rad.
-    pub lower_rad: f64,
-    /// Upper position limit, rad.
-    pub upper_rad: f64,
-    /// Position in the reference posture of the robot file, rad.
+    /// Lower position limit, rad or m.
+    pub lower: f64,
+    /// Upper position limit, rad or m.
+    pub upper: f64,
+    /// Position in the reference posture of the robot file, rad or m.
     pub rest_rad: f64,
-    /// Maximum speed, rad/s.
+    /// Maximum speed, rad/s or m/s.
     pub speed_max_rad_s: f64,
 }
 
@@ -28,16 +28,16 @@ pub fn load(robot: &str) -> Result<Vec<Joint>, String> {
     let robot = RobotModel::find(robot).map_err(|error| error.to_string())?;
     let rest_rad = robot
         .sides()
-        .flat_map(|side| robot.hand(side).reference_rad().iter().copied());
+        .flat_map(|side| robot.hand(side).reference().iter().copied());
     Ok(robot
         .joints()
         .zip(rest_rad)
         .map(|(joint, rest_rad)| Joint {
             name: joint.name.to_string(),
-            lower_rad: joint.lower_rad,
-            upper_rad: joint.upper_rad,
+            lower: joint.lower,
+            upper: joint.upper,
             rest_rad,
-            speed_max_rad_s: joint.velocity_max_rad_s,
+            speed_max_rad_s: joint.velocity_max,
         })
         .collect())
 }

@@ -17,7 +17,7 @@ use crate::joints::Joint;
 use crate::map::JointReading;
 use crate::port::Report;
 
-/// Tolerance of the joint limits, rad, for rounding errors.
+/// Tolerance of the joint limits, rad or m, for rounding errors.
 const LIMIT_MARGIN_RAD: f64 = 1e-6;
 
 /// Effect of a report.
@@ -39,7 +39,7 @@ pub struct Robot {
     joints: Vec<Joint>,
     ports: Vec<PortState>,
     readings: [JointReading; JOINTS],
-    held_rad: [f64; JOINTS],
+    held: [f64; JOINTS],
     /// Validator of commands; `None` while a port fails.
     validator: Option<CommandValidator>,
     accepted: Option<Accepted>,
@@ -67,7 +67,7 @@ impl Robot {
             joints,
             ports: vec![PortState::default(); ports],
             readings: [JointReading::default(); JOINTS],
-            held_rad: [0.0; JOINTS],
+            held: [0.0; JOINTS],
             validator: None,
             accepted: None,
             stamp: Stamp::default(),
@@ -81,10 +81,10 @@ impl Robot {
         match report {
             Report::Holding {
                 session: life,
-                held_rad,
+                held,
             } => {
-                for (joint, position_rad) in held_rad {
-                    self.held_rad[joint] = position_rad;
+                for (joint, position) in held {
+                    self.held[joint] = position;
                 }
                 self.ports[port] = PortState {
                     session: life,
@@ -116,8 +116,8 @@ impl Robot {
             .iter()
             .map(|joint| joint.speed_max_rad_s)
             .collect();
-        let held_rad = &self.held_rad[..self.joints.len()];
-        self.validator = Some(CommandValidator::new(held_rad, &speeds));
+        let held = &self.held[..self.joints.len()];
+        self.validator = Some(CommandValidator::new(held, &speeds));
         self.accepted = None;
         self.stamp = Stamp {
             writer_epoch: (self.draw_epoch)(),
@@ -161,20 +161,16 @@ impl Robot {
             self.rejected = self.rejected.saturating_add(1);
             return false;
         };
-        self.held_rad = accepted.setpoints.position_rad;
+        self.held = accepted.setpoints.position;
         self.accepted = Some(accepted);
         true
     }
 
     /// Returns false for NaN.
     fn is_within_limits(&self, command: &JointCommand) -> bool {
-        self.joints
-            .iter()
-            .zip(command.position_rad)
-            .all(|(joint, q_rad)| {
-                q_rad >= joint.lower_rad - LIMIT_MARGIN_RAD
-                    && q_rad <= joint.upper_rad + LIMIT_MARGIN_RAD
-            })
+        self.joints.iter().zip(command.position).all(|(joint, q)| {
+            q >= joint.lower - LIMIT_MARGIN_RAD && q <= joint.upper + LIMIT_MARGIN_RAD
+        })
     }
 
     /// Returns the session of a port and the set-points; `None` while a port fails or before the
@@ -183,7 +179,7 @@ impl Robot {
     pub fn setpoints(&self, port: usize) -> Option<(u32, &[f64; JOINTS])> {
         self.validator.as_ref()?;
         self.accepted.as_ref()?;
-        Some((self.ports[port].session, &self.held_rad))
+        Some((self.ports[port].session, &self.held))
     }
 
     /// Returns a joint state if every port has new readings.
@@ -202,7 +198,7 @@ impl Robot {
             },
             joint_count: count as u32,
             commanded_count: count as u32,
-            commanded_rad: JointSetpoints::holding(&self.held_rad[..count]).position_rad,
+            commanded_position: JointSetpoints::holding(&self.held[..count]).position,
             // Before the first command, the servos hold positions of an earlier process or of the
             // take-over.
             command_epoch: self.stamp.writer_epoch,
@@ -212,9 +208,9 @@ impl Robot {
             last.write_to(&mut state);
         }
         for (joint, reading) in self.readings[..count].iter().enumerate() {
-            state.position_rad[joint] = reading.position_rad;
-            state.velocity_rad_s[joint] = reading.velocity_rad_s;
-            state.effort_n_m[joint] = reading.effort_n_m;
+            state.position[joint] = reading.position;
+            state.velocity[joint] = reading.velocity;
+            state.effort[joint] = reading.effort;
         }
         state.seal();
         self.stamp.sequence += 1;

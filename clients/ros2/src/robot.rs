@@ -103,18 +103,18 @@ impl KnownRobot {
 
     /// Returns the posture of a hand; `None` for a missing hand or too few joints.
     #[must_use]
-    pub(crate) fn pose(&self, side: HandSide, q_rad: &[f64]) -> Option<HandPose> {
+    pub(crate) fn pose(&self, side: HandSide, q: &[f64]) -> Option<HandPose> {
         let hand = self.model.hand(side);
         let range = self.model.joint_range(side);
-        let q_rad = q_rad.get(range).filter(|_| hand.is_present())?;
-        let is_finite = q_rad.iter().all(|q| q.is_finite());
-        is_finite.then(|| hand.forward(&HandVector::from_slice(q_rad)))
+        let q = q.get(range).filter(|_| hand.is_present())?;
+        let is_finite = q.iter().all(|q| q.is_finite());
+        is_finite.then(|| hand.forward(&HandVector::from_slice(q)))
     }
 
     /// Returns point, direction and opening of a hand.
     #[must_use]
-    pub(crate) fn pinch(&self, side: HandSide, q_rad: &[f64]) -> Option<PinchPose> {
-        let pose = self.pose(side, q_rad)?;
+    pub(crate) fn pinch(&self, side: HandSide, q: &[f64]) -> Option<PinchPose> {
+        let pose = self.pose(side, q)?;
         Some(self.model.hand(side).pinch_pose(&pose))
     }
 }

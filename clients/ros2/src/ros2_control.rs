@@ -30,7 +30,7 @@ use crate::wire::standard::{
 const POLL: Duration = Duration::from_micros(500);
 /// Interval of repeated warnings.
 const WARNING: Duration = Duration::from_secs(1);
-/// Tolerance of the joint limits, rad, for rounding errors.
+/// Tolerance of the joint limits, rad or m, for rounding errors.
 const LIMIT_MARGIN_RAD: f64 = 1e-6;
 
 /// Writer of commands.
@@ -56,7 +56,7 @@ struct Running {
     /// Validator from the first joint state on.
     validator: Option<CommandValidator>,
     accepted: Option<Accepted>,
-    held_rad: Vec<f64>,
+    held: Vec<f64>,
     stamp: Stamp,
     warned: Option<Instant>,
 }
@@ -107,7 +107,7 @@ impl Drive {
             command: JointCommand::default(),
             validator: None,
             accepted: None,
-            held_rad: Vec::new(),
+            held: Vec::new(),
             stamp: Stamp {
                 writer_epoch: writer_epoch(),
                 ..Stamp::default()
@@ -149,10 +149,10 @@ impl Drive {
             let speeds: Vec<f64> = self
                 .model
                 .joints()
-                .map(|joint| joint.velocity_max_rad_s)
+                .map(|joint| joint.velocity_max)
                 .collect();
-            running.held_rad = joints.iter().map(|[position, ..]| *position).collect();
-            running.validator = Some(CommandValidator::new(&running.held_rad, &speeds));
+            running.held = joints.iter().map(|[position, ..]| *position).collect();
+            running.validator = Some(CommandValidator::new(&running.held, &speeds));
         }
         running.send_state(&joints)
     }
@@ -165,10 +165,10 @@ impl Drive {
         let within = self
             .model
             .joints()
-            .zip(command.position_rad)
-            .all(|(joint, q_rad)| {
-                q_rad >= joint.lower_rad - LIMIT_MARGIN_RAD
-                    && q_rad <= joint.upper_rad + LIMIT_MARGIN_RAD
+            .zip(command.position)
+            .all(|(joint, q)| {
+                q >= joint.lower - LIMIT_MARGIN_RAD
+                    && q <= joint.upper + LIMIT_MARGIN_RAD
             });
         let accepted = match &mut running.validator {
             Some(validator) if within => validator.accept(&command, now_ns()),
@@ -176,7 +176,7 @@ impl Drive {
         };
         if let Some(accepted) = accepted {
             let count = self.names.len();
-            running.held_rad = accepted.setpoints.position_rad[..count].to_vec();
+            running.held = accepted.setpoints.position[..count].to_vec();
             running.accepted = Some(accepted);
         }
         Ok(())
@@ -187,7 +187,7 @@ impl Drive {
         if running.accepted.is_none() || running.command.valid_until_ns < now_ns() {
             return Ok(());
         }
-        let positions = running.held_rad.clone();
+        let positions = running.held.clone();
         match &self.commands {
             Commands::Forward(topic) => topic.publish(Float64Array {
                 data: positions,
@@ -226,7 +226,7 @@ impl Running {
             },
             joint_count: count as u32,
             commanded_count: count as u32,
-            commanded_rad: JointSetpoints::holding(&self.held_rad).position_rad,
+            commanded_position: JointSetpoints::holding(&self.held).position,
             command_epoch: self.stamp.writer_epoch,
             ..BusJoints::default()
         };
@@ -234,9 +234,9 @@ impl Running {
             last.write_to(&mut state);
         }
         for (joint, [position, velocity, effort]) in joints.iter().enumerate() {
-            state.position_rad[joint] = *position;
-            state.velocity_rad_s[joint] = *velocity;
-            state.effort_n_m[joint] = *effort;
+            state.position[joint] = *position;
+            state.velocity[joint] = *velocity;
+            state.effort[joint] = *effort;
         }
         state.seal();
         self.stamp.sequence += 1;

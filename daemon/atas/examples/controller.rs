@@ -43,15 +43,15 @@ fn frame(hand: Hand, stamp: Stamp, normal_n: f64, load_n: f64) -> HandFrame {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let robot = RobotModel::two_hand_arm()?;
     let mut controller = Controller::new(&robot, SensorSetup::default(), Settings::default());
-    let mut position_rad = RobotVector::zeros(robot.joint_count());
+    let mut position = RobotVector::zeros(robot.joint_count());
     for side in HandSide::BOTH {
         let range = robot.joint_range(side);
-        position_rad[range].copy_from_slice(robot.hand(side).reference_rad());
+        position[range].copy_from_slice(robot.hand(side).reference());
     }
     let right = robot.hand(HandSide::Right);
     let right_rad =
-        |q_rad: &RobotVector| HandVector::from_slice(&q_rad[robot.joint_range(HandSide::Right)]);
-    let home = grasp_pose(right, &right.forward(&right_rad(&position_rad)));
+        |q: &RobotVector| HandVector::from_slice(&q[robot.joint_range(HandSide::Right)]);
+    let home = grasp_pose(right, &right.forward(&right_rad(&position)));
     let request = GoalRequest {
         goal_id: 1,
         kind: GoalKind::GRASP,
@@ -72,7 +72,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             captured_ns: now_ns,
             writer_epoch: 1,
         };
-        let pose = right.forward(&right_rad(&position_rad));
+        let pose = right.forward(&right_rad(&position));
         let gap_m = gap_m(&pose) - 2.0 * right.tip_radius_m()[0];
         let normal_n = (WIDTH_M - gap_m).max(0.0) / 2.0 * STIFFNESS_N_M;
         let is_lifted = pose.side_m(0).z > HEIGHT_M + 1e-3 && normal_n > 0.0;
@@ -86,7 +86,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             joint_count: robot.joint_count() as u32,
             ..JointState::default()
         };
-        joints.position_rad[..position_rad.len()].copy_from_slice(&position_rad);
+        joints.position[..position.len()].copy_from_slice(&position);
         joints.seal();
         if controller.mode().0 == Mode::READY && goal.is_none() {
             let checked = check::check(&request, &controller.goal_context(&robot, &[]));
@@ -104,7 +104,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         });
         let (command, update) = (outputs.command, outputs.goal_update);
         let count = command.joint_count as usize;
-        position_rad[..count].copy_from_slice(&command.position_rad[..count]);
+        position[..count].copy_from_slice(&command.position[..count]);
         let state = format!("{} {}", command.mode, controller.step_name());
         if state != shown {
             println!(

@@ -136,9 +136,9 @@ impl Controller {
                 step_s: self.step_s,
                 mode: self.mode.mode(),
                 // A robot that did not track its command is the reason of many recoveries.
-                measured_rad: self
+                measured: self
                     .joints
-                    .fresh_rad(self.tick, &self.settings.intake)
+                    .fresh_position(self.tick, &self.settings.intake)
                     .filter(|_| !self.recovers),
                 joint_sequence: self.joints.sequence(),
                 grip_limit_n: core::array::from_fn(|hand| self.hands[hand].force_limit_n()),
@@ -165,10 +165,7 @@ impl Controller {
             wiring: &self.sensors,
             settings: &self.settings,
             tasks,
-            commanded_rad: self
-                .gate
-                .is_synchronised()
-                .then(|| self.gate.position_rad()),
+            commanded_position: self.gate.is_synchronised().then(|| self.gate.position()),
         }
     }
 
@@ -259,13 +256,13 @@ impl Controller {
 
     /// Synchronises gate and hands to the commanded joint positions; their offset from the measured
     /// ones is the grip.
-    fn synchronise(&mut self, measured_rad: &RobotVector) {
-        let anchor_rad = self.start_position_rad(measured_rad);
-        self.gate.synchronise(&anchor_rad);
+    fn synchronise(&mut self, measured: &RobotVector) {
+        let start = self.start_position(measured);
+        self.gate.synchronise(&start);
         let ranges = self.joint_ranges();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
             hand.abort_task();
-            hand.synchronise(HandVector::from_slice(&self.gate.position_rad()[range]));
+            hand.synchronise(HandVector::from_slice(&self.gate.position()[range]));
         }
         self.checks_for_grip = true;
         self.recovers = false;
@@ -273,29 +270,26 @@ impl Controller {
 
     /// Returns the last command, of the gate or, before its first one, as the robot reports it,
     /// some ticks late; measured positions for limbs that do not track it.
-    fn start_position_rad(&self, measured_rad: &RobotVector) -> RobotVector {
-        let remembered_rad = self
-            .gate
-            .is_synchronised()
-            .then(|| self.gate.position_rad());
-        let Some(last_rad) = remembered_rad.or(self.joints.commanded_rad()) else {
-            return *measured_rad;
+    fn start_position(&self, measured: &RobotVector) -> RobotVector {
+        let remembered = self.gate.is_synchronised().then(|| self.gate.position());
+        let Some(last) = remembered.or(self.joints.commanded_position()) else {
+            return *measured;
         };
-        let mut anchor_rad = *measured_rad;
+        let mut start = *measured;
         for (hand, range) in self.hands.iter().zip(self.joint_ranges()) {
             for limb in hand.model().limbs() {
                 let follows = |own: usize| {
                     let (joint, unit) = (range.start + own, hand.model().joints()[own].radian());
-                    let off_rad = (last_rad[joint] - measured_rad[joint]).abs();
-                    off_rad <= PRELOAD_MAX_RAD * unit
+                    let offset = (last[joint] - measured[joint]).abs();
+                    offset <= PRELOAD_MAX_RAD * unit
                 };
                 if limb.clone().all(follows) {
                     let limb = range.start + limb.start..range.start + limb.end;
-                    anchor_rad[limb.clone()].copy_from_slice(&last_rad[limb]);
+                    start[limb.clone()].copy_from_slice(&last[limb]);
                 }
             }
         }
-        anchor_rad
+        start
     }
 
     fn joint_ranges(&self) -> [Range<usize>; HANDS] {
@@ -310,7 +304,7 @@ impl Controller {
         self.outputs.command = *safe.command();
         let ranges = self.joint_ranges();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
-            hand.adopt(HandVector::from_slice(&self.gate.requested_rad()[range]));
+            hand.adopt(HandVector::from_slice(&self.gate.requested()[range]));
         }
         let finding = self.gate.refusal();
         self.gate_refusal = Reason::default();

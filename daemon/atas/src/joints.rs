@@ -31,10 +31,10 @@ struct Newest {
     epoch: u64,
     captured_ns: u64,
     received_ns: u64,
-    position_rad: RobotVector,
-    commanded_rad: Option<RobotVector>,
+    position: RobotVector,
+    commanded_position: Option<RobotVector>,
     grip_limit_n: [f64; HANDS],
-    effort_n_m: Option<RobotVector>,
+    effort: Option<RobotVector>,
 }
 
 impl JointIntake {
@@ -63,7 +63,7 @@ impl JointIntake {
             Ok(lost) => {
                 self.status.states += 1;
                 self.status.lost = self.status.lost.saturating_add(lost);
-                let position_rad = RobotVector::from_slice(&state.position_rad[..self.joint_count]);
+                let position = RobotVector::from_slice(&state.position[..self.joint_count]);
                 let epoch = state.stamp.writer_epoch;
                 self.restarted = self.newest.is_some_and(|newest| newest.epoch != epoch);
                 self.newest = Some(Newest {
@@ -71,10 +71,10 @@ impl JointIntake {
                     epoch: state.stamp.writer_epoch,
                     captured_ns: state.stamp.captured_ns,
                     received_ns: tick.now_ns,
-                    position_rad,
-                    commanded_rad: self.valid_commanded_rad(state),
+                    position,
+                    commanded_position: self.valid_commanded_position(state),
                     grip_limit_n: state.grip_limit_n,
-                    effort_n_m: self.valid_effort_n_m(state),
+                    effort: self.valid_effort(state),
                 });
             }
             Err(fault) => {
@@ -84,23 +84,23 @@ impl JointIntake {
         }
     }
 
-    /// Returns the measured positions, rad.
+    /// Returns the measured positions, rad or m.
     #[must_use]
-    pub fn position_rad(&self) -> Option<&RobotVector> {
-        self.newest.as_ref().map(|n| &n.position_rad)
+    pub fn position(&self) -> Option<&RobotVector> {
+        self.newest.as_ref().map(|n| &n.position)
     }
 
-    /// Returns the measured positions unless they are too old to compare with a command, rad.
+    /// Returns the measured positions unless they are too old to compare with a command, rad or m.
     #[must_use]
-    pub fn fresh_rad(&self, tick: Tick, limits: &Limits) -> Option<&RobotVector> {
+    pub fn fresh_position(&self, tick: Tick, limits: &Limits) -> Option<&RobotVector> {
         let stopped = self.hold_reason(tick, limits).is_some();
-        self.position_rad().filter(|_| !stopped)
+        self.position().filter(|_| !stopped)
     }
 
-    /// Returns the reported servo commands, rad, if within the joint limits.
+    /// Returns the reported servo commands, rad or m, if within the joint limits.
     #[must_use]
-    pub fn commanded_rad(&self) -> Option<&RobotVector> {
-        self.newest.as_ref()?.commanded_rad.as_ref()
+    pub fn commanded_position(&self) -> Option<&RobotVector> {
+        self.newest.as_ref()?.commanded_position.as_ref()
     }
 
     /// Returns the reported F_2 per hand, N, unchecked; zero if none.
@@ -110,10 +110,10 @@ impl JointIntake {
             .map_or([0.0; HANDS], |newest| newest.grip_limit_n)
     }
 
-    /// Returns the servo torques, N·m, if measured.
+    /// Returns the servo torques, N·m or N, if measured.
     #[must_use]
-    pub fn effort_n_m(&self) -> Option<&RobotVector> {
-        self.newest.as_ref()?.effort_n_m.as_ref()
+    pub fn effort(&self) -> Option<&RobotVector> {
+        self.newest.as_ref()?.effort.as_ref()
     }
 
     /// Returns whether this tick's state comes from a new process, which makes the robot's position
@@ -127,20 +127,19 @@ impl JointIntake {
         &self.joints[..self.joint_count]
     }
 
-    fn valid_commanded_rad(&self, state: &JointState) -> Option<RobotVector> {
-        let reported_rad = &state.commanded_rad[..self.joint_count];
+    fn valid_commanded_position(&self, state: &JointState) -> Option<RobotVector> {
+        let reported = &state.commanded_position[..self.joint_count];
         // The comparisons are false for NaN.
-        let within =
-            |(joint, q_rad): (&Joint, &f64)| *q_rad >= joint.lower_rad && *q_rad <= joint.upper_rad;
+        let within = |(joint, q): (&Joint, &f64)| *q >= joint.lower && *q <= joint.upper;
         let believable = state.commanded_count as usize == self.joint_count
             && state.command_epoch != 0
-            && self.joints().iter().zip(reported_rad).all(within);
-        believable.then(|| RobotVector::from_slice(reported_rad))
+            && self.joints().iter().zip(reported).all(within);
+        believable.then(|| RobotVector::from_slice(reported))
     }
 
     /// A robot without torque measurement reports zeros.
-    fn valid_effort_n_m(&self, state: &JointState) -> Option<RobotVector> {
-        let told_n_m = &state.effort_n_m[..self.joint_count];
+    fn valid_effort(&self, state: &JointState) -> Option<RobotVector> {
+        let told_n_m = &state.effort[..self.joint_count];
         let believable = told_n_m.iter().all(|effort| effort.is_finite());
         let measured = told_n_m.iter().any(|effort| *effort != 0.0);
         (believable && measured).then(|| RobotVector::from_slice(told_n_m))
@@ -199,20 +198,20 @@ impl JointIntake {
                 self.joint_count as f64,
             ));
         }
-        let positions_rad = &state.position_rad[..self.joint_count];
+        let positions = &state.position[..self.joint_count];
         // False for NaN, so a NaN is out of range.
-        let believable = |(joint, &q_rad): (&Joint, &f64)| {
-            let margin_rad = FEEDBACK_MARGIN_RAD * joint.radian();
-            q_rad >= joint.lower_rad - margin_rad && q_rad <= joint.upper_rad + margin_rad
+        let believable = |(joint, &q): (&Joint, &f64)| {
+            let margin = FEEDBACK_MARGIN_RAD * joint.radian();
+            q >= joint.lower - margin && q <= joint.upper + margin
         };
         if let Some(joint) = self
             .joints()
             .iter()
-            .zip(positions_rad)
+            .zip(positions)
             .position(|j| !believable(j))
         {
-            let last_rad = self.newest.map_or(0.0, |n| n.position_rad[joint]);
-            let reason = Reason::with_limit(Cause::JOINTS_INVALID, positions_rad[joint], last_rad);
+            let last = self.newest.map_or(0.0, |n| n.position[joint]);
+            let reason = Reason::with_limit(Cause::JOINTS_INVALID, positions[joint], last);
             return Err(reason.with_index(joint));
         }
         let age_s = seconds_between(state.stamp.captured_ns, tick.now_ns);
@@ -244,13 +243,10 @@ impl JointIntake {
     fn check_jump(&self, state: &JointState, newest: &Newest) -> Result<(), Reason> {
         let elapsed_s = seconds_between(newest.captured_ns, state.stamp.captured_ns);
         for joint in 0..self.joint_count {
-            let (now_rad, last_rad) = (state.position_rad[joint], newest.position_rad[joint]);
-            let allowed_rad =
-                FEEDBACK_JUMP_FACTOR * self.joints[joint].velocity_max_rad_s * elapsed_s;
-            if (now_rad - last_rad).abs() > allowed_rad {
-                return Err(
-                    Reason::with_limit(Cause::JOINTS_INVALID, now_rad, last_rad).with_index(joint)
-                );
+            let (now, last) = (state.position[joint], newest.position[joint]);
+            let allowed = FEEDBACK_JUMP_FACTOR * self.joints[joint].velocity_max * elapsed_s;
+            if (now - last).abs() > allowed {
+                return Err(Reason::with_limit(Cause::JOINTS_INVALID, now, last).with_index(joint));
             }
         }
         Ok(())

@@ -30,17 +30,17 @@ const SHIFT_LEAD_MAX_M: f64 = 0.0003;
 /// Joint positions from kinematics, before the safety gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandCommand {
-    /// Requested positions, rad; unchecked.
-    pub(crate) q_rad: HandVector,
+    /// Requested positions, rad or m; unchecked.
+    pub(crate) q: HandVector,
     /// Closing speed per grasp side, m/s: maximum of the requested speed and that of the joints.
     pub(crate) closing_m_s: [f64; GRASP_SIDES],
 }
 
 impl HandCommand {
-    /// Creates a command from requested positions, rad, and closing speed per grasp side, m/s.
+    /// Creates a command from requested positions, rad or m, and closing speed per grasp side, m/s.
     #[must_use]
-    pub fn new(q_rad: HandVector, closing_m_s: [f64; GRASP_SIDES]) -> Self {
-        Self { q_rad, closing_m_s }
+    pub fn new(q: HandVector, closing_m_s: [f64; GRASP_SIDES]) -> Self {
+        Self { q, closing_m_s }
     }
 
     /// Returns the closing speed per grasp side, m/s; negative only if request and joint motion
@@ -56,7 +56,7 @@ impl HandCommand {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandServo {
     pose: GraspPose,
-    q_rad: HandVector,
+    q: HandVector,
     /// Low-passed mean grip force of the sides, N.
     grip_force_n: f64,
     /// Share of the secondary gain since synchronisation, 0 to 1.
@@ -65,15 +65,15 @@ pub struct HandServo {
 }
 
 impl HandServo {
-    /// Creates a servo at these joint positions, rad.
+    /// Creates a servo at these joint positions, rad or m.
     #[must_use]
-    pub fn new(hand: &HandModel, q_rad: HandVector) -> Self {
-        let pose = hand.forward(&q_rad);
+    pub fn new(hand: &HandModel, q: HandVector) -> Self {
+        let pose = hand.forward(&q);
         let frame = grasp_pose(hand, &pose);
         Self {
             load_sharing: LoadSharing::new(hand, &pose, &frame),
             pose: frame,
-            q_rad,
+            q,
             grip_force_n: 0.0,
             secondary: 0.0,
         }
@@ -99,16 +99,16 @@ impl HandServo {
         &self.pose
     }
 
-    /// Returns the last accepted request, rad.
+    /// Returns the last accepted request, rad or m.
     #[must_use]
-    pub fn q_rad(&self) -> &HandVector {
-        &self.q_rad
+    pub fn q(&self) -> &HandVector {
+        &self.q
     }
 
     /// Initialises the correction from an existing grip, whose bending the joint positions already
     /// include.
     pub fn initialise_grip(&mut self, hand: &HandModel, percept: &Percept) {
-        let (pose, n) = (hand.forward(&self.q_rad), self.closing_axis(hand));
+        let (pose, n) = (hand.forward(&self.q), self.closing_axis(hand));
         let jacobian = hand.jacobian(&pose);
         self.grip_force_n = mean_normal_n(percept);
         let bend_m = self.grip_bending_m(hand, (&pose, &jacobian, &n), percept, 0.0);
@@ -119,15 +119,15 @@ impl HandServo {
 
     /// Takes over the request that the gate accepted, before motion limiting. Lagging joints as the
     /// start would demand the whole lag at once and make the hand oscillate.
-    pub fn accept(&mut self, q_rad: HandVector) {
-        self.q_rad = q_rad;
+    pub fn accept(&mut self, q: HandVector) {
+        self.q = q;
     }
 
     /// Returns a command that keeps the hand still.
     #[must_use]
     pub fn hold_still(&self) -> HandCommand {
         HandCommand {
-            q_rad: self.q_rad,
+            q: self.q,
             closing_m_s: [0.0; GRASP_SIDES],
         }
     }
@@ -141,7 +141,7 @@ impl HandServo {
         step_s: f64,
     ) -> HandCommand {
         let mut closing_m_s = self.integrate(intent, step_s);
-        let (pose, n) = (hand.forward(&self.q_rad), self.closing_axis(hand));
+        let (pose, n) = (hand.forward(&self.q), self.closing_axis(hand));
         if intent.pose.is_none_or(|carried| !carried.with_fingers) {
             self.limit_windup(hand, &pose, &n);
             let along_m = self.load_sharing.update(hand, percept, step_s);
@@ -162,16 +162,16 @@ impl HandServo {
         let mut target = corrected.target(hand);
         self.load_sharing.apply_to(hand, &mut target);
         let step = hand.ik_step(&pose, &jacobian, &target, step_s, &weights);
-        let q_rad = if step.status == IkStatus::Failed {
-            self.q_rad
+        let q = if step.status == IkStatus::Failed {
+            self.q
         } else {
-            step.q_rad
+            step.q
         };
-        let by_joints_m = finger_closing_m(hand, &jacobian, &(q_rad - self.q_rad), &n);
+        let by_joints_m = finger_closing_m(hand, &jacobian, &(q - self.q), &n);
         for (closing_m_s, by_joints_m) in closing_m_s.iter_mut().zip(by_joints_m) {
             *closing_m_s = closing_m_s.max(by_joints_m / step_s);
         }
-        HandCommand { q_rad, closing_m_s }
+        HandCommand { q, closing_m_s }
     }
 
     /// Returns the upward shift of the fingertip surfaces at the contact due to the grip, m:
@@ -195,10 +195,10 @@ impl HandServo {
                 force_n[finger] = n * if side == 0 { share_n } else { -share_n };
             }
         }
-        let stiffness_n_m_rad = hand.stiffness_n_m_rad();
+        let stiffness = hand.stiffness();
         let bent_rad = jacobian
             .torques_n_m(&force_n)
-            .zip_map(&stiffness_n_m_rad, |torque_n_m, k| torque_n_m / k);
+            .zip_map(&stiffness, |torque_n_m, k| torque_n_m / k);
         let bend_m = |finger: usize| {
             let moved_m = HandJacobian::moved(&jacobian.tips[finger].position, &bent_rad);
             let arm_m = pose.dome_axis(finger) * hand.tip_radius_m()[finger];
@@ -268,15 +268,15 @@ impl HandServo {
 fn finger_closing_m(
     hand: &HandModel,
     jacobian: &HandJacobian,
-    dq_rad: &HandVector,
+    dq: &HandVector,
     n: &Vector3<f64>,
 ) -> [f64; GRASP_SIDES] {
-    let mut fingers_rad = *dq_rad;
-    fingers_rad[hand.arm_joints()].fill(0.0);
+    let mut fingers = *dq;
+    fingers[hand.arm_joints()].fill(0.0);
     core::array::from_fn(|side| {
         let inwards = if side == 0 { -n } else { *n };
         hand.mean_of_side(side, |finger| {
-            HandJacobian::moved(&jacobian.tips[finger].position, &fingers_rad).dot(&inwards)
+            HandJacobian::moved(&jacobian.tips[finger].position, &fingers).dot(&inwards)
         })
     })
 }
@@ -301,13 +301,13 @@ pub fn grasp_pose(hand: &HandModel, pose: &HandPose) -> GraspPose {
     let axis = pose.hand_axis();
     let radius_m = hand.tip_radius_m();
     let half_m = across.norm() / 2.0;
-    let q_rad = pose.q_rad();
+    let q = pose.q();
     GraspPose {
         centre_m,
-        closing_yaw_rad: unwound_yaw_rad(hand, q_rad, &centre_m, libm::atan2(across.y, across.x)),
+        closing_yaw_rad: unwound_yaw_rad(hand, q, &centre_m, libm::atan2(across.y, across.x)),
         hand_azimuth_rad: hand.bearing_rad(&centre_m),
         hand_pitch_rad: libm::atan2(-axis.z, Vector3::new(axis.x, axis.y, 0.0).norm()),
-        root_rad: hand.root_rad(q_rad),
+        root_rad: hand.root_rad(q),
         half_opening_m: core::array::from_fn(|side| {
             half_m - hand.mean_of_side(side, |finger| radius_m[finger])
         }),
@@ -317,13 +317,8 @@ pub fn grasp_pose(hand: &HandModel, pose: &HandPose) -> GraspPose {
 }
 
 /// Returns the yaw plus the full turns that match the wrist, rad.
-fn unwound_yaw_rad(
-    hand: &HandModel,
-    q_rad: &HandVector,
-    centre_m: &Vector3<f64>,
-    yaw_rad: f64,
-) -> f64 {
+fn unwound_yaw_rad(hand: &HandModel, q: &HandVector, centre_m: &Vector3<f64>, yaw_rad: f64) -> f64 {
     use core::f64::consts::TAU;
-    let by_wrist = hand.yaw_of_joints_rad(q_rad, centre_m);
+    let by_wrist = hand.yaw_of_joints_rad(q, centre_m);
     yaw_rad + TAU * libm::round((by_wrist - yaw_rad) / TAU)
 }

@@ -216,9 +216,9 @@ pub fn write_origin(
     header.stamp.writer_epoch = wiring.writer_epoch;
     header.tick_s = wiring.tick_s;
     header.joints_required = u32::from(wiring.joints_required);
-    let stiffness_n_m_rad = first_hand(robot).stiffness_n_m_rad();
-    header.stiffness_n_m_rad = [0.0; JOINTS];
-    header.stiffness_n_m_rad[..stiffness_n_m_rad.len()].copy_from_slice(&stiffness_n_m_rad);
+    let stiffness = first_hand(robot).stiffness();
+    header.stiffness = [0.0; JOINTS];
+    header.stiffness[..stiffness.len()].copy_from_slice(&stiffness);
     header.hands = wiring.hands.each_ref().map(write_hand);
     header.settings = write_settings(settings);
 }

@@ -46,11 +46,11 @@ impl SafeCommand {
 pub struct Gate {
     joints: [Joint; ROBOT_JOINTS_MAX],
     roles: [JointRole; ROBOT_JOINTS_MAX],
-    position_rad: RobotVector,
-    velocity_rad_s: RobotVector,
-    acceleration_rad_s2: RobotVector,
-    /// Accepted request of the previous tick, rad.
-    requested_rad: RobotVector,
+    position: RobotVector,
+    velocity: RobotVector,
+    acceleration: RobotVector,
+    /// Accepted request of the previous tick, rad or m.
+    requested: RobotVector,
     synchronised: bool,
     sequence: u64,
     writer_epoch: u64,
@@ -66,10 +66,10 @@ impl Gate {
         Self {
             joints: core::array::from_fn(|joint| robot.joint(joint).copied().unwrap_or_default()),
             roles: core::array::from_fn(|joint| JointRole::new(robot, joint)),
-            position_rad: rest,
-            velocity_rad_s: rest,
-            acceleration_rad_s2: rest,
-            requested_rad: rest,
+            position: rest,
+            velocity: rest,
+            acceleration: rest,
+            requested: rest,
             synchronised: false,
             sequence: 0,
             writer_epoch,
@@ -80,13 +80,13 @@ impl Gate {
 
     /// Takes the measured positions, clamped to the limits, as commanded ones at rest: at the
     /// start, and after the robot moved without command.
-    pub fn synchronise(&mut self, measured_rad: &RobotVector) {
-        let rest = RobotVector::zeros(self.position_rad.len());
-        self.position_rad = RobotVector::from_fn(rest.len(), |i| {
-            measured_rad[i].clamp(self.joints[i].lower_rad, self.joints[i].upper_rad)
+    pub fn synchronise(&mut self, measured: &RobotVector) {
+        let rest = RobotVector::zeros(self.position.len());
+        self.position = RobotVector::from_fn(rest.len(), |i| {
+            measured[i].clamp(self.joints[i].lower, self.joints[i].upper)
         });
         self.halt();
-        self.requested_rad = self.position_rad;
+        self.requested = self.position;
         self.synchronised = true;
         self.following_error_ticks = 0;
     }
@@ -94,15 +94,15 @@ impl Gate {
     /// Continues from rest at the commanded positions: the last command expired, and the robot
     /// stopped there.
     pub fn halt(&mut self) {
-        let rest = RobotVector::zeros(self.position_rad.len());
-        self.velocity_rad_s = rest;
-        self.acceleration_rad_s2 = rest;
+        let rest = RobotVector::zeros(self.position.len());
+        self.velocity = rest;
+        self.acceleration = rest;
     }
 
     /// Returns true while no commanded joint moves.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        self.velocity_rad_s.iter().all(|&speed| speed == 0.0)
+        self.velocity.iter().all(|&speed| speed == 0.0)
     }
 
     /// Passes nothing until the next [`Gate::synchronise`].
@@ -116,17 +116,17 @@ impl Gate {
         self.synchronised
     }
 
-    /// Returns the commanded positions, rad.
+    /// Returns the commanded positions, rad or m.
     #[must_use]
-    pub fn position_rad(&self) -> &RobotVector {
-        &self.position_rad
+    pub fn position(&self) -> &RobotVector {
+        &self.position
     }
 
-    /// Returns the last accepted request, before motion limiting, rad; the next one continues from
-    /// it.
+    /// Returns the last accepted request, before motion limiting, rad or m; the next one continues
+    /// from it.
     #[must_use]
-    pub fn requested_rad(&self) -> &RobotVector {
-        &self.requested_rad
+    pub fn requested(&self) -> &RobotVector {
+        &self.requested
     }
 
     /// Returns the refusal of the last pass, if any; it leads to HOLD or SAFE_STOP.
@@ -143,21 +143,21 @@ impl Gate {
         ctx: &GateContext<'_>,
     ) -> SafeCommand {
         self.refusal = Reason::default();
-        let mut wanted_rad = self.flatten(raw);
-        if let Some(joint) = wanted_rad.iter().position(|q| !q.is_finite()) {
+        let mut request = self.flatten(raw);
+        if let Some(joint) = request.iter().position(|q| !q.is_finite()) {
             self.refuse(
                 Reason::new(Cause::COMMAND_NOT_FINITE).with_index(joint),
-                &mut wanted_rad,
+                &mut request,
             );
         }
         if ctx.mode != Mode::RUN {
-            wanted_rad = self.position_rad;
-            self.requested_rad = self.position_rad;
+            request = self.position;
+            self.requested = self.position;
         }
-        self.limit_grip(raw, grips, ctx.settings, &mut wanted_rad);
-        self.refuse_jump(ctx.step_s, &mut wanted_rad);
-        self.limit(&wanted_rad, ctx.step_s);
-        self.requested_rad = wanted_rad;
+        self.limit_grip(raw, grips, ctx.settings, &mut request);
+        self.refuse_jump(ctx.step_s, &mut request);
+        self.limit(&request, ctx.step_s);
+        self.requested = request;
         self.check_following_error(ctx);
         SafeCommand {
             command: self.seal(ctx),
@@ -165,12 +165,12 @@ impl Gate {
     }
 
     /// Rejects the whole vector, so that no joint moves on a partly invalid command.
-    fn refuse(&mut self, reason: Reason, wanted_rad: &mut RobotVector) {
+    fn refuse(&mut self, reason: Reason, request: &mut RobotVector) {
         if !self.refusal.is_some() {
             self.refusal = reason;
         }
-        *wanted_rad = self.position_rad;
-        self.requested_rad = self.position_rad;
+        *request = self.position;
+        self.requested = self.position;
     }
 
     /// Above its force ceiling a side may only open, and its arm must not move.
@@ -179,7 +179,7 @@ impl Gate {
         raw: &RawCommand,
         grips: &[Grip; HANDS],
         settings: &Settings,
-        wanted_rad: &mut RobotVector,
+        request: &mut RobotVector,
     ) {
         for (hand, grip) in grips.iter().enumerate() {
             let ceiling_n = grip.f2_n.map_or(settings.grip_ceiling_n, |f2_n| {
@@ -193,11 +193,11 @@ impl Gate {
                     continue;
                 }
                 let opens = raw[hand].closing_m_s[side] < 0.0;
-                let joints = wanted_rad.iter_mut().zip(self.position_rad.iter());
-                for ((wanted_rad, held_rad), limb) in joints.zip(&self.roles) {
-                    let held = limb.arm || (limb.drives[side] && !opens);
-                    if limb.hand == hand && held && wanted_rad != held_rad {
-                        *wanted_rad = *held_rad;
+                let joints = request.iter_mut().zip(self.position.iter());
+                for ((request, commanded), limb) in joints.zip(&self.roles) {
+                    let is_held = limb.arm || (limb.drives[side] && !opens);
+                    if limb.hand == hand && is_held && request != commanded {
+                        *request = *commanded;
                         self.refusal = Reason::with_limit(Cause::GRIP_CEILING, normal_n, ceiling_n)
                             .with_index(side);
                     }
@@ -208,85 +208,80 @@ impl Gate {
 
     /// Rejects a step far beyond the joint's capability, or a request too far ahead of the joint,
     /// as a sender fault; smoothing would hide it.
-    fn refuse_jump(&mut self, step_s: f64, wanted_rad: &mut RobotVector) {
-        for (joint, &wanted) in wanted_rad.iter().enumerate() {
-            let speed_rad_s = self.joints[joint].velocity_max_rad_s;
-            let allowed_rad = STEP_FACTOR * speed_rad_s * step_s;
-            let step_rad = (wanted - self.requested_rad[joint]).abs();
-            let lag_rad = (wanted - self.position_rad[joint]).abs() - self.lag_max_rad(joint);
-            let step_rad = if lag_rad > step_rad {
-                lag_rad
-            } else {
-                step_rad
-            };
-            if step_rad > allowed_rad {
-                let reason = Reason::with_limit(Cause::COMMAND_STEP, step_rad, allowed_rad)
-                    .with_index(joint);
-                return self.refuse(reason, wanted_rad);
+    fn refuse_jump(&mut self, step_s: f64, request: &mut RobotVector) {
+        for (joint, &position) in request.iter().enumerate() {
+            let allowed = STEP_FACTOR * self.joints[joint].velocity_max * step_s;
+            let step = (position - self.requested[joint]).abs();
+            let lag = (position - self.position[joint]).abs() - self.lag_max(joint);
+            let step = if lag > step { lag } else { step };
+            if step > allowed {
+                let reason =
+                    Reason::with_limit(Cause::COMMAND_STEP, step, allowed).with_index(joint);
+                return self.refuse(reason, request);
             }
         }
     }
 
-    /// Returns the largest lag behind a request that starts at top speed, rad: v²/2A to accelerate,
-    /// v²/2A to catch up at half the acceleration ([`braking_speed_rad_s`]).
-    fn lag_max_rad(&self, joint: usize) -> f64 {
+    /// Returns the largest lag behind a request that starts at top speed, rad or m: v²/2A to
+    /// accelerate, v²/2A to catch up at half the acceleration ([`braking_speed_rad_s`]).
+    fn lag_max(&self, joint: usize) -> f64 {
         let (joint, unit) = (&self.joints[joint], self.joints[joint].radian());
-        let speed_rad_s = joint.velocity_max_rad_s / unit;
+        let speed_rad_s = joint.velocity_max / unit;
         speed_rad_s * speed_rad_s / JOINT_ACCELERATION_RAD_S2 * unit
     }
 
     fn flatten(&self, raw: &RawCommand) -> RobotVector {
-        let mut wanted_rad = self.position_rad;
-        let hands = raw.iter().flat_map(|hand| hand.q_rad.iter());
-        for (wanted_rad, q_rad) in wanted_rad.iter_mut().zip(hands) {
-            *wanted_rad = *q_rad;
+        let mut request = self.position;
+        let hands = raw.iter().flat_map(|hand| hand.q.iter());
+        for (request, q) in request.iter_mut().zip(hands) {
+            *request = *q;
         }
-        wanted_rad
+        request
     }
 
-    fn limit(&mut self, wanted_rad: &RobotVector, step_s: f64) {
-        for (index, &wanted_rad) in wanted_rad.iter().enumerate() {
-            if self.rests_at(index, wanted_rad) {
+    fn limit(&mut self, request: &RobotVector, step_s: f64) {
+        for (index, &request) in request.iter().enumerate() {
+            if self.rests_at(index, request) {
                 continue;
             }
             // Acceleration and jerk limits are in radians.
             let unit = self.joints[index].radian();
             let joint = in_radians(&self.joints[index]);
             let state = Motion {
-                position_rad: self.position_rad[index] / unit,
-                velocity_rad_s: self.velocity_rad_s[index] / unit,
-                acceleration_rad_s2: self.acceleration_rad_s2[index] / unit,
+                position: self.position[index] / unit,
+                velocity: self.velocity[index] / unit,
+                acceleration: self.acceleration[index] / unit,
             };
-            let before_rad = self.requested_rad[index] / unit;
-            let next = state.step_towards(wanted_rad / unit, before_rad, &joint, step_s);
-            self.position_rad[index] = within(&self.joints[index], next.position_rad * unit);
-            self.velocity_rad_s[index] = next.velocity_rad_s * unit;
-            self.acceleration_rad_s2[index] = next.acceleration_rad_s2 * unit;
+            let before = self.requested[index] / unit;
+            let next = state.step_towards(request / unit, before, &joint, step_s);
+            self.position[index] = within(&self.joints[index], next.position * unit);
+            self.velocity[index] = next.velocity * unit;
+            self.acceleration[index] = next.acceleration * unit;
         }
     }
 
     /// Returns true if the joint rests at its request, and thus stays there.
-    fn rests_at(&self, joint: usize, wanted_rad: f64) -> bool {
-        let position_rad = self.position_rad[joint];
-        position_rad == wanted_rad
-            && position_rad == self.requested_rad[joint]
-            && position_rad == within(&self.joints[joint], position_rad)
-            && self.velocity_rad_s[joint] == 0.0
-            && self.acceleration_rad_s2[joint] == 0.0
+    fn rests_at(&self, joint: usize, request: f64) -> bool {
+        let position = self.position[joint];
+        position == request
+            && position == self.requested[joint]
+            && position == within(&self.joints[joint], position)
+            && self.velocity[joint] == 0.0
+            && self.acceleration[joint] == 0.0
     }
 
     /// Detects a blocked or dead joint; further motion would only build up force.
     fn check_following_error(&mut self, ctx: &GateContext<'_>) {
-        let Some(measured_rad) = ctx.measured_rad.filter(|_| self.synchronised) else {
+        let Some(measured) = ctx.measured.filter(|_| self.synchronised) else {
             return;
         };
         let settings = ctx.settings;
-        let off_course = (0..self.position_rad.len()).find_map(|joint| {
-            let error_rad = (self.position_rad[joint] - measured_rad[joint]).abs();
-            let allowed_rad = settings.following_floor_rad * self.joints[joint].radian()
-                + settings.following_per_speed_s * self.velocity_rad_s[joint].abs();
-            (error_rad > allowed_rad).then(|| {
-                Reason::with_limit(Cause::FOLLOWING_ERROR, error_rad, allowed_rad).with_index(joint)
+        let off_course = (0..self.position.len()).find_map(|joint| {
+            let error = (self.position[joint] - measured[joint]).abs();
+            let allowed = settings.following_floor_rad * self.joints[joint].radian()
+                + settings.following_per_speed_s * self.velocity[joint].abs();
+            (error > allowed).then(|| {
+                Reason::with_limit(Cause::FOLLOWING_ERROR, error, allowed).with_index(joint)
             })
         });
         self.following_error_ticks =
@@ -314,7 +309,7 @@ impl Gate {
             answers_sequence: ctx.joint_sequence,
             mode: ctx.mode,
             joint_count: if self.synchronised {
-                self.position_rad.len() as u32
+                self.position.len() as u32
             } else {
                 0
             },
@@ -322,9 +317,9 @@ impl Gate {
         };
         const { assert!(ROBOT_JOINTS_MAX <= JOINTS) };
         if self.synchronised {
-            let joints = self.position_rad.len();
-            command.position_rad[..joints].copy_from_slice(&self.position_rad);
-            command.velocity_rad_s[..joints].copy_from_slice(&self.velocity_rad_s);
+            let joints = self.position.len();
+            command.position[..joints].copy_from_slice(&self.position);
+            command.velocity[..joints].copy_from_slice(&self.velocity);
             command.grip_limit_n = ctx.grip_limit_n;
         }
         command.seal();
@@ -341,8 +336,8 @@ pub struct GateContext<'a> {
     pub step_s: f64,
     /// Mode; only RUN moves.
     pub mode: Mode,
-    /// Valid, fresh measured positions, rad; `None` skips the following-error check.
-    pub measured_rad: Option<&'a RobotVector>,
+    /// Valid, fresh measured positions, rad or m; `None` skips the following-error check.
+    pub measured: Option<&'a RobotVector>,
     /// Sequence number of the joint state.
     pub joint_sequence: u64,
     /// F_2 per hand, N, for a restarted daemon; zero for an empty hand.
@@ -379,75 +374,76 @@ impl JointRole {
 fn in_radians(joint: &Joint) -> Joint {
     let unit = joint.radian();
     Joint {
-        lower_rad: joint.lower_rad / unit,
-        upper_rad: joint.upper_rad / unit,
-        velocity_max_rad_s: joint.velocity_max_rad_s / unit,
+        lower: joint.lower / unit,
+        upper: joint.upper / unit,
+        velocity_max: joint.velocity_max / unit,
         ..*joint
     }
 }
 
-fn within(joint: &Joint, q_rad: f64) -> f64 {
-    q_rad.clamp(joint.lower_rad, joint.upper_rad)
+fn within(joint: &Joint, q: f64) -> f64 {
+    q.clamp(joint.lower, joint.upper)
 }
 
+/// Motion of one joint: rad, rad/s and rad/s², or their equivalents ([`Joint::radian`]).
 #[derive(Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Motion {
-    position_rad: f64,
-    velocity_rad_s: f64,
-    acceleration_rad_s2: f64,
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
 }
 
 impl Motion {
-    /// Returns the next motion towards `wanted_rad` within all joint limits. Both requests, now and
+    /// Returns the next motion towards `requested` within all joint limits. Both requests, now and
     /// a tick ago, are finite.
     ///
     /// Requests within the limits are tracked without lag. After a lag the joint catches up at a
     /// speed from which it can brake, so that it does not oscillate.
     fn step_towards(
         self,
-        wanted_rad: f64,
-        wanted_before_rad: f64,
+        requested: f64,
+        requested_before: f64,
         joint: &Joint,
         step_s: f64,
     ) -> Self {
-        let (wanted_rad, wanted_before_rad) =
-            (within(joint, wanted_rad), within(joint, wanted_before_rad));
-        let speed_rad_s = joint.velocity_max_rad_s;
+        let (requested, requested_before) =
+            (within(joint, requested), within(joint, requested_before));
+        let speed_rad_s = joint.velocity_max;
         let moving_rad_s =
-            ((wanted_rad - wanted_before_rad) / step_s).clamp(-speed_rad_s, speed_rad_s);
-        let lag_rad = wanted_rad - moving_rad_s * step_s - self.position_rad;
+            ((requested - requested_before) / step_s).clamp(-speed_rad_s, speed_rad_s);
+        let lag_rad = requested - moving_rad_s * step_s - self.position;
         let catch_up_rad_s = braking_speed_rad_s(lag_rad.abs(), step_s).copysign(lag_rad);
-        let wanted_rad_s = (moving_rad_s + catch_up_rad_s).clamp(
-            -braking_speed_rad_s(self.position_rad - joint.lower_rad, step_s),
-            braking_speed_rad_s(joint.upper_rad - self.position_rad, step_s),
+        let target_rad_s = (moving_rad_s + catch_up_rad_s).clamp(
+            -braking_speed_rad_s(self.position - joint.lower, step_s),
+            braking_speed_rad_s(joint.upper - self.position, step_s),
         );
-        let acceleration_rad_s2 = self.accelerate_rad_s2(wanted_rad_s, speed_rad_s, step_s);
-        let velocity_rad_s = self.velocity_rad_s + acceleration_rad_s2 * step_s;
+        let acceleration = self.accelerate_rad_s2(target_rad_s, speed_rad_s, step_s);
+        let velocity = self.velocity + acceleration * step_s;
         Self {
-            position_rad: within(joint, self.position_rad + velocity_rad_s * step_s),
-            velocity_rad_s,
-            acceleration_rad_s2,
+            position: within(joint, self.position + velocity * step_s),
+            velocity,
+            acceleration,
         }
     }
 
     /// Returns the acceleration towards a speed, within its limit and the jerk limit, and low
     /// enough to vanish before the top speed.
-    fn accelerate_rad_s2(&self, wanted_rad_s: f64, speed_rad_s: f64, step_s: f64) -> f64 {
-        let (now_rad_s, now_rad_s2) = (self.velocity_rad_s, self.acceleration_rad_s2);
+    fn accelerate_rad_s2(&self, target_rad_s: f64, speed_rad_s: f64, step_s: f64) -> f64 {
+        let (now_rad_s, now_rad_s2) = (self.velocity, self.acceleration);
         let change_rad_s2 = JOINT_JERK_RAD_S3 * step_s;
         let ending_below = |room_rad_s: f64| {
             let room_rad_s = if room_rad_s > 0.0 { room_rad_s } else { 0.0 };
             let build_up_s2 = step_s * step_s + 2.0 * room_rad_s / JOINT_JERK_RAD_S3;
             JOINT_JERK_RAD_S3 * (libm::sqrt(build_up_s2) - step_s)
         };
-        let news_rad_s = wanted_rad_s - now_rad_s;
-        let within_s = if news_rad_s.abs() <= SPEED_CHANGE_AT_ONCE_RAD_S {
+        let difference_rad_s = target_rad_s - now_rad_s;
+        let within_s = if difference_rad_s.abs() <= SPEED_CHANGE_AT_ONCE_RAD_S {
             step_s
         } else {
             step_s.max(SPEED_CHANGE_MIN_S)
         };
-        (news_rad_s / within_s)
+        (difference_rad_s / within_s)
             .clamp(now_rad_s2 - change_rad_s2, now_rad_s2 + change_rad_s2)
             .clamp(-JOINT_ACCELERATION_RAD_S2, JOINT_ACCELERATION_RAD_S2)
             .clamp(

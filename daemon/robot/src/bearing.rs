@@ -17,7 +17,7 @@ const ROUNDING_RAD: f64 = 1e-9;
 impl HandModel {
     /// Determines from the reference posture how the hand turns.
     pub(crate) fn find_turning(&mut self) {
-        let pose = self.forward(&self.reference_rad);
+        let pose = self.forward(&self.reference);
         let turns_about = |joint: usize, axis: Vector3<f64>| {
             let frame = &self.frames[joint].mover;
             let cos = pose.frame_axis(joint).dot(&axis);
@@ -29,7 +29,7 @@ impl HandModel {
         if let Some(sign) = turns_about(0, Vector3::z()).filter(|_| arm > 0) {
             let from_shoulder = middle_m - self.shoulder_m();
             let bearing_rad = libm::atan2(from_shoulder.y, from_shoulder.x);
-            let zero_rad = snapped(self.reference_rad[0] - sign * bearing_rad);
+            let zero_rad = snapped(self.reference[0] - sign * bearing_rad);
             self.turning.base = Some(Turn { sign, zero_rad });
         }
         // The roll at the reference posture counts as zero, so the yaw contains the rest.
@@ -37,7 +37,7 @@ impl HandModel {
         let yaw_rad = libm::atan2(closing.y, closing.x) - self.bearing_rad(&middle_m);
         self.turning.wrist = roll.flatten().map(|sign| Turn {
             sign,
-            zero_rad: snapped(self.reference_rad[arm - 1]),
+            zero_rad: snapped(self.reference[arm - 1]),
         });
         self.turning.yaw_rad = snapped(wrapped(yaw_rad));
     }
@@ -57,12 +57,9 @@ impl HandModel {
     /// Returns the closing yaw of a hand over `centre_m` that points down in this posture, up to
     /// whole turns, radians.
     #[must_use]
-    pub fn yaw_of_joints_rad(&self, q_rad: &HandVector, centre_m: &Vector3<f64>) -> f64 {
+    pub fn yaw_of_joints_rad(&self, q: &HandVector, centre_m: &Vector3<f64>) -> f64 {
         let roll_rad = self.turning.wrist.map_or(0.0, |wrist| {
-            let angle_rad = self
-                .arm_joints
-                .checked_sub(1)
-                .map_or(0.0, |last| q_rad[last]);
+            let angle_rad = self.arm_joints.checked_sub(1).map_or(0.0, |last| q[last]);
             wrist.sign * (angle_rad - wrist.zero_rad)
         });
         self.bearing_rad(centre_m) + self.turning.yaw_rad - roll_rad
@@ -72,16 +69,16 @@ impl HandModel {
     /// joints.
     pub(crate) fn turn_towards(
         &self,
-        q_rad: &mut HandVector,
+        q: &mut HandVector,
         centre_m: &Vector3<f64>,
         closing_yaw_rad: f64,
     ) {
         if let Some(base) = self.turning.base {
-            q_rad[0] = base.sign * self.bearing_rad(centre_m) + base.zero_rad;
+            q[0] = base.sign * self.bearing_rad(centre_m) + base.zero_rad;
         }
         if let Some(wrist) = self.turning.wrist {
             let roll_rad = self.wrist_roll_rad(centre_m, closing_yaw_rad);
-            q_rad[self.arm_joints - 1] = wrist.sign * roll_rad + wrist.zero_rad;
+            q[self.arm_joints - 1] = wrist.sign * roll_rad + wrist.zero_rad;
         }
     }
 

@@ -89,7 +89,7 @@ impl HandModel {
             ..GraspPose::from_above(self.home_m, azimuth_rad + FRAC_PI_2, self.home_opening_m)
         };
         self.posture_for(&grasp).is_ok_and(|found| {
-            let points = self.forward(&found.q_rad).hand_axis();
+            let points = self.forward(&found.q).hand_axis();
             points.dot(&grasp.target(self).hand_axis) > SIDE_GRASP_COS_MIN
         })
     }
@@ -188,14 +188,14 @@ impl HandModel {
         let posture = |step: usize| {
             let opening_m = self.max_opening_m - step_m * step as f64;
             let frame = GraspPose::from_above(self.home_m, self.home_yaw_rad, opening_m);
-            self.posture_for(&frame).ok().map(|found| found.q_rad)
+            self.posture_for(&frame).ok().map(|found| found.q)
         };
         let mut slowest_m_s = f64::INFINITY;
         for step in 0..OPENINGS {
             if let (Some(from), Some(to)) = (posture(step), posture(step + 1)) {
                 for joint in self.arm_joints..self.joint_count {
                     let takes_s =
-                        libm::fabs(to[joint] - from[joint]) / self.joints[joint].velocity_max_rad_s;
+                        libm::fabs(to[joint] - from[joint]) / self.joints[joint].velocity_max;
                     slowest_m_s = slowest_m_s.min(step_m / 2.0 / takes_s);
                 }
             }

@@ -15,7 +15,7 @@ use crate::vector::HandVector;
 /// positions always match.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandPose {
-    q_rad: HandVector,
+    q: HandVector,
     pub(crate) base_from_frame: ArrayVec<Transform, FRAMES_MAX>,
     base_from_hand: Transform,
     hand_axis: Vector3<f64>,
@@ -26,8 +26,8 @@ pub struct HandPose {
 impl HandPose {
     /// Joint positions of this pose.
     #[must_use]
-    pub fn q_rad(&self) -> &HandVector {
-        &self.q_rad
+    pub fn q(&self) -> &HandVector {
+        &self.q
     }
 
     /// Origin of a moving frame, metres: see [`crate::Mover`].
@@ -89,34 +89,33 @@ impl HandModel {
     /// finite; a missing one counts as 0. Inlined: a return would copy the pose.
     #[must_use]
     #[inline]
-    pub fn forward(&self, q_rad: &HandVector) -> HandPose {
+    pub fn forward(&self, q: &HandVector) -> HandPose {
         // Each field is set alone. A copy of a constant would copy the storage of unused frames
         // too.
         let mut pose = HandPose {
-            q_rad: *q_rad,
+            q: *q,
             base_from_frame: ArrayVec::new(),
             base_from_hand: Transform::IDENTITY,
             hand_axis: Vector3::zeros(),
             base_from_tip: ArrayVec::new(),
             side_m: [Vector3::zeros(); GRASP_SIDES],
         };
-        self.compute(&mut pose, q_rad);
+        self.compute(&mut pose, q);
         pose
     }
 
     /// Computes the pose of these joint positions in place; does nothing if the pose already has
     /// them.
-    pub fn place(&self, pose: &mut HandPose, q_rad: &HandVector) {
+    pub fn place(&self, pose: &mut HandPose, q: &HandVector) {
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
-        let stays =
-            pose.q_rad.len() == q_rad.len() && pose.q_rad.iter().zip(q_rad.iter()).all(same);
+        let stays = pose.q.len() == q.len() && pose.q.iter().zip(q.iter()).all(same);
         if !stays {
-            self.compute(pose, q_rad);
+            self.compute(pose, q);
         }
     }
 
-    fn compute(&self, pose: &mut HandPose, q_rad: &HandVector) {
-        pose.q_rad = *q_rad;
+    fn compute(&self, pose: &mut HandPose, q: &HandVector) {
+        pose.q = *q;
         let base_from_frame = &mut pose.base_from_frame;
         base_from_frame.clear();
         for frame in &self.frames[..self.frame_count] {
@@ -125,7 +124,7 @@ impl HandModel {
                 None => *mount,
                 Some(parent) => base_from_frame[parent].then(mount),
             };
-            let coordinate = q_rad.get(frame.mover.joint).copied().unwrap_or(0.0);
+            let coordinate = q.get(frame.mover.joint).copied().unwrap_or(0.0);
             let motion = frame.mover.ratio * coordinate + frame.offset;
             base_from_frame.push(if frame.mover.slides {
                 at_zero.moved_along_z(motion)
@@ -172,7 +171,7 @@ impl HandModel {
     /// palm, m: the space for an object. See [`HandModel::lowest_of_palm_m`].
     #[must_use]
     pub fn room_over_tips_m(&self) -> f64 {
-        let pose = self.forward(&self.reference_rad);
+        let pose = self.forward(&self.reference);
         let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
         self.lowest_of_palm_m(&pose) - middle_m.z
     }

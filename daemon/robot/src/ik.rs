@@ -116,11 +116,11 @@ pub enum IkStatus {
 /// One step of the inverse kinematics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IkStep {
-    /// The next command, radians: the pose's angles plus `dq_rad`, inside the position limits if
+    /// The next command, radians: the pose's angles plus `dq`, inside the position limits if
     /// the pose was.
-    pub q_rad: HandVector,
+    pub q: HandVector,
     /// The change, radians; always finite, at most v_max·dt per joint.
-    pub dq_rad: HandVector,
+    pub dq: HandVector,
     /// Result of the step.
     pub status: IkStatus,
     /// Distance of the farther grasp side from its target before the step, metres, by the middle of
@@ -156,8 +156,8 @@ impl HandModel {
     ) -> IkStep {
         self.try_ik_step(pose, jacobian, target, dt_s, weights)
             .unwrap_or(IkStep {
-                q_rad: *pose.q_rad(),
-                dq_rad: HandVector::zeros(pose.q_rad().len()),
+                q: *pose.q(),
+                dq: HandVector::zeros(pose.q().len()),
                 status: IkStatus::Failed,
                 tip_error_m: f64::INFINITY,
             })
@@ -172,21 +172,21 @@ impl HandModel {
         weights: &IkWeights,
     ) -> Option<IkStep> {
         let error = TaskError::new(self, pose, target, weights)?;
-        let step_box = self.step_box(pose.q_rad(), dt_s)?;
-        let mut system = self.system(pose.q_rad(), jacobian, target.root_rad, &error, weights);
-        let (dq_rad, status) = solve_in_box(&mut system, &step_box)?;
-        let q_rad = self.advance(pose.q_rad(), &dq_rad);
+        let step_box = self.step_box(pose.q(), dt_s)?;
+        let mut system = self.system(pose.q(), jacobian, target.root_rad, &error, weights);
+        let (dq, status) = solve_in_box(&mut system, &step_box)?;
+        let q = self.advance(pose.q(), &dq);
         Some(IkStep {
-            q_rad,
-            dq_rad: q_rad - *pose.q_rad(),
+            q,
+            dq: q - *pose.q(),
             status,
             tip_error_m: error.tip_error_m,
         })
     }
 
     /// Returns `None` if a joint position or the time step is invalid.
-    fn step_box(&self, q_rad: &HandVector, dt_s: f64) -> Option<StepBox> {
-        let complete = q_rad.len() == self.joint_count && q_rad.iter().all(|q| q.is_finite());
+    fn step_box(&self, q: &HandVector, dt_s: f64) -> Option<StepBox> {
+        let complete = q.len() == self.joint_count && q.iter().all(|q| q.is_finite());
         if !(complete && dt_s.is_finite() && dt_s > 0.0) {
             return None;
         }
@@ -197,25 +197,22 @@ impl HandModel {
         for (index, joint) in self.joints().iter().enumerate() {
             // Clamping both ends to the speed limit lets a joint that starts outside come back no
             // faster than it may.
-            let reach = joint.velocity_max_rad_s * dt_s;
-            step_box.lower[index] = (joint.lower_rad - q_rad[index]).clamp(-reach, reach);
-            step_box.upper[index] = (joint.upper_rad - q_rad[index]).clamp(-reach, reach);
+            let reach = joint.velocity_max * dt_s;
+            step_box.lower[index] = (joint.lower - q[index]).clamp(-reach, reach);
+            step_box.upper[index] = (joint.upper - q[index]).clamp(-reach, reach);
         }
         Some(step_box)
     }
 
     fn system(
         &self,
-        q_rad: &HandVector,
+        q: &HandVector,
         jacobian: &HandJacobian,
         root_rad: f64,
         error: &TaskError,
         weights: &IkWeights,
     ) -> ArrowSystem {
-        let (trunk, posture) = (
-            self.trunk_joints,
-            self.posture_rows(q_rad, root_rad, weights),
-        );
+        let (trunk, posture) = (self.trunk_joints, self.posture_rows(q, root_rad, weights));
         let excess_m = (error.tip_error_m - weights.softening_from_m).max(0.0);
         let w_dome = weights.dome_axis * weights.dome_axis;
         let mut system = ArrowSystem {
@@ -286,9 +283,9 @@ impl HandModel {
     }
 
     /// Returns the diagonal of H and the part of g that pull towards the reference posture.
-    fn posture_rows(&self, q_rad: &HandVector, root_rad: f64, weights: &IkWeights) -> PostureRows {
+    fn posture_rows(&self, q: &HandVector, root_rad: f64, weights: &IkWeights) -> PostureRows {
         let mut weight = HandVector::repeat(self.joint_count, weights.posture * weights.posture);
-        let mut wanted = self.reference_rad;
+        let mut wanted = self.reference;
         for root in self.tilting_joints() {
             weight[root] = weights.root_posture * weights.root_posture;
             wanted[root] = root_rad;
@@ -298,8 +295,7 @@ impl HandModel {
         }
         let mut rows = PostureRows {
             h: weight.map(|weight| weight + weights.damping * weights.damping),
-            g: (wanted - *q_rad).zip_map(&weight, |off, weight| weight * off)
-                * weights.secondary_gain,
+            g: (wanted - *q).zip_map(&weight, |off, weight| weight * off) * weights.secondary_gain,
         };
         for (index, joint) in self.joints().iter().enumerate() {
             let radian = joint.radian();
@@ -310,10 +306,10 @@ impl HandModel {
     }
 
     /// Returns q + dq, clamped against rounding beyond a limit.
-    fn advance(&self, q_rad: &HandVector, dq_rad: &HandVector) -> HandVector {
+    fn advance(&self, q: &HandVector, dq: &HandVector) -> HandVector {
         HandVector::from_fn(self.joint_count, |index| {
-            let (joint, q) = (&self.joints[index], q_rad[index]);
-            (q + dq_rad[index]).clamp(joint.lower_rad.min(q), joint.upper_rad.max(q))
+            let (joint, q) = (&self.joints[index], q[index]);
+            (q + dq[index]).clamp(joint.lower.min(q), joint.upper.max(q))
         })
     }
 }

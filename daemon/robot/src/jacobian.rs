@@ -117,10 +117,10 @@ impl HandJacobian {
 
     /// Returns the motion of these rows for a change of the joints.
     #[must_use]
-    pub fn moved(rows: &Rows3, dq_rad: &HandVector) -> Vector3<f64> {
-        let joints = dq_rad.iter().enumerate();
-        joints.fold(Vector3::zeros(), |sum: Vector3<f64>, (joint, dq_rad)| {
-            sum + rows.column(joint) * *dq_rad
+    pub fn moved(rows: &Rows3, dq: &HandVector) -> Vector3<f64> {
+        let joints = dq.iter().enumerate();
+        joints.fold(Vector3::zeros(), |sum: Vector3<f64>, (joint, dq)| {
+            sum + rows.column(joint) * *dq
         })
     }
 
@@ -132,13 +132,13 @@ impl HandJacobian {
     #[must_use]
     pub fn tip_compliance(
         &self,
-        stiffness_n_m_rad: &HandVector,
+        stiffness: &HandVector,
     ) -> Option<ArrayVec<Matrix3<f64>, FINGERTIPS_MAX>> {
-        if !stiffness_n_m_rad.iter().all(|k| k.is_finite() && *k > 0.0) {
+        if !stiffness.iter().all(|k| k.is_finite() && *k > 0.0) {
             return None;
         }
         let compliance = |tip: &TipJacobian| {
-            let joints = stiffness_n_m_rad.iter().enumerate();
+            let joints = stiffness.iter().enumerate();
             joints.fold(Matrix3::zeros(), |sum: Matrix3<f64>, (joint, stiffness)| {
                 let column = tip.position.column(joint);
                 sum + column * column.transpose() / *stiffness

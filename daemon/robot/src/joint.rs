@@ -26,15 +26,15 @@ pub struct Joint {
     /// Kind of motion.
     pub kind: JointKind,
     /// Lower position limit.
-    pub lower_rad: f64,
+    pub lower: f64,
     /// Upper position limit, above the lower one.
-    pub upper_rad: f64,
+    pub upper: f64,
     /// Speed limit, positive.
-    pub velocity_max_rad_s: f64,
+    pub velocity_max: f64,
     /// Torque limit, not negative.
-    pub effort_max_n_m: f64,
+    pub effort_max: f64,
     /// Servo stiffness, N·m/rad or N/m.
-    pub stiffness_n_m_rad: f64,
+    pub stiffness: f64,
     /// Inertia that the servo moves, kg·m² or kg; for simulation.
     pub inertia_kg_m2: f64,
 }

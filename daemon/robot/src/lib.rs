@@ -23,16 +23,16 @@
 //! let centre_m = Vector3::new(0.30, -0.10, 0.05);
 //! let closing_yaw_rad = hand.closing_yaw_rad(&centre_m, 0.0);
 //! let mut grasp = GraspPose::from_above(centre_m, closing_yaw_rad, 0.06);
-//! let mut q_rad = hand.posture_for(&grasp)?.q_rad;
+//! let mut q = hand.posture_for(&grasp)?.q;
 //!
 //! // One tick: both fingers close by 2 µm.
 //! grasp.half_opening_m = [0.03 - 2e-6; 2];
-//! let pose = hand.forward(&q_rad);
+//! let pose = hand.forward(&q);
 //! let (jacobian, target) = (hand.jacobian(&pose), grasp.target(hand));
 //! let step = hand.ik_step(&pose, &jacobian, &target, 1e-3, &IkWeights::TICK);
 //! assert_eq!(step.status, IkStatus::Free);
-//! q_rad = step.q_rad;
-//! # assert!(hand.within_limits(&q_rad));
+//! q = step.q;
+//! # assert!(hand.within_limits(&q));
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

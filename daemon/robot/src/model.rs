@@ -44,7 +44,7 @@ pub struct HandModel {
     pub(crate) finger_count: usize,
     pub(crate) tip_radius_m: [f64; FINGERTIPS_MAX],
     pub(crate) skin: Skin,
-    pub(crate) reference_rad: HandVector,
+    pub(crate) reference: HandVector,
     /// Per joint: true if it tilts its finger about the closing axis, like a wrist.
     pub(crate) tilts: [bool; HAND_JOINTS_MAX],
     pub(crate) turning: Turning,
@@ -179,7 +179,7 @@ impl HandModel {
             finger_count: 0,
             tip_radius_m: [0.0; FINGERTIPS_MAX],
             skin: Skin::DOME_41,
-            reference_rad: HandVector::zeros(0),
+            reference: HandVector::zeros(0),
             tilts: [false; HAND_JOINTS_MAX],
             turning: Turning::default(),
             domes_tilt: false,
@@ -349,16 +349,14 @@ impl HandModel {
     /// Returns the posture that the inverse kinematics prefers where the task leaves freedom,
     /// within the limits.
     #[must_use]
-    pub fn reference_rad(&self) -> &HandVector {
-        &self.reference_rad
+    pub fn reference(&self) -> &HandVector {
+        &self.reference
     }
 
     /// Returns the servo stiffness of every joint, N·m/rad.
     #[must_use]
-    pub fn stiffness_n_m_rad(&self) -> HandVector {
-        HandVector::from_fn(self.joint_count, |joint| {
-            self.joints[joint].stiffness_n_m_rad
-        })
+    pub fn stiffness(&self) -> HandVector {
+        HandVector::from_fn(self.joint_count, |joint| self.joints[joint].stiffness)
     }
 
     /// Returns the joints that tilt their finger about the closing axis.
@@ -376,9 +374,9 @@ impl HandModel {
     /// Returns the mean position of the joints that tilt the fingers, radians; 0 without such
     /// joints.
     #[must_use]
-    pub fn root_rad(&self, q_rad: &HandVector) -> f64 {
+    pub fn root_rad(&self, q: &HandVector) -> f64 {
         let roots = self.tilting_joints();
-        mean(roots.filter_map(|joint| q_rad.get(joint).copied()))
+        mean(roots.filter_map(|joint| q.get(joint).copied()))
     }
 
     /// Returns the home position: the point between the fingertips, base frame, metres.
@@ -454,9 +452,9 @@ impl HandModel {
 
     /// Returns true if every joint position is finite and within its limits.
     #[must_use]
-    pub fn within_limits(&self, q_rad: &HandVector) -> bool {
-        let within = |(joint, &q): (&Joint, &f64)| q >= joint.lower_rad && q <= joint.upper_rad;
-        self.joints().iter().zip(q_rad.iter()).all(within)
+    pub fn within_limits(&self, q: &HandVector) -> bool {
+        let within = |(joint, &q): (&Joint, &f64)| q >= joint.lower && q <= joint.upper;
+        self.joints().iter().zip(q.iter()).all(within)
     }
 }
 

@@ -16,7 +16,7 @@ use crate::model::HandModel;
 /// # fn main() -> Result<(), robot_model::ModelError> {
 /// let robot = RobotModel::two_hand_arm()?;
 /// let hand = robot.hand(HandSide::Right);
-/// let posture = hand.forward(hand.reference_rad());
+/// let posture = hand.forward(hand.reference());
 /// let pinch = hand.pinch_pose(&posture);
 /// // Equal fingertips: the point is the middle of both sides.
 /// let middle_m = (posture.side_m(0) + posture.side_m(1)) / 2.0;

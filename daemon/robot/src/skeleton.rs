@@ -156,8 +156,8 @@ impl Skeleton {
 impl Limb {
     /// Returns the pose of the link in its parent. A joint without a value is at zero.
     #[must_use]
-    pub fn placed(&self, q_rad: &[f64]) -> Placement {
-        let coordinate = self.joint.and_then(|joint| q_rad.get(joint)).copied();
+    pub fn placed(&self, q: &[f64]) -> Placement {
+        let coordinate = self.joint.and_then(|joint| q.get(joint)).copied();
         let Some(coordinate) = coordinate else {
             return self.origin;
         };

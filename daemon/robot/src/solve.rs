@@ -38,7 +38,7 @@ const TILTED_DOME_ERROR_MAX_RAD: f64 = core::f64::consts::FRAC_PI_4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solution {
     /// Joint positions, within the limits.
-    pub q_rad: HandVector,
+    pub q: HandVector,
     /// Distance of the farther side's middle from its target, metres; infinite if the target was
     /// not finite.
     pub tip_error_m: f64,
@@ -98,16 +98,11 @@ impl fmt::Display for Unreachable {
 impl core::error::Error for Unreachable {}
 
 impl HandModel {
-    /// Runs up to `iterations` steps from `start_rad` towards `target`. For start postures, not for
+    /// Runs up to `iterations` steps from `start` towards `target`. For start postures, not for
     /// the control tick. Stops early when a step fails.
     #[must_use]
-    pub fn solve(
-        &self,
-        start_rad: &HandVector,
-        target: &HandTarget,
-        iterations: usize,
-    ) -> Solution {
-        let mut pose = self.forward(start_rad);
+    pub fn solve(&self, start: &HandVector, target: &HandTarget, iterations: usize) -> Solution {
+        let mut pose = self.forward(start);
         for _ in 0..iterations {
             let Some(next) = self.solve_step(&pose, target) else {
                 break;
@@ -173,8 +168,8 @@ impl HandModel {
         grasp: &GraspPose,
         dome_error_max_rad: f64,
     ) -> Result<Solution, Unreachable> {
-        let start_rad = self.start_for(grasp);
-        let best = self.solve(&start_rad, &grasp.target(self), POSTURE_ITERATIONS);
+        let start = self.start_for(grasp);
+        let best = self.solve(&start, &grasp.target(self), POSTURE_ITERATIONS);
         if best.is_within(dome_error_max_rad) {
             Ok(best)
         } else {
@@ -188,29 +183,29 @@ impl HandModel {
     /// Returns the reference posture with the arm turned towards a grasp and the wrist rolled to
     /// its closing yaw.
     fn start_for(&self, grasp: &GraspPose) -> HandVector {
-        let mut start_rad = self.reference_rad;
+        let mut start = self.reference;
         let yaw_rad = grasp.executed_by(self).closing_yaw_rad;
-        self.turn_towards(&mut start_rad, &grasp.centre_m, yaw_rad);
-        self.clamp_to_limits(&start_rad)
+        self.turn_towards(&mut start, &grasp.centre_m, yaw_rad);
+        self.clamp_to_limits(&start)
     }
 
     /// Returns the pose after one step, or `None` if the step fails.
     fn solve_step(&self, pose: &HandPose, target: &HandTarget) -> Option<HandPose> {
         let (jacobian, weights) = (self.jacobian(pose), &IkWeights::SOLVE);
         let step = self.ik_step(pose, &jacobian, target, SOLVE_STEP_S, weights);
-        (step.status != IkStatus::Failed).then(|| self.forward(&step.q_rad))
+        (step.status != IkStatus::Failed).then(|| self.forward(&step.q))
     }
 
     /// Returns the nearest posture within the limits. Values that are not finite become those of
     /// the reference posture.
     #[must_use]
-    pub fn clamp_to_limits(&self, q_rad: &HandVector) -> HandVector {
+    pub fn clamp_to_limits(&self, q: &HandVector) -> HandVector {
         HandVector::from_fn(self.joint_count, |index| {
-            let (joint, q) = (&self.joints[index], q_rad[index]);
+            let (joint, q) = (&self.joints[index], q[index]);
             if q.is_finite() {
-                q.clamp(joint.lower_rad, joint.upper_rad)
+                q.clamp(joint.lower, joint.upper)
             } else {
-                self.reference_rad[index]
+                self.reference[index]
             }
         })
     }
@@ -251,7 +246,7 @@ impl Solution {
             f64::INFINITY
         };
         Solution {
-            q_rad: *pose.q_rad(),
+            q: *pose.q(),
             tip_error_m,
             spread_error_m,
             dome_error_rad: worst(|pose, target, finger| {

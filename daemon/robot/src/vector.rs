@@ -12,15 +12,15 @@ pub type RobotVector = JointVector<ROBOT_JOINTS_MAX>;
 
 /// Up to `MAX` values.
 ///
-/// Generalised coordinates: a value `_rad` is in radians for a revolute joint and in metres for a
-/// prismatic one, `_rad_s` in rad/s or m/s, `_n_m` in N·m or N.
+/// Units of the joint: positions in radians for a revolute joint and in metres for a prismatic one,
+/// velocities in rad/s or m/s, efforts in N·m or N.
 ///
 /// ```
 /// use robot_model::HandVector;
 ///
 /// let step = HandVector::repeat(3, 0.01);
-/// let q_rad = HandVector::zeros(3) + step * 2.0;
-/// assert_eq!(&q_rad[..], [0.02; 3]);
+/// let q = HandVector::zeros(3) + step * 2.0;
+/// assert_eq!(&q[..], [0.02; 3]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -53,8 +53,8 @@ pub struct TickRecord {
     pub frame_age_ns: u64,
     /// True if every commanded velocity is zero.
     pub at_rest: bool,
-    /// Commanded positions, rad, if any.
-    pub commanded_rad: Option<RobotVector>,
+    /// Commanded positions, rad or m, if any.
+    pub commanded_position: Option<RobotVector>,
     /// Number of failed bus calls so far.
     pub bus_failures: u64,
     /// True if the ticks are phase-locked to the frames.

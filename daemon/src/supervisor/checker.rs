@@ -35,7 +35,7 @@ struct Job {
     request: GoalRequest,
     settings: Settings,
     tasks: Vec<Task>,
-    commanded_rad: Option<RobotVector>,
+    commanded_position: Option<RobotVector>,
 }
 
 #[derive(Debug)]
@@ -43,7 +43,7 @@ pub(super) struct CheckResult {
     pub(super) request: GoalRequest,
     pub(super) goal: Result<Goal, Reason>,
     /// Commanded joint positions at the start of the check, rad.
-    pub(super) commanded_rad: Option<RobotVector>,
+    pub(super) commanded_position: Option<RobotVector>,
 }
 
 impl Checker {
@@ -71,7 +71,7 @@ impl Checker {
             request,
             settings: state.settings,
             tasks: state.config.tasks.as_slice().to_vec(),
-            commanded_rad: state.commanded_rad,
+            commanded_position: state.commanded_position,
         };
         // The queue has room: one check at a time.
         let _sent = self.jobs.try_send(Box::new(job));
@@ -90,7 +90,7 @@ impl Job {
             wiring,
             settings: &self.settings,
             tasks: &self.tasks,
-            commanded_rad: self.commanded_rad.as_ref(),
+            commanded_position: self.commanded_position.as_ref(),
         };
         let checked = catch_unwind(AssertUnwindSafe(|| {
             check::check(&self.request, &circumstances)
@@ -98,7 +98,7 @@ impl Job {
         CheckResult {
             request: self.request,
             goal: checked.unwrap_or(Err(Reason::new(Cause::MODULE_PANICKED))),
-            commanded_rad: self.commanded_rad,
+            commanded_position: self.commanded_position,
         }
     }
 }

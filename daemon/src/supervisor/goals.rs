@@ -113,7 +113,7 @@ impl GoalService {
         state: &SupervisorState,
         link: &mut SupervisorSide,
     ) {
-        let moved = have_moved(&checked.commanded_rad, &state.commanded_rad);
+        let moved = have_moved(&checked.commanded_position, &state.commanded_position);
         if moved && candidate.checks < CHECKS_MAX {
             return self.check(candidate, state);
         }
@@ -140,11 +140,11 @@ impl GoalService {
 }
 
 /// Returns true if the arms have moved too far for a check to hold.
-fn have_moved(before_rad: &Option<RobotVector>, now_rad: &Option<RobotVector>) -> bool {
-    match (before_rad, now_rad) {
-        (Some(before_rad), Some(now_rad)) => {
-            let mut joints = before_rad.iter().zip(now_rad.iter());
-            joints.any(|(before_rad, now_rad)| (before_rad - now_rad).abs() > JOINT_MOTION_MAX_RAD)
+fn have_moved(before: &Option<RobotVector>, now: &Option<RobotVector>) -> bool {
+    match (before, now) {
+        (Some(before), Some(now)) => {
+            let mut joints = before.iter().zip(now.iter());
+            joints.any(|(before, now)| (before - now).abs() > JOINT_MOTION_MAX_RAD)
         }
         (None, None) => false,
         _ => true,

@@ -32,7 +32,7 @@ pub struct SupervisorState {
     /// Index of the last tick.
     pub tick: u64,
     /// Positions commanded by the last tick, rad, if any.
-    pub commanded_rad: Option<RobotVector>,
+    pub commanded_position: Option<RobotVector>,
     /// The settings of `config`.
     pub settings: Settings,
     /// Number of records read.
@@ -65,7 +65,7 @@ impl SupervisorState {
             },
             mode: Mode::INIT,
             tick: 0,
-            commanded_rad: None,
+            commanded_position: None,
             record_count: 0,
         }
     }
@@ -74,7 +74,7 @@ impl SupervisorState {
         self.update_clock_start(record.report.stamp.captured_ns);
         self.mode = record.report.mode;
         self.tick = record.report.tick;
-        self.commanded_rad = record.commanded_rad;
+        self.commanded_position = record.commanded_position;
         self.record_count += 1;
         if record.phase_locked {
             self.flags |= StatusFlags::PHASE_LOCKED;

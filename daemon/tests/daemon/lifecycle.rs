@@ -252,10 +252,10 @@ fn nan_joint_feedback_stops_until_recovery() {
     let reply = world.control(ControlOp::RECOVER, "", 0.0);
     assert_eq!(reply.outcome, ControlOutcome::REFUSED);
     world.until_mode(Mode::READY);
-    world.injected_position_rad = Some(f64::NAN);
+    world.injected_position = Some(f64::NAN);
     let status = world.until_mode(Mode::SAFE_STOP);
     assert_eq!(status.reason.cause, Cause::JOINTS_INVALID);
-    world.injected_position_rad = None;
+    world.injected_position = None;
     (0..50).for_each(|_| world.publish(shm_bus::now_ns()));
     world.receive();
     assert_eq!(world.newest.mode, Mode::SAFE_STOP, "latched");

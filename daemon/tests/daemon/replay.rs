@@ -167,9 +167,9 @@ fn live_run_with_all_requests_replays_bit_exactly() {
     // Zeroing needs mode ready.
     publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);
     world.control(ControlOp::BIAS, "", 1.0);
-    world.injected_position_rad = Some(f64::NAN);
+    world.injected_position = Some(f64::NAN);
     publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::SAFE_STOP);
-    world.injected_position_rad = None;
+    world.injected_position = None;
     publish_for(&mut world, 100, |_| false);
     world.control(ControlOp::RECOVER, "", 0.0);
     publish_for(&mut world, 30_000, |w| w.newest.mode == Mode::READY);

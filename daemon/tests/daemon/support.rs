@@ -130,8 +130,8 @@ pub(crate) struct World {
     pub(crate) newest: Status,
     pub(crate) sends_frames: bool,
     /// Published in place of the first joint's position.
-    pub(crate) injected_position_rad: Option<f64>,
-    position_rad: [f64; shm_schemas::capacity::JOINTS],
+    pub(crate) injected_position: Option<f64>,
+    position: [f64; shm_schemas::capacity::JOINTS],
     sequence: u64,
 }
 
@@ -139,11 +139,11 @@ impl World {
     pub(crate) fn open(name: &FreshBus) -> Self {
         let bus = Bus::open(name, "world", Realtime::No).expect("the bus opens");
         let robot = robot_model::RobotModel::two_hand_arm().expect("the built-in robot loads");
-        let mut position_rad = [0.0; shm_schemas::capacity::JOINTS];
+        let mut position = [0.0; shm_schemas::capacity::JOINTS];
         for side in robot_model::HandSide::BOTH {
-            position_rad[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference_rad());
+            position[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference());
             // Straight ahead, the fingers of both hands would cross.
-            position_rad[robot.joint_range(side).start] += 0.4 * side.y_sign();
+            position[robot.joint_range(side).start] += 0.4 * side.y_sign();
         }
         Self {
             frames: service::HAND_FRAME.map(|name| bus.publisher(name).expect("sole publisher")),
@@ -156,8 +156,8 @@ impl World {
             command: JointCommand::default(),
             newest: Status::default(),
             sends_frames: true,
-            injected_position_rad: None,
-            position_rad,
+            injected_position: None,
+            position,
             sequence: 0,
             bus,
         }
@@ -178,11 +178,11 @@ impl World {
         let mut state = JointState {
             stamp,
             joint_count: 22,
-            position_rad: self.position_rad,
+            position: self.position,
             ..JointState::default()
         };
-        if let Some(odd_rad) = self.injected_position_rad {
-            state.position_rad[0] = odd_rad;
+        if let Some(odd_rad) = self.injected_position {
+            state.position[0] = odd_rad;
         }
         state.seal();
         self.joints.send(&state).expect("sent");
@@ -201,7 +201,7 @@ impl World {
             && self.command.joint_count > 0
         {
             assert!(self.command.is_intact());
-            self.position_rad = self.command.position_rad;
+            self.position = self.command.position;
         }
         self.status.newest(&mut self.newest).expect("readable");
     }

@@ -11,7 +11,7 @@ fn command() -> JointCommand {
             writer_epoch: 42,
         },
         joint_count: 22,
-        position_rad: std::array::from_fn(|i| 0.1 * i as f64 - 1.0),
+        position: std::array::from_fn(|i| 0.1 * i as f64 - 1.0),
         ..JointCommand::default()
     };
     command.seal();
@@ -51,7 +51,7 @@ fn flipped_joint_state_bits_are_detected() {
     let mut state = JointState {
         joint_count: 22,
         commanded_count: 22,
-        commanded_rad: std::array::from_fn(|i| 0.1 * i as f64 - 1.0),
+        commanded_position: std::array::from_fn(|i| 0.1 * i as f64 - 1.0),
         command_epoch: 42,
         ..JointState::default()
     };

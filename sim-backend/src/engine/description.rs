@@ -56,17 +56,17 @@ pub struct EngineJoint {
     /// True for a prismatic joint: all units are those of translation.
     pub slides: bool,
     /// Start position.
-    pub start_rad: f64,
+    pub start: f64,
     /// Lower limit.
-    pub lower_rad: f64,
+    pub lower: f64,
     /// Upper limit.
-    pub upper_rad: f64,
+    pub upper: f64,
     /// Largest torque of the drive, N·m.
-    pub effort_max_n_m: f64,
+    pub effort_max: f64,
     /// Servo stiffness, N·m/rad.
-    pub stiffness_n_m_rad: f64,
+    pub stiffness: f64,
     /// Servo damping, N·m·s/rad.
-    pub damping_n_m_s_rad: f64,
+    pub damping: f64,
     /// Reflected inertia, kg·m².
     pub inertia_kg_m2: f64,
 }
@@ -200,17 +200,17 @@ impl EngineScene {
     /// Describes a world: bodies of both hands, their start, and the scene.
     pub(crate) fn new(
         bodies: &[HandBody; 2],
-        start_rad: &RobotVector,
+        start: &RobotVector,
         scene: &Scene,
         tick_s: f64,
         seed: u64,
     ) -> Self {
         let [left, right] = bodies;
         let of_left = left.model.joints().len();
-        let start = |range| HandVector::from_slice(&start_rad[range]);
+        let of_hand = |range| HandVector::from_slice(&start[range]);
         let hands = vec![
-            EngineHand::new(left, &start(0..of_left)),
-            EngineHand::new(right, &start(of_left..start_rad.len())),
+            EngineHand::new(left, &of_hand(0..of_left)),
+            EngineHand::new(right, &of_hand(of_left..start.len())),
         ];
         let plate = |plate: &crate::Plate| EnginePlate {
             centre_m: plate.centre_m,
@@ -230,19 +230,19 @@ impl EngineScene {
 }
 
 impl EngineHand {
-    fn new(body: &HandBody, start_rad: &HandVector) -> Self {
+    fn new(body: &HandBody, start: &HandVector) -> Self {
         let model = &body.model;
         let joints = model.joints().iter().enumerate().map(|(index, joint)| {
-            let critical = libm::sqrt(joint.stiffness_n_m_rad * joint.inertia_kg_m2);
+            let critical = libm::sqrt(joint.stiffness * joint.inertia_kg_m2);
             EngineJoint {
                 name: joint.name.as_str().to_owned(),
                 slides: joint.kind == JointKind::Prismatic,
-                start_rad: start_rad[index],
-                lower_rad: joint.lower_rad,
-                upper_rad: joint.upper_rad,
-                effort_max_n_m: joint.effort_max_n_m,
-                stiffness_n_m_rad: joint.stiffness_n_m_rad * body.servo_factor[index],
-                damping_n_m_s_rad: 2.0 * critical,
+                start: start[index],
+                lower: joint.lower,
+                upper: joint.upper,
+                effort_max: joint.effort_max,
+                stiffness: joint.stiffness * body.servo_factor[index],
+                damping: 2.0 * critical,
                 inertia_kg_m2: joint.inertia_kg_m2,
             }
         });

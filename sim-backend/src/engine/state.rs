@@ -9,9 +9,9 @@ use crate::scene::Scene;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TickInput {
     /// Set-points of the drives: positions are reached at the end of the tick, rad or m.
-    pub position_rad: Vec<f64>,
+    pub position: Vec<f64>,
     /// Velocities that the drives feed forward, rad/s or m/s.
-    pub velocity_rad_s: Vec<f64>,
+    pub velocity: Vec<f64>,
     /// Vertical displacement of each hand by tremor and bumps, invisible to the encoders, m.
     pub tremor_m: [f64; 2],
     /// External force at the centre of mass of each object, base frame, N.
@@ -24,11 +24,11 @@ pub struct TickInput {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhysicsState {
     /// True position of each joint, rad or m.
-    pub position_rad: Vec<f64>,
+    pub position: Vec<f64>,
     /// True velocity of each joint, rad/s or m/s.
-    pub velocity_rad_s: Vec<f64>,
+    pub velocity: Vec<f64>,
     /// Torque of each drive, N·m or N.
-    pub effort_n_m: Vec<f64>,
+    pub effort: Vec<f64>,
     /// Force of objects on each element, tip frame, N; fingertips of the left hand first.
     pub element_force_n: Vec<Vec<[f64; 3]>>,
     /// Normal force of objects on each fingertip, N.
@@ -52,7 +52,7 @@ pub struct ObjectState {
     pub orientation: [f64; 4],
     /// Velocity of the middle, m/s.
     pub velocity_m_s: [f64; 3],
-    /// Angular velocity, rad/s.
+    /// Angular velocity, rad/s or m/s.
     pub angular_rad_s: [f64; 3],
     /// Vertical force of table, plates and rims on the object, N.
     pub support_n: f64,
@@ -74,8 +74,8 @@ impl TickInput {
     pub(crate) fn new(robot: &RobotModel, scene: &Scene) -> Self {
         let (joints, objects) = (robot.joint_count(), scene.objects.len());
         Self {
-            position_rad: vec![0.0; joints],
-            velocity_rad_s: vec![0.0; joints],
+            position: vec![0.0; joints],
+            velocity: vec![0.0; joints],
             tremor_m: [0.0; 2],
             pull_n: vec![[0.0; 3]; objects],
             stiffness_n_m: vec![f64::INFINITY; objects],
@@ -83,19 +83,17 @@ impl TickInput {
     }
 
     pub(crate) fn set(&mut self, setpoints: &JointSetpoints) {
-        let joints = self.position_rad.len();
-        self.position_rad
-            .copy_from_slice(&setpoints.position_rad[..joints]);
-        self.velocity_rad_s
-            .copy_from_slice(&setpoints.velocity_rad_s[..joints]);
+        let joints = self.position.len();
+        self.position.copy_from_slice(&setpoints.position[..joints]);
+        self.velocity.copy_from_slice(&setpoints.velocity[..joints]);
     }
 
     /// Appends the message: positions, velocities, tremor, pulls, stiffnesses.
     pub(crate) fn write(&self, out: &mut Vec<u8>) {
         let values = self
-            .position_rad
+            .position
             .iter()
-            .chain(&self.velocity_rad_s)
+            .chain(&self.velocity)
             .chain(&self.tremor_m);
         let values = values
             .chain(self.pull_n.as_flattened())
@@ -116,9 +114,9 @@ impl PhysicsState {
         let element_force_n: Vec<_> = elements.collect();
         let tips = element_force_n.len();
         Self {
-            position_rad: vec![0.0; joints],
-            velocity_rad_s: vec![0.0; joints],
-            effort_n_m: vec![0.0; joints],
+            position: vec![0.0; joints],
+            velocity: vec![0.0; joints],
+            effort: vec![0.0; joints],
             element_force_n,
             normal_n: vec![0.0; tips],
             slip_m: vec![0.0; tips],
@@ -131,7 +129,7 @@ impl PhysicsState {
     /// Returns the size of the message, bytes.
     pub(crate) fn message_bytes(&self) -> usize {
         let elements: usize = self.element_force_n.iter().map(Vec::len).sum();
-        let (tips, joints) = (self.element_force_n.len(), self.position_rad.len());
+        let (tips, joints) = (self.element_force_n.len(), self.position.len());
         size_of::<f64>() * (3 * joints + 3 * elements + 3 * tips + 14 * self.objects.len() + 3)
     }
 
@@ -144,8 +142,8 @@ impl PhysicsState {
         let mut values = values.iter().map(|bytes| f64::from_le_bytes(*bytes));
         let mut next = || values.next().filter(|value| value.is_finite());
         let forces = self.element_force_n.iter_mut().flatten().flatten();
-        let joints = self.position_rad.iter_mut().chain(&mut self.velocity_rad_s);
-        let joints = joints.chain(&mut self.effort_n_m);
+        let joints = self.position.iter_mut().chain(&mut self.velocity);
+        let joints = joints.chain(&mut self.effort);
         let tips = self.normal_n.iter_mut().chain(&mut self.slip_m);
         for value in joints.chain(forces).chain(tips) {
             *value = next()?;

@@ -139,10 +139,10 @@ impl Payload for JointState {
         let joints = self.joint_count as usize;
         match fault.kind {
             FaultKind::Nan => {
-                self.position_rad[..joints.min(fault.value as usize)].fill(f64::NAN);
+                self.position[..joints.min(fault.value as usize)].fill(f64::NAN);
             }
-            FaultKind::Huge => self.position_rad[0] = fault.value,
-            FaultKind::Jump => self.position_rad[..joints]
+            FaultKind::Huge => self.position[0] = fault.value,
+            FaultKind::Jump => self.position[..joints]
                 .iter_mut()
                 .for_each(|q| *q += fault.value),
             _ => {}

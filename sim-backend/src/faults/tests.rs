@@ -143,12 +143,12 @@ fn only_corrupt_breaks_the_seal() {
 fn joint_faults_change_joint_feedback() {
     let joints = |fault: &str| run(&[fault], 6).joints;
     assert!(joints("drop@0.003:joints")[5].is_empty());
-    assert!(joints("nan=2@0.003:joints")[5][0].position_rad[1].is_nan());
+    assert!(joints("nan=2@0.003:joints")[5][0].position[1].is_nan());
     let (clean, jumped) = (
         joints("drop=0@0:joints")[5][0],
         joints("jump=0.25@0.003")[5][0],
     );
-    assert_eq!(jumped.position_rad[21], clean.position_rad[21] + 0.25);
+    assert_eq!(jumped.position[21], clean.position[21] + 0.25);
     assert_eq!(
         joints("future=1@0.003:joints")[5][0].stamp.captured_ns,
         clean.stamp.captured_ns + 1_000_000_000

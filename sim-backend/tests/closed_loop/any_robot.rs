@@ -280,7 +280,7 @@ fn independently_driven_jaws_share_the_opening() {
     for x_m in [0.24, 0.32, 0.42] {
         let centre_m = nalgebra::Vector3::new(x_m, -0.10, 0.05);
         let frame = GraspPose::from_above(centre_m, hand.home_yaw_rad(), 0.07);
-        let posture = hand.posture_for(&frame).expect("reachable posture").q_rad;
+        let posture = hand.posture_for(&frame).expect("reachable posture").q;
         let apart_m = (posture[7] - posture[8]).abs();
         assert!(apart_m < 0.001, "at {x_m} m: {posture:?}");
     }

@@ -23,7 +23,7 @@ pub(crate) struct Rig {
     pub(crate) warnings: Vec<Cause>,
     /// Total commanded path of all joints, rad.
     pub(crate) travelled_rad: f64,
-    commanded_rad: Option<[f64; JOINTS]>,
+    commanded_position: Option<[f64; JOINTS]>,
     pub(crate) regrasp_count: usize,
     pub(crate) end: Option<GoalUpdate>,
     corruption: Option<Corruption>,
@@ -92,7 +92,7 @@ impl Rig {
             epoch: 1,
             warnings: Vec::new(),
             travelled_rad: 0.0,
-            commanded_rad: None,
+            commanded_position: None,
             regrasp_count: 0,
             end: None,
             corruption: None,
@@ -124,7 +124,7 @@ impl Rig {
             }
         }
         if self.is_torque_missing {
-            self.sensed.joints.effort_n_m = [0.0; JOINTS];
+            self.sensed.joints.effort = [0.0; JOINTS];
             self.sensed.joints.seal();
         }
         let [left, right] = &self.sensed.frames;
@@ -143,8 +143,8 @@ impl Rig {
         });
         self.world.advance(Some(&outputs.command));
         self.tick += 1;
-        let now_rad = outputs.command.position_rad;
-        let before_rad = self.commanded_rad.replace(now_rad).unwrap_or(now_rad);
+        let now_rad = outputs.command.position;
+        let before_rad = self.commanded_position.replace(now_rad).unwrap_or(now_rad);
         let steps_rad = now_rad
             .iter()
             .zip(before_rad)
@@ -285,10 +285,10 @@ impl Rig {
 
     /// Returns the largest deviation of each arm's bodies from their commanded position, m.
     pub(crate) fn deviations_m(&self) -> [f64; 2] {
-        let q_rad = self.commanded_rad.expect("commands have been sent");
+        let q = self.commanded_position.expect("commands have been sent");
         HandSide::BOTH.map(|side| {
             let (hand, joints) = (self.robot.hand(side), self.robot.joint_range(side));
-            let pose = hand.forward(&HandVector::from_slice(&q_rad[joints]));
+            let pose = hand.forward(&HandVector::from_slice(&q[joints]));
             farthest_move_m(&hand.capsules(&pose), &self.world.bodies(side.index()))
         })
     }

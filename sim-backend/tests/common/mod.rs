@@ -13,7 +13,7 @@ pub(crate) struct Script {
     pub(crate) sensed: Sensed,
     pub(crate) frame: GraspPose,
     side: HandSide,
-    q_rad: HandVector,
+    q: HandVector,
     others_rad: RobotVector,
     sequence: u64,
 }
@@ -41,15 +41,15 @@ impl Script {
     /// Places the hand at a grasp pose, the other hand at the scene's start posture or at home.
     pub(crate) fn from_pose(mut scene: Scene, side: HandSide, frame: GraspPose, seed: u64) -> Self {
         let robot = RobotModel::two_hand_arm().expect("the built-in robot loads");
-        let q_rad = robot
+        let q = robot
             .hand(side)
             .posture_for(&frame)
             .expect("reachable grasp pose")
-            .q_rad;
-        let home_rad = || sim_backend::home_rad(&robot).expect("home posture exists");
-        let mut start_rad = scene.start_rad.unwrap_or_else(home_rad);
-        start_rad[robot.joint_range(side)].copy_from_slice(&q_rad);
-        scene.start_rad = Some(start_rad);
+            .q;
+        let home = || sim_backend::home(&robot).expect("home posture exists");
+        let mut start = scene.start.unwrap_or_else(home);
+        start[robot.joint_range(side)].copy_from_slice(&q);
+        scene.start = Some(start);
         let world = World::new(&robot, &scene, seed).expect("valid scene");
         Self {
             robot,
@@ -57,24 +57,24 @@ impl Script {
             sensed: Sensed::default(),
             frame,
             side,
-            q_rad,
-            others_rad: start_rad,
+            q,
+            others_rad: start,
             sequence: 0,
         }
     }
 
-    pub(crate) fn start_rad(&self) -> RobotVector {
+    pub(crate) fn start(&self) -> RobotVector {
         self.others_rad
     }
 
     /// Continues with the other hand, at `frame`; this hand keeps its commanded position.
     pub(crate) fn change_hand(&mut self, frame: GraspPose) {
-        self.others_rad[self.robot.joint_range(self.side)].copy_from_slice(&self.q_rad);
+        self.others_rad[self.robot.joint_range(self.side)].copy_from_slice(&self.q);
         self.side = match self.side {
             HandSide::Left => HandSide::Right,
             HandSide::Right => HandSide::Left,
         };
-        self.q_rad = HandVector::from_slice(&self.others_rad[self.robot.joint_range(self.side)]);
+        self.q = HandVector::from_slice(&self.others_rad[self.robot.joint_range(self.side)]);
         self.frame = frame;
     }
 
@@ -94,7 +94,7 @@ impl Script {
 
     pub(crate) fn command(&mut self) -> JointCommand {
         let hand = self.robot.hand(self.side);
-        let pose = hand.forward(&self.q_rad);
+        let pose = hand.forward(&self.q);
         let target = self.frame.target(hand);
         let step = hand.ik_step(
             &pose,
@@ -103,14 +103,14 @@ impl Script {
             1e-3,
             &IkWeights::TICK,
         );
-        self.q_rad = step.q_rad;
+        self.q = step.q;
         let mut command = JointCommand::default();
         let joints = self.others_rad.len();
-        command.position_rad[..joints].copy_from_slice(&self.others_rad);
+        command.position[..joints].copy_from_slice(&self.others_rad);
         let range = self.robot.joint_range(self.side);
-        command.position_rad[range.clone()].copy_from_slice(&step.q_rad);
-        let speeds_rad_s = step.dq_rad.map(|dq_rad| dq_rad / 1e-3);
-        command.velocity_rad_s[range].copy_from_slice(&speeds_rad_s);
+        command.position[range.clone()].copy_from_slice(&step.q);
+        let speeds_rad_s = step.dq.map(|dq| dq / 1e-3);
+        command.velocity[range].copy_from_slice(&speeds_rad_s);
         command.stamp.sequence = self.sequence;
         command.answers_sequence = self.sensed.joints.stamp.sequence;
         command.joint_count = joints as u32;

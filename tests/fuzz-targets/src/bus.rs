@@ -154,18 +154,18 @@ fn home_state(stamp: Stamp) -> JointState {
         joint_count: ROBOT.joint_count() as u32,
         ..JointState::default()
     };
-    let home_rad = home_rad();
-    state.position_rad[..home_rad.len()].copy_from_slice(&home_rad);
+    let home = home();
+    state.position[..home.len()].copy_from_slice(&home);
     state.seal();
     state
 }
 
-fn home_rad() -> RobotVector {
-    let mut home_rad = RobotVector::zeros(ROBOT.joint_count());
+fn home() -> RobotVector {
+    let mut home = RobotVector::zeros(ROBOT.joint_count());
     for side in HandSide::BOTH {
-        home_rad[ROBOT.joint_range(side)].copy_from_slice(ROBOT.hand(side).reference_rad());
+        home[ROBOT.joint_range(side)].copy_from_slice(ROBOT.hand(side).reference());
     }
-    home_rad
+    home
 }
 
 fn changed_state(stamp: Stamp, input: &mut Input<'_>) -> JointState {
@@ -188,9 +188,9 @@ fn joint_state(bytes: &[u8]) {
         let state = changed_state(stamp(index, now_ns), &mut input);
         intake.update(Some(&state), tick, &limits);
         let read = [
-            intake.position_rad(),
-            intake.commanded_rad(),
-            intake.effort_n_m(),
+            intake.position(),
+            intake.commanded_position(),
+            intake.effort(),
         ];
         for joints in read.into_iter().flatten() {
             assert!(
@@ -201,7 +201,7 @@ fn joint_state(bytes: &[u8]) {
         let _reasons = (intake.hold_reason(tick, &limits), intake.fault());
         let _status = (
             intake.status(tick),
-            intake.fresh_rad(tick, &limits).is_some(),
+            intake.fresh_position(tick, &limits).is_some(),
         );
         if input.is_empty() {
             break;
@@ -212,27 +212,27 @@ fn joint_state(bytes: &[u8]) {
 
 fn joint_command(bytes: &[u8]) {
     let mut input = Input::new(bytes);
-    let home_rad = home_rad();
-    let mut validator = CommandValidator::new(&home_rad, &[1.0; 64]);
+    let home = home();
+    let mut validator = CommandValidator::new(&home, &[1.0; 64]);
     let mut now_ns = START_NS;
     for index in 0..TICKS_MAX {
         let mut command = JointCommand {
             stamp: stamp(index, now_ns),
-            joint_count: home_rad.len() as u32,
+            joint_count: home.len() as u32,
             valid_until_ns: now_ns.saturating_add(20 * MS_NS),
             ..JointCommand::default()
         };
-        command.position_rad[..home_rad.len()].copy_from_slice(&home_rad);
+        command.position[..home.len()].copy_from_slice(&home);
         let kind = input.byte();
         input.patch(&mut command);
         if kind >= 16 {
             command.seal();
         }
         if let Some(accepted) = validator.accept(&command, now_ns) {
-            let values = accepted.setpoints.position_rad.iter();
+            let values = accepted.setpoints.position.iter();
             assert!(
                 values
-                    .chain(&accepted.setpoints.velocity_rad_s)
+                    .chain(&accepted.setpoints.velocity)
                     .all(|value| value.is_finite())
             );
             accepted.write_to(&mut home_state(stamp(index, now_ns)));
@@ -325,7 +325,7 @@ fn controller(bytes: &[u8]) {
             request: request.as_ref(),
         });
         let command = &outputs.command;
-        let values = command.position_rad.iter().chain(&command.velocity_rad_s);
+        let values = command.position.iter().chain(&command.velocity);
         assert!(command.is_intact() && values.clone().all(|value| value.is_finite()));
         if input.is_empty() {
             break;
@@ -350,13 +350,13 @@ fn goal(bytes: &[u8]) {
     let is_positioned = input.byte() & 1 == 0;
     request.task = Text::new("fetch");
     input.patch(&mut request);
-    let (wiring, settings, home_rad) = (SensorSetup::default(), Settings::default(), home_rad());
+    let (wiring, settings, home) = (SensorSetup::default(), Settings::default(), home());
     let now = GoalContext {
         robot: &ROBOT,
         wiring: &wiring,
         settings: &settings,
         tasks: &[],
-        commanded_rad: is_positioned.then_some(&home_rad),
+        commanded_position: is_positioned.then_some(&home),
     };
     match check::check(&request, &now) {
         Ok(goal) => assert!(goal.clearance_margin_m().is_finite()),

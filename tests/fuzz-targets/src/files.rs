@@ -106,7 +106,7 @@ fn urdf(bytes: &[u8]) {
         Ok(robot) => {
             for side in robot.sides() {
                 let hand = robot.hand(side);
-                let pose = hand.forward(&robot_model::HandVector::from_slice(hand.reference_rad()));
+                let pose = hand.forward(&robot_model::HandVector::from_slice(hand.reference()));
                 assert!(pose.side_m(0).iter().all(|value| value.is_finite()));
             }
         }

@@ -39,7 +39,7 @@ fn responder(family: &str) -> Responder {
     let servos = IDS.map(|id| PlannedServo {
         id,
         model: model(family).to_owned(),
-        position_rad: f64::from(id) * 0.3,
+        position: f64::from(id) * 0.3,
     });
     Responder::new(family, &servos).expect("a known family")
 }
@@ -232,14 +232,10 @@ fn exchange(
         step(driver, wire, &servos, &mut readings)?;
     }
     driver.write_goals(wire, &servos, &[0.1, 0.2, 0.3])?;
-    let position_rad = driver.position_rad(wire, first)?;
-    assert!(position_rad.is_finite());
+    let position = driver.position(wire, first)?;
+    assert!(position.is_finite());
     for reading in readings {
-        let values = [
-            reading.position_rad,
-            reading.velocity_rad_s,
-            reading.current_a,
-        ];
+        let values = [reading.position, reading.velocity, reading.current_a];
         assert!(values.iter().all(|value| value.is_finite()));
     }
     Ok(())

@@ -7,8 +7,8 @@ use crate::findings::{Findings, ViolationKind};
 /// Reports every value that is not finite; returns true if there is none.
 pub(crate) fn is_finite(command: &JointCommand, findings: &mut Findings) -> bool {
     let fields: [(&str, &[f64]); 3] = [
-        ("position_rad", &command.position_rad),
-        ("velocity_rad_s", &command.velocity_rad_s),
+        ("position", &command.position),
+        ("velocity", &command.velocity),
         ("grip_limit_n", &command.grip_limit_n),
     ];
     let mut finite = true;

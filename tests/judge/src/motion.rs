@@ -111,7 +111,7 @@ impl MotionCheck {
 
     fn check_joints(&mut self, command: &JointCommand, findings: &mut Findings) {
         self.has_positions = true;
-        for ((joint, _), position) in self.joints.iter().zip(&command.position_rad) {
+        for ((joint, _), position) in self.joints.iter().zip(&command.position) {
             joint.check_position(*position, findings);
         }
         let origin = std::mem::replace(&mut self.origin, Origin::Motion);
@@ -133,14 +133,14 @@ impl MotionCheck {
 
     /// Returns whether all differences up to the new positions are within their limits.
     fn continues(&self, command: &JointCommand) -> bool {
-        let mut joints = self.joints.iter().zip(&command.position_rad);
+        let mut joints = self.joints.iter().zip(&command.position);
         joints.all(|((joint, _), position)| joint.is_within(&joint.differences(*position)))
     }
 
     /// Checks that the positions lie between the last two commands: the robot may have missed the
     /// very last one.
     fn check_in_force(&self, command: &JointCommand, findings: &mut Findings) {
-        for ((joint, _), position) in self.joints.iter().zip(&command.position_rad) {
+        for ((joint, _), position) in self.joints.iter().zip(&command.position) {
             let Some(last) = joint.position() else {
                 continue;
             };
@@ -160,7 +160,7 @@ impl MotionCheck {
 
     /// Begins a motion at rest.
     fn begin(&mut self, command: &JointCommand, findings: &mut Findings) {
-        let values = command.position_rad.iter().zip(&command.velocity_rad_s);
+        let values = command.position.iter().zip(&command.velocity);
         for ((joint, rest), (position, feed_forward)) in self.joints.iter_mut().zip(values) {
             if *feed_forward != 0.0 {
                 let (name, symbol) = (&joint.bounds.name, joint.bounds.unit.symbol());
@@ -182,7 +182,7 @@ impl MotionCheck {
     /// Checks the first command of FAULT. It repeats the last positions with zero feed-forward, as
     /// the robot does when a command expires; deceleration and jerk are not limited.
     fn freeze(&mut self, command: &JointCommand, findings: &mut Findings) {
-        for ((joint, rest), position) in self.joints.iter_mut().zip(&command.position_rad) {
+        for ((joint, rest), position) in self.joints.iter_mut().zip(&command.position) {
             let Some(last) = joint.position() else {
                 continue;
             };
@@ -195,7 +195,7 @@ impl MotionCheck {
     }
 
     fn follow(&mut self, command: &JointCommand, findings: &mut Findings) {
-        let values = command.position_rad.iter().zip(&command.velocity_rad_s);
+        let values = command.position.iter().zip(&command.velocity);
         for ((joint, rest), (position, feed_forward)) in self.joints.iter_mut().zip(values) {
             let differences = joint.differences(*position);
             joint.check_differences(&differences, findings);

@@ -207,10 +207,10 @@ fn grip_persists_after_sensor_loss() {
         commands.newest(&mut late).expect("readable").then_some(())
     });
     assert_eq!(
-        early.position_rad, late.position_rad,
+        early.position, late.position,
         "HOLD keeps position and grip"
     );
-    assert_eq!(late.velocity_rad_s, [0.0; 32]);
+    assert_eq!(late.velocity, [0.0; 32]);
     assert!(late.is_intact() && late.mode == Mode::HOLD);
 }
 

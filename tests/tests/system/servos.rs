@@ -16,7 +16,7 @@ use shm_bus::{Bus, FreshBus, Publisher, Realtime, Subscriber, now_ns};
 use shm_schemas::{
     Hand, HandFrame, JointCommand, JointState, Layout, Mode, Stamp, Status, service,
 };
-use sim_backend::home_rad;
+use sim_backend::home;
 use system_tests::{Process, lock_exclusive, wait_for};
 
 /// Long timeouts: the servo bus is slow and the machine may be busy.
@@ -38,14 +38,14 @@ const ZERO_RAD: f64 = core::f64::consts::PI;
 /// Starts the servos of both hands in the home posture; returns them and the path of their map.
 fn servos(folder: &Path) -> (Vec<Chain>, String) {
     let robot = RobotModel::two_hand_arm().expect("a robot");
-    let home_rad = home_rad(&robot).expect("the home posture is reachable");
+    let home = home(&robot).expect("the home posture is reachable");
     let mut map = String::new();
     let chains = HandSide::BOTH.map(|side| {
         let joints = robot.hand(side).joints().iter().zip(1..);
         let planned = joints.clone().map(|(_, id)| PlannedServo {
             id,
             model: "xm430-w350".to_owned(),
-            position_rad: ZERO_RAD + home_rad[robot.joint_range(side).start + usize::from(id) - 1],
+            position: ZERO_RAD + home[robot.joint_range(side).start + usize::from(id) - 1],
         });
         let chain = Chain::start("dynamixel", &planned.collect::<Vec<_>>(), None).expect("played");
         map += &format!(
@@ -165,15 +165,15 @@ impl Observer {
 }
 
 /// Returns the positions of all shafts, rad.
-fn positions_rad(chains: &[Chain]) -> Vec<f64> {
+fn positions(chains: &[Chain]) -> Vec<f64> {
     let ids = (0..2).flat_map(|chain| (1..=SERVOS_PER_HAND as u8).map(move |id| (chain, id)));
-    ids.map(|(chain, id)| chains[chain].servo(id, |servo| servo.position_rad()))
+    ids.map(|(chain, id)| chains[chain].servo(id, |servo| servo.position()))
         .collect()
 }
 
 /// Returns the largest distance of a shaft from an earlier position, rad.
 fn moved_rad(chains: &[Chain], from_rad: &[f64]) -> f64 {
-    let pairs = positions_rad(chains).into_iter().zip(from_rad);
+    let pairs = positions(chains).into_iter().zip(from_rad);
     pairs
         .map(|(now, then)| (now - then).abs())
         .fold(0.0, f64::max)
@@ -182,7 +182,7 @@ fn moved_rad(chains: &[Chain], from_rad: &[f64]) -> f64 {
 /// Waits until no servo moves; returns the positions.
 fn at_rest_rad(chains: &[Chain]) -> Vec<f64> {
     wait_for("the servos to rest", || {
-        let before_rad = positions_rad(chains);
+        let before_rad = positions(chains);
         std::thread::sleep(Duration::from_millis(200));
         (moved_rad(chains, &before_rad) < 0.5 * STEP_RAD).then_some(before_rad)
     })
@@ -210,7 +210,7 @@ fn servos_do_not_jump_after_daemon_restart() {
     let mut atasd = Process::start("atasd", &daemon);
     seen.wait_until("READY", |seen| seen.status.mode == Mode::READY);
 
-    let home_rad = positions_rad(&chains);
+    let home = positions(&chains);
     let goal = [
         "grasp",
         "--bus",
@@ -224,12 +224,12 @@ fn servos_do_not_jump_after_daemon_restart() {
     ];
     let _goal = Process::start("atas", &goal);
     wait_for("the arm to move", || {
-        (moved_rad(&chains, &home_rad) > 0.1).then_some(())
+        (moved_rad(&chains, &home) > 0.1).then_some(())
     });
 
     atasd.signal(Signal::KILL);
     atasd.wait();
-    let held_rad = at_rest_rad(&chains);
+    let held = at_rest_rad(&chains);
     let ids = (0..2).flat_map(|chain| (1..=SERVOS_PER_HAND as u8).map(move |id| (chain, id)));
     for (chain, id) in ids {
         assert!(
@@ -246,9 +246,9 @@ fn servos_do_not_jump_after_daemon_restart() {
         next != killed_epoch && seen.status.mode == Mode::READY && seen.state.command_epoch == next
     });
     assert!(
-        moved_rad(&chains, &held_rad) < 0.02,
+        moved_rad(&chains, &held) < 0.02,
         "{}",
-        moved_rad(&chains, &held_rad)
+        moved_rad(&chains, &held)
     );
 
     // Loss of a servo's power causes HOLD; no joint jumps after its return.
@@ -259,11 +259,11 @@ fn servos_do_not_jump_after_daemon_restart() {
     });
     seen.wait_until("HOLD", |seen| seen.status.mode == Mode::HOLD);
     chains[1].servo(4, |servo| {
-        let sagged_rad = servo.position_rad() + 0.1;
+        let sagged_rad = servo.position() + 0.1;
         servo.turn_to(sagged_rad);
         servo.set_power(true);
     });
-    let sagged_rad = positions_rad(&chains);
+    let sagged_rad = positions(&chains);
     wait_for("the robot", || {
         robot.log().contains("hold again").then_some(())
     });

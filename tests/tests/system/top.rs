@@ -147,7 +147,7 @@ fn check_topics(bus: &str) {
     assert!(rate[0]["payloads"].as_u64() > Some(5), "{rate:?}");
     let (code, views) = atas(&["topic", "echo", "view", "--count", "2", "--bus", bus]);
     assert_eq!((code, views.len()), (Some(0), 2));
-    let joints = views[1]["joints"]["position_rad"].as_array().map(Vec::len);
+    let joints = views[1]["joints"]["position"].as_array().map(Vec::len);
     let elements = views[1]["frames"][1]["force_n"][0].as_array().map(Vec::len);
     assert_eq!((joints, elements), (Some(22), Some(41)));
     assert_eq!(

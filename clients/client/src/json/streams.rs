@@ -98,11 +98,11 @@ fn frame(frame: &HandFrame) -> Value {
 }
 
 fn joints(joints: &JointState) -> Value {
-    let count = (joints.joint_count as usize).min(joints.position_rad.len());
+    let count = (joints.joint_count as usize).min(joints.position.len());
     let value = json!({
-        "position_rad": joints.position_rad[..count],
-        "velocity_rad_s": joints.velocity_rad_s[..count],
-        "effort_n_m": joints.effort_n_m[..count],
+        "position": joints.position[..count],
+        "velocity": joints.velocity[..count],
+        "effort": joints.effort[..count],
     });
     stamped(&joints.stamp, value)
 }

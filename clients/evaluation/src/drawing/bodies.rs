@@ -57,14 +57,14 @@ impl Body {
 }
 
 /// Returns the links of a robot: their shapes, or lines between links without shapes.
-pub(super) fn links(skeleton: &Skeleton, q_rad: &[f64]) -> Vec<Body> {
+pub(super) fn links(skeleton: &Skeleton, q: &[f64]) -> Vec<Body> {
     let mut base_from: Vec<Isometry3<f64>> = Vec::new();
     let mut bodies = Vec::new();
     for limb in skeleton.limbs() {
         let parent = limb
             .parent
             .map_or(Isometry3::identity(), |index| base_from[index]);
-        let here = parent * isometry(&limb.placed(q_rad));
+        let here = parent * isometry(&limb.placed(q));
         if limb.parent.is_some() && limb.shapes.is_empty() {
             let ends = [parent, here].map(|frame| Point3::from(frame.translation.vector));
             bodies.push(Body {

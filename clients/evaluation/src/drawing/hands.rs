@@ -19,18 +19,18 @@ const BEYOND_M: f64 = 0.03;
 const DOME_GROWTH: f64 = 1.04;
 
 /// Returns the poses of the hands that the robot has.
-pub(super) fn poses<'a>(robot: &'a RobotModel, q_rad: &[f64]) -> Vec<(&'a HandModel, HandPose)> {
+pub(super) fn poses<'a>(robot: &'a RobotModel, q: &[f64]) -> Vec<(&'a HandModel, HandPose)> {
     let pose = |side| {
         let (hand, range) = (robot.hand(side), robot.joint_range(side));
-        let own = q_rad.get(range)?;
+        let own = q.get(range)?;
         Some((hand, hand.forward(&HandVector::from_slice(own))))
     };
     robot.sides().filter_map(pose).collect()
 }
 
 /// Returns the sensing faces of all fingertips: domes as balls, pads as slabs.
-pub(super) fn fingertips(robot: &RobotModel, q_rad: &[f64]) -> Vec<Body> {
-    let hands = poses(robot, q_rad);
+pub(super) fn fingertips(robot: &RobotModel, q: &[f64]) -> Vec<Body> {
+    let hands = poses(robot, q);
     let tips = hands.iter().flat_map(|(hand, pose)| {
         (0..hand.fingertip_count()).map(move |finger| fingertip(hand, pose, finger))
     });
@@ -75,9 +75,9 @@ pub(super) fn draw_closing_axes(
     view: &View,
     sheet: &Sheet,
     robot: &RobotModel,
-    q_rad: &[f64],
+    q: &[f64],
 ) {
-    for (_, pose) in poses(robot, q_rad) {
+    for (_, pose) in poses(robot, q) {
         let [a, b] = [pose.side_m(0), pose.side_m(1)];
         let Some(along) = (b - a).try_normalize(1e-9) else {
             continue;

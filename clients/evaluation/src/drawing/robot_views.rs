@@ -28,16 +28,16 @@ const VIEWS: [(&str, [f64; 3], [f64; 3]); 3] = [
 /// # Errors
 /// The URDF is not a tree of links, or a number in it is not finite.
 pub fn robot_views(files: &RobotFiles, robot: &RobotModel) -> Result<Drawing, ModelError> {
-    let q_rad = rest_posture(robot);
-    let mut bodies = links(&files.skeleton()?, &q_rad);
-    bodies.extend(fingertips(robot, &q_rad));
+    let q = rest_posture(robot);
+    let mut bodies = links(&files.skeleton()?, &q);
+    bodies.extend(fingertips(robot, &q));
     let mut drawing = Drawing::default();
     for (name, right, up) in VIEWS {
         let view = View {
             right: right.into(),
             up: up.into(),
         };
-        let drawn = one_view(name, &view, &bodies, robot, &q_rad);
+        let drawn = one_view(name, &view, &bodies, robot, &q);
         drawing.append_at(drawing.size_px[0], drawn);
     }
     add_legend(&mut drawing);
@@ -47,10 +47,10 @@ pub fn robot_views(files: &RobotFiles, robot: &RobotModel) -> Result<Drawing, Mo
 /// Returns the joint positions of the rest pose: home if the hands reach it, else the reference
 /// posture.
 fn rest_posture(robot: &RobotModel) -> RobotVector {
-    sim_backend::home_rad(robot).unwrap_or_else(|_| {
+    sim_backend::home(robot).unwrap_or_else(|_| {
         let mut rest_rad = RobotVector::zeros(robot.joint_count());
         for side in robot.sides() {
-            rest_rad[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference_rad());
+            rest_rad[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference());
         }
         rest_rad
     })
@@ -61,7 +61,7 @@ fn one_view(
     view: &View,
     bodies: &[Body],
     robot: &RobotModel,
-    q_rad: &RobotVector,
+    q: &RobotVector,
 ) -> Drawing {
     // The view contains the origin of the base frame.
     let [low, high] = view.bounds_m(bodies);
@@ -89,7 +89,7 @@ fn one_view(
         });
     }
     view.draw(&mut drawing, &sheet, bodies);
-    draw_closing_axes(&mut drawing, view, &sheet, robot, q_rad);
+    draw_closing_axes(&mut drawing, view, &sheet, robot, q);
     drawing
 }
 

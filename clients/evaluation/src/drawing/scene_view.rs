@@ -107,7 +107,7 @@ impl SceneView {
     /// A side of the picture has no pixel, or more than 4096.
     pub fn draw(
         &self,
-        q_rad: &[f64],
+        q: &[f64],
         truth: &WorldTruth,
         size_px: [u32; 2],
     ) -> Result<Drawing, PictureSizeError> {
@@ -127,15 +127,15 @@ impl SceneView {
             marks: Vec::new(),
         };
         self.draw_table(&mut drawing, &sheet);
-        let mut bodies = links(&self.skeleton, q_rad);
-        bodies.extend(fingertips(&self.robot, q_rad));
+        let mut bodies = links(&self.skeleton, q);
+        bodies.extend(fingertips(&self.robot, q));
         bodies.extend(self.plates.iter().cloned());
         let truths = truth.objects.iter().take(truth.object_count as usize);
         for (truth, shape) in truths.zip(&self.shapes) {
             bodies.extend(object(truth, shape));
         }
         self.view.draw(&mut drawing, &sheet, &bodies);
-        draw_closing_axes(&mut drawing, &self.view, &sheet, &self.robot, q_rad);
+        draw_closing_axes(&mut drawing, &self.view, &sheet, &self.robot, q);
         Ok(drawing)
     }
 
@@ -213,7 +213,7 @@ mod tests {
         let mut sensed = Sensed::default();
         world.sense(&mut sensed);
         let view = SceneView::new(&TWO_HAND_ARM, &robot, HandSide::Right, &scene).expect("a view");
-        view.draw(&sensed.joints.position_rad, &world.truth(), size_px)
+        view.draw(&sensed.joints.position, &world.truth(), size_px)
     }
 
     #[test]

@@ -97,7 +97,7 @@ impl Trace {
         let hand = |side: HandSide| {
             let index = side.index();
             let report = outputs.report.hands[index];
-            let own = &outputs.command.position_rad[robot.joint_range(side)];
+            let own = &outputs.command.position[robot.joint_range(side)];
             let hand = robot.hand(side);
             let pose = hand.forward(&HandVector::from_slice(own));
             Hand {

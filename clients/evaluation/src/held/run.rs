@@ -153,7 +153,7 @@ impl<'a> HeldRun<'a> {
     /// Returns the commanded distance between the grasp sides, m.
     pub(crate) fn commanded_opening_m(&self) -> f64 {
         let side = self.robot.acting_side();
-        let commanded = &self.command.position_rad[self.robot.joint_range(side)];
+        let commanded = &self.command.position[self.robot.joint_range(side)];
         let pose = self
             .robot
             .hand(side)

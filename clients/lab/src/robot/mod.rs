@@ -198,11 +198,11 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         rows.add_row([
             joint.name.to_string(),
             moves(hand, index),
-            shown(joint.lower_rad),
-            shown(joint.upper_rad),
-            shown(hand.reference_rad()[index]),
-            shown(joint.velocity_max_rad_s),
-            number(joint.stiffness_n_m_rad, 0),
+            shown(joint.lower),
+            shown(joint.upper),
+            shown(hand.reference()[index]),
+            shown(joint.velocity_max),
+            number(joint.stiffness, 0),
         ]);
     }
     output.table(rows)?;
@@ -288,7 +288,7 @@ fn print_reach(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
 /// Returns grasp sides with several fingertips, each with the largest distance between two of them
 /// in the reference posture, m.
 fn fingertip_spread_m(hand: &HandModel) -> Vec<(usize, f64)> {
-    let pose = hand.forward(hand.reference_rad());
+    let pose = hand.forward(hand.reference());
     let apart_m = |side: usize| {
         let tips = || hand.fingertips_of(side).map(|finger| pose.tip_m(finger));
         let pairs = tips().flat_map(|a| tips().map(move |b| (a - b).norm()));
@@ -303,7 +303,7 @@ fn fingertip_spread_m(hand: &HandModel) -> Vec<(usize, f64)> {
 /// Returns fingertips that do not face the opposite grasp side in the reference posture; such a
 /// hand cannot hold an object.
 fn misaligned_fingertips(hand: &HandModel) -> Vec<&str> {
-    let pose = hand.forward(hand.reference_rad());
+    let pose = hand.forward(hand.reference());
     let faces = |finger: usize| {
         let across =
             pose.side_m(1 - hand.grasp_side(finger)) - pose.side_m(hand.grasp_side(finger));
@@ -325,11 +325,11 @@ fn hand_json(hand: &HandModel) -> Value {
             "name": joint.name.as_str(),
             "slides": joint.kind == JointKind::Prismatic,
             "arm": hand.arm_joints().contains(&index),
-            "lower": joint.lower_rad,
-            "upper": joint.upper_rad,
-            "rest": hand.reference_rad()[index],
-            "velocity": joint.velocity_max_rad_s,
-            "stiffness": joint.stiffness_n_m_rad,
+            "lower": joint.lower,
+            "upper": joint.upper,
+            "rest": hand.reference()[index],
+            "velocity": joint.velocity_max,
+            "stiffness": joint.stiffness,
         })
     };
     let tip = |(finger, link): (usize, &str)| {

@@ -83,11 +83,11 @@ class HandFeatures:
         """Names of an action, in order."""
         return list(POSE) if self.actions == "pose" else list(self.joints)
 
-    def state(self, position_rad: Any, report: Any) -> dict[str, float]:
+    def state(self, position: Any, report: Any) -> dict[str, float]:
         """Values of the state, from joint positions of the whole robot and a `TickReport`."""
-        position_rad = np.asarray(position_rad, float)[: len(self.kinematics.joint_names)]
-        (x, y, z), yaw, opening = self.kinematics.pinch_pose(position_rad, self.hand)
-        values = [x, y, z, yaw, opening, *position_rad[self.range]]
+        position = np.asarray(position, float)[: len(self.kinematics.joint_names)]
+        (x, y, z), yaw, opening = self.kinematics.pinch_pose(position, self.hand)
+        values = [x, y, z, yaw, opening, *position[self.range]]
         if self.tactile != "none":
             hand = report["hands"][self.index]
             for finger in hand["fingers"][: self.fingers]:
@@ -128,9 +128,9 @@ class HandFeatures:
             if not math.isfinite(value):
                 raise ValueError(f"action rejected: {name} is {value}; needs a finite number")
         if self.actions == "joints":
-            position_rad = np.zeros(len(self.kinematics.joint_names))
-            position_rad[self.range] = list(values.values())
-            (x, y, z), yaw, opening = self.kinematics.pinch_pose(position_rad, self.hand)
+            position = np.zeros(len(self.kinematics.joint_names))
+            position[self.range] = list(values.values())
+            (x, y, z), yaw, opening = self.kinematics.pinch_pose(position, self.hand)
             values = dict(zip(POSE, (x, y, z, yaw, opening), strict=True))
         for name, bound in _BOUNDS.items():
             least, most = self.bounds[bound]

@@ -74,7 +74,7 @@ class BusHand:
         """The newest state, environment and taxels. Raises BusError if the daemon is silent."""
         self._receive()
         newest = self._newest
-        seen = self.features.state(newest["joint state"]["position_rad"], newest["report"])
+        seen = self.features.state(newest["joint state"]["position"], newest["report"])
         seen |= self.features.environment(self._item, self._place)
         if "frame" in newest:
             seen |= self.features.taxels(newest["frame"], self._elements)
@@ -182,7 +182,7 @@ class SimulatedHand:
 
     def observe(self) -> dict[str, float]:
         """State, environment and taxels of the last tick. The scene supplies the object."""
-        seen = self.features.state(self.simulation.joint_state["position_rad"], self._report)
+        seen = self.features.state(self.simulation.joint_state["position"], self._report)
         seen |= self.features.environment(self._item, self._place)
         if self.features.tactile == "taxels":
             seen |= self.features.taxels(self._frame, self._elements)

@@ -33,8 +33,8 @@ class Result(TypedDict):
 class JointSetpoints(TypedDict):
     """Joint set-points of a robot."""
 
-    position_rad: NDArray[np.float64]
-    velocity_rad_s: NDArray[np.float64]
+    position: NDArray[np.float64]
+    velocity: NDArray[np.float64]
     in_force: bool
     """False when the last command has expired and its positions are only held."""
     mode: int

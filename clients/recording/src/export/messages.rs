@@ -110,7 +110,7 @@ pub struct Messages<O> {
     next_transforms_ns: u64,
     next_cloud_ns: [u64; 2],
     /// Joint positions for the transforms.
-    q_rad: Vec<f64>,
+    q: Vec<f64>,
     has_description: bool,
 }
 
@@ -197,7 +197,7 @@ impl<O: Outlet> Messages<O> {
             next_picture_ns: 0,
             next_transforms_ns: 0,
             next_cloud_ns: [0; 2],
-            q_rad: Vec::new(),
+            q: Vec::new(),
             has_description: false,
         }
     }
@@ -234,7 +234,7 @@ impl<O: Outlet> Messages<O> {
             }
             // Rows without joints do not count towards the rate: live, only the newest of several
             // rows has joints.
-            if unix_ns >= self.next_transforms_ns && !self.q_rad.is_empty() {
+            if unix_ns >= self.next_transforms_ns && !self.q.is_empty() {
                 self.next_transforms_ns = unix_ns.saturating_add(self.picture_ns);
                 self.transforms(unix_ns)?;
             }
@@ -270,13 +270,13 @@ impl<O: Outlet> Messages<O> {
             return Ok(());
         }
         let values = [
-            &joints.position_rad[..count],
-            &joints.velocity_rad_s[..count],
-            &joints.effort_n_m[..count],
+            &joints.position[..count],
+            &joints.velocity[..count],
+            &joints.effort[..count],
         ];
         self.cdr.joints(unix_ns, names, values);
-        self.q_rad.clear();
-        self.q_rad.extend_from_slice(values[0]);
+        self.q.clear();
+        self.q.extend_from_slice(values[0]);
         self.topics
             .joints
             .send(&mut self.outlet, unix_ns, &self.cdr)
@@ -288,11 +288,7 @@ impl<O: Outlet> Messages<O> {
         if names.is_empty() {
             return Ok(());
         }
-        let values = [
-            &command.position_rad[..count],
-            &command.velocity_rad_s[..count],
-            &[],
-        ];
+        let values = [&command.position[..count], &command.velocity[..count], &[]];
         self.cdr.joints(unix_ns, names, values);
         self.topics
             .commands
@@ -306,7 +302,7 @@ impl<O: Outlet> Messages<O> {
             .iter()
             .filter_map(|limb| {
                 let parent = limbs[limb.parent?].name.as_str();
-                Some((parent, limb.name.as_str(), limb.placed(&self.q_rad)))
+                Some((parent, limb.name.as_str(), limb.placed(&self.q)))
             })
             .collect();
         self.cdr.transforms(unix_ns, carried.into_iter());

@@ -170,9 +170,9 @@ fn units(kind: JointKind) -> [&'static str; 3] {
 fn joint_columns(subject: &Subject) -> Vec<Column> {
     type OfJoint = (&'static str, fn(&JointState) -> &[f64]);
     let measured: [OfJoint; 3] = [
-        ("position", |joints| &joints.position_rad),
-        ("velocity", |joints| &joints.velocity_rad_s),
-        ("effort", |joints| &joints.effort_n_m),
+        ("position", |joints| &joints.position),
+        ("velocity", |joints| &joints.velocity),
+        ("effort", |joints| &joints.effort),
     ];
     let mut columns = Vec::new();
     for (index, (joint, kind)) in subject.joints().enumerate() {
@@ -193,9 +193,7 @@ fn joint_columns(subject: &Subject) -> Vec<Column> {
         columns.push(column(name, Form::Number, move |row| {
             let command = row.inputs.as_deref().map(|inputs| &inputs.command);
             let known = command.filter(|command| index < command.joint_count as usize);
-            known.map_or(Cell::Empty, |command| {
-                Cell::Number(command.position_rad[index])
-            })
+            known.map_or(Cell::Empty, |command| Cell::Number(command.position[index]))
         }));
     }
     columns

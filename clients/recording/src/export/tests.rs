@@ -83,7 +83,7 @@ fn recorded_of(folder: &Path, robot: &RobotFiles, fingers: u32) -> PathBuf {
             joint_count: 22,
             ..JointState::default()
         };
-        inputs.joints.position_rad[3] = tick as f64 * 1e-3;
+        inputs.joints.position[3] = tick as f64 * 1e-3;
         inputs.command.joint_count = 22;
         if tick == GOAL_TICK {
             inputs.order.kind = OrderKind::START;

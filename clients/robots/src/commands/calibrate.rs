@@ -89,12 +89,12 @@ fn calibrate(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(f
     let off = port.driver.set_torque(wire, mapped.servo.id, false);
     off.map_err(|error| failed(port, mapped, &error.to_string()))?;
     prompt(&format!("{name}: move it to 0, then press Enter"))?;
-    let zero_rad = position_rad(port, wire, mapped)?;
+    let zero_rad = position(port, wire, mapped)?;
     loop {
         prompt(&format!(
             "{name}: move it slightly in its positive direction, then press Enter"
         ))?;
-        let turn_rad = position_rad(port, wire, mapped)? - zero_rad;
+        let turn_rad = position(port, wire, mapped)? - zero_rad;
         if turn_rad.abs() >= TURN_MIN_RAD {
             return Ok((zero_rad, if turn_rad > 0.0 { 1 } else { -1 }));
         }
@@ -104,8 +104,8 @@ fn calibrate(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<(f
     }
 }
 
-fn position_rad(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<f64, Failure> {
-    let read = port.driver.position_rad(wire, &mapped.servo);
+fn position(port: &PortMap, wire: &mut Wire, mapped: &MappedServo) -> Result<f64, Failure> {
+    let read = port.driver.position(wire, &mapped.servo);
     read.map_err(|error| failed(port, mapped, &error.to_string()))
 }
 

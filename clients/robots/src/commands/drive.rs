@@ -121,8 +121,8 @@ fn drive(
             && robot.command(command, now_ns())
         {
             for (index, shared) in ports.iter().enumerate() {
-                if let Some((life, position_rad)) = robot.setpoints(index) {
-                    shared.set_goals(life, position_rad);
+                if let Some((life, position)) = robot.setpoints(index) {
+                    shared.set_goals(life, position);
                 }
             }
         }

@@ -53,13 +53,13 @@ pub(super) fn run(map_path: &Path, out: &Path, rest: bool, format: Format) -> Re
 
 fn start_chain(port: &PortMap, rest: bool) -> Result<Chain, Failure> {
     let planned = port.servos.iter().map(|mapped| {
-        let (lower_rad, upper_rad) = mapped.limits_rad;
-        let middle_rad = f64::midpoint(lower_rad, upper_rad);
+        let (lower, upper) = mapped.limits_rad;
+        let middle_rad = f64::midpoint(lower, upper);
         let joint_rad = if rest { mapped.rest_rad } else { middle_rad };
         PlannedServo {
             id: mapped.servo.id,
             model: mapped.servo.model.name.to_owned(),
-            position_rad: mapped.shaft_rad(joint_rad),
+            position: mapped.shaft_rad(joint_rad),
         }
     });
     let planned: Vec<PlannedServo> = planned.collect();

@@ -48,9 +48,9 @@ pub struct Servo {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
     /// Shaft angle, rad.
-    pub position_rad: f64,
+    pub position: f64,
     /// Shaft speed, rad/s.
-    pub velocity_rad_s: f64,
+    pub velocity: f64,
     /// Current, A, with the sign of the torque; 0 without measurement.
     pub current_a: f64,
     /// The servo reports an error; [`Driver::health`] returns it.
@@ -131,11 +131,11 @@ pub trait Driver: Sync {
 
     /// Reads the shaft angle of one servo, rad; repeats the request if the reply is missing or
     /// damaged.
-    fn position_rad(&self, wire: &mut Wire, servo: &Servo) -> Result<f64, WireError> {
+    fn position(&self, wire: &mut Wire, servo: &Servo) -> Result<f64, WireError> {
         let mut reading = Vec::new();
         wire.repeat(|wire| self.read(wire, &[*servo], &mut reading))?;
         let first = reading.first().ok_or(WireError::NoReply(servo.id))?;
-        Ok(first.position_rad)
+        Ok(first.position)
     }
 
     /// Writes all goals, rad, at once. Servos send no reply.

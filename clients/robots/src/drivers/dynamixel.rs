@@ -203,8 +203,8 @@ impl Driver for Dynamixel {
             let step_a = servo.model.current_step_a.unwrap_or(0.0);
             Reading {
                 current_a: f64::from(i16_of(&bytes[..2])) * step_a,
-                velocity_rad_s: f64::from(i32_of(&bytes[2..6])) * SPEED_STEP_RAD_S,
-                position_rad: angle_rad(&bytes[6..10]),
+                velocity: f64::from(i32_of(&bytes[2..6])) * SPEED_STEP_RAD_S,
+                position: angle_rad(&bytes[6..10]),
                 alert: status & ALERT != 0,
             }
         }));

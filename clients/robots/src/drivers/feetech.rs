@@ -159,8 +159,8 @@ impl Driver for Feetech {
         out.extend(servos.iter().zip(answers).map(|(servo, (bytes, status))| {
             let step_a = servo.model.current_step_a.unwrap_or(0.0);
             Reading {
-                position_rad: angle_rad(&bytes[..2]),
-                velocity_rad_s: signed(&bytes[2..4]) * TAU / STEPS,
+                position: angle_rad(&bytes[..2]),
+                velocity: signed(&bytes[2..4]) * TAU / STEPS,
                 current_a: signed(&bytes[13..15]) * step_a,
                 alert: status != 0,
             }

@@ -27,7 +27,7 @@ pub struct PlannedServo {
     /// Model name.
     pub model: String,
     /// Initial shaft angle, rad.
-    pub position_rad: f64,
+    pub position: f64,
 }
 
 /// Servos behind a pseudo-terminal, emulated by a thread.
@@ -219,7 +219,7 @@ impl ChainState {
         let made = servos.iter().map(|planned| {
             let table = family.registers(&planned.model, planned.id);
             let table = table.ok_or_else(|| unknown(&planned.model))?;
-            Ok((planned.id, Servo::new(family, table, planned.position_rad)))
+            Ok((planned.id, Servo::new(family, table, planned.position)))
         });
         Ok(Self {
             family,
@@ -360,7 +360,7 @@ mod tests {
         let servos = [PlannedServo {
             id: 1,
             model: model.to_owned(),
-            position_rad: 0.0,
+            position: 0.0,
         }];
         Responder::new(family, &servos).expect("a known family")
     }

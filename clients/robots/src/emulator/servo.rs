@@ -22,11 +22,11 @@ impl std::fmt::Debug for Servo {
 }
 
 impl Servo {
-    pub(super) fn new(family: &'static dyn Family, table: Table, position_rad: f64) -> Self {
+    pub(super) fn new(family: &'static dyn Family, table: Table, position: f64) -> Self {
         Self {
             family,
             table,
-            shaft: Shaft::new(position_rad * STEPS_PER_RAD),
+            shaft: Shaft::new(position * STEPS_PER_RAD),
             powered: true,
             silent: false,
         }
@@ -60,7 +60,7 @@ impl Servo {
 
     /// Returns the shaft angle, rad.
     #[must_use]
-    pub fn position_rad(&self) -> f64 {
+    pub fn position(&self) -> f64 {
         self.shaft.position_steps / STEPS_PER_RAD
     }
 
@@ -88,8 +88,8 @@ impl Servo {
     }
 
     /// Turns the shaft to an angle, rad, as by an external force.
-    pub fn turn_to(&mut self, position_rad: f64) {
-        self.shaft.position_steps = position_rad * STEPS_PER_RAD;
+    pub fn turn_to(&mut self, position: f64) {
+        self.shaft.position_steps = position * STEPS_PER_RAD;
         self.shaft.speed_steps_s = 0.0;
         self.family.write_shaft(&self.shaft, &mut self.table);
     }

@@ -204,7 +204,7 @@ impl Checker<'_> {
             torque_per_current_n_m_a: torque_per_current,
             temperature_limit_c: hot_c,
             rest_rad: known.rest_rad,
-            limits_rad: (known.lower_rad, known.upper_rad),
+            limits_rad: (known.lower, known.upper),
         };
         self.travel(&place, &mapped);
         Some(mapped)
@@ -249,8 +249,8 @@ impl Checker<'_> {
         if self.check == Check::Uncalibrated || servo.servo.model.multi_turn {
             return;
         }
-        let (lower_rad, upper_rad) = servo.limits_rad;
-        let ends = [servo.shaft_rad(lower_rad), servo.shaft_rad(upper_rad)];
+        let (lower, upper) = servo.limits_rad;
+        let ends = [servo.shaft_rad(lower), servo.shaft_rad(upper)];
         // False for NaN, which is reported separately.
         if ends.iter().any(|end| *end < 0.0 || *end >= TAU) {
             let [from, to] = ends;

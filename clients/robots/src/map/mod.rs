@@ -73,7 +73,7 @@ pub struct MappedServo {
     pub torque_per_current_n_m_a: f64,
     /// Temperature above which the robot holds, °C.
     pub temperature_limit_c: f64,
-    /// Position of the joint in the reference posture of the robot file, rad.
+    /// Position of the joint in the reference posture of the robot file, rad or m.
     pub rest_rad: f64,
     /// Limits of the joint, rad.
     pub limits_rad: (f64, f64),
@@ -82,12 +82,12 @@ pub struct MappedServo {
 /// Measurements of one joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointReading {
-    /// Position, rad.
-    pub position_rad: f64,
-    /// Velocity, rad/s.
-    pub velocity_rad_s: f64,
+    /// Position, rad or m.
+    pub position: f64,
+    /// Velocity, rad/s or m/s.
+    pub velocity: f64,
     /// Effort, N·m.
-    pub effort_n_m: f64,
+    pub effort: f64,
 }
 
 impl MappedServo {
@@ -107,9 +107,9 @@ impl MappedServo {
     #[must_use]
     pub fn joint_reading(&self, reading: &Reading) -> JointReading {
         JointReading {
-            position_rad: self.joint_rad(reading.position_rad),
-            velocity_rad_s: reading.velocity_rad_s / self.ratio,
-            effort_n_m: reading.current_a * self.torque_per_current_n_m_a * self.ratio,
+            position: self.joint_rad(reading.position),
+            velocity: reading.velocity / self.ratio,
+            effort: reading.current_a * self.torque_per_current_n_m_a * self.ratio,
         }
     }
 

@@ -50,8 +50,8 @@ pub enum Report {
     Holding {
         /// Number of the session.
         session: u32,
-        /// Joint index and held position, rad.
-        held_rad: Vec<(usize, f64)>,
+        /// Joint index and held position, rad or m.
+        held: Vec<(usize, f64)>,
     },
     /// All servos were read.
     Read {
@@ -78,7 +78,7 @@ pub struct Shared {
 #[derive(Clone, Copy, Debug, Default)]
 struct Goals {
     session: u32,
-    position_rad: Option<[f64; JOINTS]>,
+    position: Option<[f64; JOINTS]>,
 }
 
 impl Shared {
@@ -92,17 +92,17 @@ impl Shared {
         }
     }
 
-    /// Sets the positions, rad, for one session of the port.
-    pub fn set_goals(&self, session: u32, position_rad: &[f64; JOINTS]) {
+    /// Sets the positions, rad or m, for one session of the port.
+    pub fn set_goals(&self, session: u32, position: &[f64; JOINTS]) {
         *lock(&self.goals) = Goals {
             session,
-            position_rad: Some(*position_rad),
+            position: Some(*position),
         };
     }
 
     fn goals(&self, session: u32) -> Option<[f64; JOINTS]> {
         let goals = *lock(&self.goals);
-        goals.position_rad.filter(|_| goals.session == session)
+        goals.position.filter(|_| goals.session == session)
     }
 
     fn is_stopped(&self) -> bool {
@@ -131,12 +131,12 @@ pub fn run(map: &PortMap, index: usize, to: &Sender<(usize, Report)>, shared: &S
     let tell = |report| to.send((index, report)).is_ok();
     while !shared.is_stopped() {
         let trouble = match take_over_with_retries(map) {
-            Ok((mut wire, held_rad)) => {
+            Ok((mut wire, held)) => {
                 port.session += 1;
                 let life = port.session;
                 if !tell(Report::Holding {
                     session: life,
-                    held_rad,
+                    held,
                 }) {
                     return;
                 }
@@ -247,7 +247,7 @@ impl Port<'_> {
         let pairs = self.previous.iter().zip(&self.readings).zip(&self.servos);
         for ((before, reading), servo) in pairs {
             let allowed_rad = JUMP_FLOOR_RAD + JUMP_FACTOR * servo.speed_max_rad_s * elapsed_s;
-            if (reading.position_rad - before.position_rad).abs() > allowed_rad {
+            if (reading.position - before.position).abs() > allowed_rad {
                 return Err(WireError::Damaged(servo.id));
             }
         }

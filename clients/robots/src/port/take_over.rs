@@ -12,7 +12,7 @@ use crate::drivers::State;
 use crate::drivers::wire::{Wire, WireError};
 use crate::map::MappedServo;
 
-/// Tolerance of the joint limits, rad, as in the daemon.
+/// Tolerance of the joint limits, rad or m, as in the daemon.
 const MARGIN_RAD: f64 = 0.05;
 /// Largest difference of a position and the goal that holds it, rad: more than half an encoder
 /// step.
@@ -20,7 +20,7 @@ const GOAL_ERROR_MAX_RAD: f64 = 0.001;
 /// Required distance below the temperature limit, K. Design choice.
 const COOLDOWN_K: f64 = 5.0;
 
-/// The open port and the held position of each joint, rad.
+/// The open port and the held position of each joint, rad or m.
 pub(super) type Taken = (Wire, Vec<(usize, f64)>);
 
 /// Opens the port and takes over its servos; returns an error text on failure.
@@ -113,12 +113,12 @@ fn check_position(
 ) -> Result<(), String> {
     let shaft_rad = map
         .driver
-        .position_rad(wire, &mapped.servo)
+        .position(wire, &mapped.servo)
         .map_err(|error| error_text(map, &error))?;
     let joint_rad = mapped.joint_rad(shaft_rad);
-    let (lower_rad, upper_rad) = mapped.limits_rad;
+    let (lower, upper) = mapped.limits_rad;
     let within =
-        |joint_rad: f64| joint_rad >= lower_rad - MARGIN_RAD && joint_rad <= upper_rad + MARGIN_RAD;
+        |joint_rad: f64| joint_rad >= lower - MARGIN_RAD && joint_rad <= upper + MARGIN_RAD;
     let goal_error_rad = (map.driver.rounded(shaft_rad) - shaft_rad).abs();
     let no_goal = state == State::TorqueOff && goal_error_rad > GOAL_ERROR_MAX_RAD;
     // An absolute encoder reads almost a whole turn just below its zero.
@@ -135,7 +135,7 @@ fn check_position(
         return Ok(());
     }
     Err(format!(
-        "{} is at {joint_rad:.3} rad, its limits are {lower_rad:.3} to {upper_rad:.3}; move it \
+        "{} is at {joint_rad:.3} rad, its limits are {lower:.3} to {upper:.3}; move it \
          there by hand, or correct its zero and direction (atas-robot calibrate)",
         mapped.label()
     ))
@@ -156,7 +156,7 @@ fn hold(
         }
         State::TorqueOff => {
             driver.configure(wire, servo)?;
-            let here_rad = driver.rounded(driver.position_rad(wire, servo)?);
+            let here_rad = driver.rounded(driver.position(wire, servo)?);
             driver.write_goals(wire, &[*servo], &[here_rad])?;
             driver.set_torque(wire, servo.id, true)?;
             Ok(here_rad)

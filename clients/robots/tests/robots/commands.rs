@@ -208,12 +208,12 @@ fn emulated_so101_begins_in_its_reference_posture() {
     let mut state = JointState::default();
     wait_until("a joint state", || states.newest(&mut state).unwrap());
     let robot = RobotModel::find(&robot_file).unwrap();
-    let rest_rad = robot.hand(robot.acting_side()).reference_rad();
+    let rest_rad = robot.hand(robot.acting_side()).reference();
     assert_eq!(state.joint_count as usize, rest_rad.len());
-    for (measured_rad, rest_rad) in state.position_rad.iter().zip(rest_rad.iter()) {
+    for (measured, rest_rad) in state.position.iter().zip(rest_rad.iter()) {
         assert!(
-            (measured_rad - rest_rad).abs() < 2.0 * STEP_RAD,
-            "{measured_rad} {rest_rad}"
+            (measured - rest_rad).abs() < 2.0 * STEP_RAD,
+            "{measured} {rest_rad}"
         );
     }
     run.signal(rustix::process::Signal::INT);

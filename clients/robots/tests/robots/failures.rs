@@ -22,7 +22,7 @@ struct Case {
 }
 
 fn turn_by(servo: &mut Servo, turn_rad: f64) {
-    let there_rad = servo.position_rad() + turn_rad;
+    let there_rad = servo.position() + turn_rad;
     servo.turn_to(there_rad);
 }
 
@@ -115,7 +115,7 @@ fn servo_failures_are_named_and_recovered_without_jump() {
                 -1.0
             };
         for (joint, here_rad) in standing_rad.iter().enumerate() {
-            let told_rad = rig.state.commanded_rad[joint];
+            let told_rad = rig.state.commanded_position[joint];
             assert!(
                 (told_rad - here_rad).abs() <= 2.0 * STEP_RAD,
                 "{joint}: {told_rad} {here_rad}"
@@ -143,7 +143,7 @@ fn damaged_replies_are_counted_and_rejected() {
         if rig.has_new_state() {
             seen += 1;
             for (joint, here_rad) in middle_rad().into_iter().enumerate() {
-                let told_rad = rig.state.position_rad[joint];
+                let told_rad = rig.state.position[joint];
                 assert!((told_rad - here_rad).abs() < 0.05, "{joint}: {told_rad}");
             }
         }
@@ -213,9 +213,9 @@ fn servo_below_zero_of_its_encoder_gets_no_torque() {
     );
     let mut map = two_hands();
     let chains = start_chains(&mut map, &middle_rad());
-    let lower_rad = atas_robots::joints::load("two-hand-arm").unwrap()[HAND].lower_rad;
+    let lower = atas_robots::joints::load("two-hand-arm").unwrap()[HAND].lower;
     let servo = &mut map.ports[1].servos[0];
-    (servo.direction, servo.zero_rad) = (1, -lower_rad);
+    (servo.direction, servo.zero_rad) = (1, -lower);
     let path = folder.path().join("robot.toml");
     std::fs::write(&path, toml::to_string(&map).unwrap()).unwrap();
     for shaft_rad in [-0.02, core::f64::consts::TAU - 0.02] {
@@ -262,7 +262,7 @@ fn servos_must_match_map_at_start() {
             crate::rig::Program::start(&["run", path.to_str().unwrap(), "--bus", bus.as_str()]);
         assert_eq!(program.finish(), Some(11), "{}", program.log());
         assert!(program.log().contains(words), "{}", program.log());
-        let first_rad = chains[0].servo(1, |servo| servo.position_rad());
+        let first_rad = chains[0].servo(1, |servo| servo.position());
         let moved_rad = first_rad - shaft_rad(0, middle_rad()[0]);
         assert!(moved_rad.abs() <= STEP_RAD, "moved by {moved_rad}");
     }

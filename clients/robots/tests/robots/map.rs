@@ -82,8 +82,8 @@ fn joint_and_shaft_angles_round_trip() {
     file.ports[0].servos[4].gear = 2.5;
     let map = map::validate(&file, Check::Whole).unwrap();
     for servo in map.ports.iter().flat_map(|port| &port.servos) {
-        let (lower_rad, upper_rad) = servo.limits_rad;
-        for joint_rad in [lower_rad, 0.0, upper_rad] {
+        let (lower, upper) = servo.limits_rad;
+        for joint_rad in [lower, 0.0, upper] {
             let back_rad = servo.joint_rad(servo.shaft_rad(joint_rad));
             assert!((back_rad - joint_rad).abs() < 1e-12);
         }

@@ -21,8 +21,8 @@ fn states_are_published_and_commands_executed() {
     );
     for (joint, middle_rad) in middle_rad().into_iter().enumerate() {
         for told_rad in [
-            rig.state.position_rad[joint],
-            rig.state.commanded_rad[joint],
+            rig.state.position[joint],
+            rig.state.commanded_position[joint],
         ] {
             assert!(
                 (told_rad - middle_rad).abs() <= STEP_RAD,
@@ -33,11 +33,11 @@ fn states_are_published_and_commands_executed() {
     }
     rig.reset_speeds();
     for joint in FINGERS {
-        let wanted_rad = middle_rad()[joint] + 0.2;
-        rig.move_to(joint, wanted_rad);
+        let wanted = middle_rad()[joint] + 0.2;
+        rig.move_to(joint, wanted);
         wait_until("the joint", || {
             rig.has_new_state();
-            (rig.state.position_rad[joint] - wanted_rad).abs() <= 2.0 * STEP_RAD
+            (rig.state.position[joint] - wanted).abs() <= 2.0 * STEP_RAD
         });
         assert_eq!(rig.state.command_epoch, 7);
         assert!(rig.state.command_sequence > 0);
@@ -84,7 +84,7 @@ fn servos_hold_after_commands_end() {
     };
     assert_eq!(expire_again(), expire_again());
     assert!((0..22).all(|joint| rig.servo(joint, |servo| servo.holds())));
-    let told_rad = rig.state.commanded_rad[FINGERS[0]];
+    let told_rad = rig.state.commanded_position[FINGERS[0]];
     assert!((told_rad - (middle_rad()[FINGERS[0]] - 0.15)).abs() < 1e-9);
     // Another daemon may continue from there.
     rig.begin_commands(8);
@@ -104,10 +104,10 @@ fn invalid_command_causes_no_motion() {
     rig.move_to(joint, middle_rad()[joint] + 0.1);
     type Change = fn(&mut JointCommand);
     let changes: [(&str, Change); 7] = [
-        ("a jump", |c| c.position_rad[6] += 0.7),
-        ("beyond the limits", |c| c.position_rad[6] = 9.0),
-        ("not a number", |c| c.position_rad[6] = f64::NAN),
-        ("too fast", |c| c.velocity_rad_s[6] = 30.0),
+        ("a jump", |c| c.position[6] += 0.7),
+        ("beyond the limits", |c| c.position[6] = 9.0),
+        ("not a number", |c| c.position[6] = f64::NAN),
+        ("too fast", |c| c.velocity[6] = 30.0),
         ("too few joints", |c| c.joint_count = 21),
         ("unlimited validity", |c| c.valid_until_ns = u64::MAX),
         ("expired", |c| c.valid_until_ns = 1),
@@ -116,7 +116,7 @@ fn invalid_command_causes_no_motion() {
         rig.send();
         let goals_rad = rig.goals_rad();
         let good = rig.command;
-        rig.command.position_rad[joint] += 0.005;
+        rig.command.position[joint] += 0.005;
         rig.command.stamp.sequence += 1;
         change(&mut rig.command);
         rig.command.seal();
@@ -163,8 +163,8 @@ fn grip_survives_restart_without_jump() {
         rig.has_new_state();
         rig.state.stamp.writer_epoch != epoch
     });
-    assert!((rig.state.commanded_rad[joint] - pressed_rad).abs() <= STEP_RAD);
-    assert!((rig.state.position_rad[joint] - wall_rad).abs() <= STEP_RAD);
+    assert!((rig.state.commanded_position[joint] - pressed_rad).abs() <= STEP_RAD);
+    assert!((rig.state.position[joint] - wall_rad).abs() <= STEP_RAD);
     assert_ne!(
         rig.state.command_epoch, 0,
         "the daemon requires a non-zero epoch"

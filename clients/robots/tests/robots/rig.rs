@@ -28,9 +28,7 @@ pub(crate) const STEP_RAD: f64 = core::f64::consts::TAU / 4096.0;
 /// Returns the initial positions, rad: the middle of each joint's travel.
 pub(crate) fn middle_rad() -> Vec<f64> {
     let joints = joints::load("two-hand-arm").unwrap();
-    let middle = joints
-        .iter()
-        .map(|joint| 0.5 * (joint.lower_rad + joint.upper_rad));
+    let middle = joints.iter().map(|joint| 0.5 * (joint.lower + joint.upper));
     middle.collect()
 }
 
@@ -89,7 +87,7 @@ pub(crate) fn start_chains(map: &mut MapFile, standing_rad: &[f64]) -> Vec<Chain
                 PlannedServo {
                     id: servo.id,
                     model: servo.model.clone(),
-                    position_rad: shaft_rad(joint - 1, standing_rad[joint - 1]),
+                    position: shaft_rad(joint - 1, standing_rad[joint - 1]),
                 }
             })
             .collect();
@@ -244,7 +242,7 @@ impl Rig {
     pub(crate) fn begin_commands(&mut self, writer_epoch: u64) {
         self.command = JointCommand {
             joint_count: self.state.joint_count,
-            position_rad: self.state.commanded_rad,
+            position: self.state.commanded_position,
             ..JointCommand::default()
         };
         self.command.stamp.writer_epoch = writer_epoch;
@@ -278,18 +276,18 @@ impl Rig {
     }
 
     /// Moves a joint slowly to a position, rad, until its servo has this goal.
-    pub(crate) fn move_to(&mut self, joint: usize, position_rad: f64) {
-        let from_rad = self.command.position_rad[joint];
+    pub(crate) fn move_to(&mut self, joint: usize, position: f64) {
+        let from_rad = self.command.position[joint];
         for step in 1..=100 {
             let share = f64::from(step) / 100.0;
-            self.command.position_rad[joint] = from_rad + share * (position_rad - from_rad);
+            self.command.position[joint] = from_rad + share * (position - from_rad);
             self.send();
             std::thread::sleep(Duration::from_millis(3));
         }
-        let wanted_rad = shaft_rad(joint, position_rad);
+        let wanted = shaft_rad(joint, position);
         wait_until("the goal", || {
             self.send();
-            (self.servo(joint, |servo| servo.goal_rad()) - wanted_rad).abs() <= STEP_RAD
+            (self.servo(joint, |servo| servo.goal_rad()) - wanted).abs() <= STEP_RAD
         });
     }
 

@@ -18,20 +18,20 @@ fn joints() -> &'static [Joint] {
     JOINTS.get_or_init(|| joints::load("two-hand-arm").unwrap())
 }
 
-fn held_rad(joint: usize) -> f64 {
-    0.5 * (joints()[joint].lower_rad + joints()[joint].upper_rad)
+fn held(joint: usize) -> f64 {
+    0.5 * (joints()[joint].lower + joints()[joint].upper)
 }
 
 fn holding(life: u32, joints: core::ops::Range<usize>) -> Report {
     Report::Holding {
         session: life,
-        held_rad: joints.map(|joint| (joint, held_rad(joint))).collect(),
+        held: joints.map(|joint| (joint, held(joint))).collect(),
     }
 }
 
 fn read(captured_ns: u64, joints: core::ops::Range<usize>) -> Report {
     let reading = |joint| JointReading {
-        position_rad: held_rad(joint),
+        position: held(joint),
         ..JointReading::default()
     };
     Report::Read {
@@ -54,7 +54,7 @@ fn command(sequence: u64) -> JointCommand {
         valid_until_ns: 50 * MS_NS,
         ..JointCommand::default()
     };
-    (0..22).for_each(|joint| command.position_rad[joint] = held_rad(joint));
+    (0..22).for_each(|joint| command.position[joint] = held(joint));
     (command.stamp.sequence, command.stamp.writer_epoch) = (sequence, 7);
     command.seal();
     command
@@ -139,14 +139,14 @@ proptest! {
         steps in proptest::collection::vec((0..22_usize, -20.0..20.0_f64, 0..4_u8, 0..200_u64), 1..60),
     ) {
         let (mut robot, known) = (ready_robot(), joints());
-        let mut last_rad: [f64; JOINTS] = core::array::from_fn(|joint| if joint < 22 { held_rad(joint) } else { 0.0 });
+        let mut last_rad: [f64; JOINTS] = core::array::from_fn(|joint| if joint < 22 { held(joint) } else { 0.0 });
         let (mut next, mut now_ns, mut obeyed_ns) = (command(0), 0, None);
         for (joint, by_rad, odd, later_ms) in steps {
             now_ns += later_ms * MS_NS;
             next.stamp.sequence += 1;
             next.valid_until_ns = now_ns + 50 * MS_NS;
-            next.position_rad = last_rad;
-            next.position_rad[joint] += match odd {
+            next.position = last_rad;
+            next.position[joint] += match odd {
                 0 => by_rad,
                 1 => 0.001 * by_rad,
                 2 => f64::NAN,
@@ -157,10 +157,10 @@ proptest! {
                 let (_, ordered_rad) = robot.setpoints(0).unwrap();
                 let since_s = obeyed_ns.map_or(0.0, |then: u64| (now_ns - then) as f64 * 1e-9);
                 for (index, limits) in known.iter().enumerate() {
-                    let q_rad = ordered_rad[index];
-                    prop_assert!(q_rad >= limits.lower_rad - 1e-5 && q_rad <= limits.upper_rad + 1e-5);
+                    let q = ordered_rad[index];
+                    prop_assert!(q >= limits.lower - 1e-5 && q <= limits.upper + 1e-5);
                     let farthest_rad = 1.05 * limits.speed_max_rad_s * (0.008 + since_s.min(0.1));
-                    prop_assert!((q_rad - last_rad[index]).abs() <= farthest_rad + 1e-9);
+                    prop_assert!((q - last_rad[index]).abs() <= farthest_rad + 1e-9);
                 }
                 last_rad = *ordered_rad;
                 obeyed_ns = Some(now_ns);

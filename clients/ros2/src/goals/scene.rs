@@ -64,15 +64,15 @@ impl Scene {
     /// Returns the measured pose of a hand.
     pub(super) fn measured(&self, side: HandSide) -> Option<PinchPose> {
         let joints = &self.view.joints;
-        let count = (joints.joint_count as usize).min(joints.position_rad.len());
-        self.robot()?.pinch(side, &joints.position_rad[..count])
+        let count = (joints.joint_count as usize).min(joints.position.len());
+        self.robot()?.pinch(side, &joints.position[..count])
     }
 
     /// Returns the commanded pose of a hand; the measured one if the robot does not report it.
     pub(super) fn commanded(&self, side: HandSide) -> Option<PinchPose> {
         let joints = &self.view.joints;
-        let count = (joints.commanded_count as usize).min(joints.commanded_rad.len());
-        let commanded = self.robot()?.pinch(side, &joints.commanded_rad[..count]);
+        let count = (joints.commanded_count as usize).min(joints.commanded_position.len());
+        let commanded = self.robot()?.pinch(side, &joints.commanded_position[..count]);
         commanded.or_else(|| self.measured(side))
     }
 
@@ -83,12 +83,12 @@ impl Scene {
         wanted: &BTreeMap<String, f64>,
     ) -> Option<PinchPose> {
         let joints = &self.view.joints;
-        let count = (joints.joint_count as usize).min(joints.position_rad.len());
+        let count = (joints.joint_count as usize).min(joints.position.len());
         let names = self.robot()?.skeleton.joint_names().iter();
-        let measured = joints.position_rad[..count].iter();
-        let q_rad = measured
+        let measured = joints.position[..count].iter();
+        let q = measured
             .zip(names)
             .map(|(q, name)| *wanted.get(name).unwrap_or(q));
-        self.robot()?.pinch(side, &q_rad.collect::<Vec<f64>>())
+        self.robot()?.pinch(side, &q.collect::<Vec<f64>>())
     }
 }

@@ -94,8 +94,8 @@ impl HandTopics {
         let index = self.side.index();
         let (report, fingers) = (&observer.report, robot.fingers[index].min(FINGERS));
         let hand = &report.hands[index];
-        let count = (joints.joint_count as usize).min(joints.position_rad.len());
-        let pose = robot.pose(self.side, &joints.position_rad[..count]);
+        let count = (joints.joint_count as usize).min(joints.position.len());
+        let pose = robot.pose(self.side, &joints.position[..count]);
         let model = robot.model.hand(self.side);
         let opening_m = pose
             .as_ref()

@@ -47,13 +47,13 @@ impl JointTopics {
         let names = robot.skeleton.joint_names();
         let count = (joints.joint_count as usize)
             .min(names.len())
-            .min(joints.position_rad.len());
+            .min(joints.position.len());
         topics.joints.publish(JointState {
             header: clock.header(joints.stamp.captured_ns, ""),
             name: names[..count].to_vec(),
-            position: joints.position_rad[..count].to_vec(),
-            velocity: joints.velocity_rad_s[..count].to_vec(),
-            effort: joints.effort_n_m[..count].to_vec(),
+            position: joints.position[..count].to_vec(),
+            velocity: joints.velocity[..count].to_vec(),
+            effort: joints.effort[..count].to_vec(),
         })
     }
 
@@ -63,14 +63,14 @@ impl JointTopics {
         joints: &BusJoints,
         clock: &Clock,
     ) -> anyhow::Result<()> {
-        let count = (joints.joint_count as usize).min(joints.position_rad.len());
+        let count = (joints.joint_count as usize).min(joints.position.len());
         let Some(topics) = self.0.as_ref().filter(|_| count > 0) else {
             return Ok(());
         };
         let limbs = robot.skeleton.limbs();
         let placed = limbs.iter().filter_map(|limb| {
             let parent = limbs[limb.parent?].name.as_str();
-            let at = limb.placed(&joints.position_rad[..count]);
+            let at = limb.placed(&joints.position[..count]);
             let [x, y, z] = at.translation_m;
             let [qx, qy, qz, qw] = at.rotation_xyzw;
             Some(TransformStamped {

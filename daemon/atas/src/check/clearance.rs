@@ -58,12 +58,12 @@ const AXIS_ERROR_MAX_RAD: f64 = 0.087;
 pub(super) fn check_paths(
     goal: &Goal,
     now: &GoalContext<'_>,
-    q_rad: &RobotVector,
+    q: &RobotVector,
 ) -> Result<f64, Reason> {
     let other = HandSide::BOTH[1 - goal.side().index()];
     let samples_left = Cell::new(SAMPLES_MAX);
-    let mut acting = PathWalker::new(goal, goal.side(), (now, q_rad), &samples_left);
-    let mut helping = PathWalker::new(goal, other, (now, q_rad), &samples_left);
+    let mut acting = PathWalker::new(goal, goal.side(), (now, q), &samples_left);
+    let mut helping = PathWalker::new(goal, other, (now, q), &samples_left);
     let gap = Gap::new(goal, &acting, &helping);
     loop {
         let reached = [helping.reached, acting.reached];
@@ -173,7 +173,7 @@ struct PathWalker<'a> {
     next: usize,
     reached: u8,
     pose: GraspPose,
-    q_rad: HandVector,
+    q: HandVector,
     /// Index of the goal value that defines the current place.
     place_index: usize,
     at_target: bool,
@@ -183,12 +183,12 @@ impl<'a> PathWalker<'a> {
     fn new(
         goal: &Goal,
         side: HandSide,
-        (now, q_rad): (&GoalContext<'a>, &RobotVector),
+        (now, q): (&GoalContext<'a>, &RobotVector),
         samples_left: &'a Cell<u32>,
     ) -> Self {
         let hand = now.robot.hand(side);
-        let q_rad = now.hand_rad(q_rad, side);
-        let at = grasp_pose(hand, &hand.forward(&q_rad));
+        let q = now.hand_position(q, side);
+        let at = grasp_pose(hand, &hand.forward(&q));
         let (waypoints, width_m) = Waypoints::for_goal(hand, &at, goal, now.settings);
         let acts = side == goal.side();
         let mut walk = Self {
@@ -205,7 +205,7 @@ impl<'a> PathWalker<'a> {
             next: 0,
             reached: 0,
             pose: at,
-            q_rad,
+            q,
             place_index: if acts { FROM_X } else { TO_X },
             at_target: false,
         };
@@ -214,7 +214,7 @@ impl<'a> PathWalker<'a> {
     }
 
     fn bodies(&self) -> Capsules {
-        self.hand.capsules(&self.hand.forward(&self.q_rad))
+        self.hand.capsules(&self.hand.forward(&self.q))
     }
 
     fn sample(&self) -> Sample {
@@ -369,10 +369,10 @@ impl<'a> PathWalker<'a> {
             f64::INFINITY
         };
         let target = frame.target(self.hand);
-        let posture = self.hand.solve(&self.q_rad, &target, iterations);
+        let posture = self.hand.solve(&self.q, &target, iterations);
         // False for NaN.
         if posture.tip_error_m <= PATH_ERROR_MAX_M && posture.dome_error_rad <= off_axis_rad {
-            self.q_rad = posture.q_rad;
+            self.q = posture.q;
             return Ok(());
         }
         let error_m = posture.tip_error_m;

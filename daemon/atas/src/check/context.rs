@@ -16,13 +16,13 @@ pub struct GoalContext<'a> {
     pub settings: &'a Settings,
     /// User-defined tasks.
     pub tasks: &'a [Task],
-    /// Last commanded joint positions, rad; without them, paths are not checked.
-    pub commanded_rad: Option<&'a RobotVector>,
+    /// Last commanded joint positions, rad or m; without them, paths are not checked.
+    pub commanded_position: Option<&'a RobotVector>,
 }
 
 impl GoalContext<'_> {
     /// Returns the joint positions of one hand and its arm, rad.
-    pub(super) fn hand_rad(&self, q_rad: &RobotVector, side: HandSide) -> HandVector {
-        HandVector::from_slice(&q_rad[self.robot.joint_range(side)])
+    pub(super) fn hand_position(&self, q: &RobotVector, side: HandSide) -> HandVector {
+        HandVector::from_slice(&q[self.robot.joint_range(side)])
     }
 }

@@ -69,11 +69,11 @@ pub fn check(request: &GoalRequest, now: &GoalContext<'_>) -> Result<Goal, Reaso
         return Err(Reason::new(Cause::CANNOT_TURN).with_index(goal.side().index()));
     }
     // Arm positions are unknown before the first command. The tick rejects goals until then.
-    if let Some(q_rad) = now.commanded_rad {
+    if let Some(q) = now.commanded_position {
         if request.kind.is_stream() {
-            check_sides(&goal, now, q_rad)?;
+            check_sides(&goal, now, q)?;
         }
-        let clearance_margin_m = check_paths(&goal, now, q_rad)?;
+        let clearance_margin_m = check_paths(&goal, now, q)?;
         return Ok(goal.with_clearance_margin(clearance_margin_m));
     }
     Ok(goal)
@@ -81,11 +81,11 @@ pub fn check(request: &GoalRequest, now: &GoalContext<'_>) -> Result<Goal, Reaso
 
 /// Checks the workspaces of teleoperated hands, because targets are not known in advance. Each of
 /// two arms must be on its own side of the table.
-fn check_sides(goal: &Goal, now: &GoalContext<'_>, q_rad: &RobotVector) -> Result<(), Reason> {
+fn check_sides(goal: &Goal, now: &GoalContext<'_>, q: &RobotVector) -> Result<(), Reason> {
     let beside_another = now.robot.sides().count() > 1;
     for side in now.robot.sides() {
-        let (hand, q_rad) = (now.robot.hand(side), now.hand_rad(q_rad, side));
-        let across = arm_across_middle(hand, &q_rad).filter(|_| beside_another);
+        let (hand, q) = (now.robot.hand(side), now.hand_position(q, side));
+        let across = arm_across_middle(hand, &q).filter(|_| beside_another);
         if let Some(reason) = across {
             return Err(reason);
         }
@@ -95,7 +95,7 @@ fn check_sides(goal: &Goal, now: &GoalContext<'_>, q_rad: &RobotVector) -> Resul
         let space = TeleopWorkspace::new(now.robot, side);
         let space = space.ok_or(Reason::new(Cause::NO_WORKSPACE).with_index(side.index()))?;
         let [_, [least_m, most_m], _] = space.centre_m;
-        let y_m = grasp_pose(hand, &hand.forward(&q_rad)).centre_m.y;
+        let y_m = grasp_pose(hand, &hand.forward(&q)).centre_m.y;
         if beside_another && !(least_m..=most_m).contains(&y_m) {
             let (inner_m, y_m) = (least_m.abs().min(most_m.abs()), y_m.abs());
             return Err(
@@ -220,7 +220,7 @@ fn check_place(
     let top_m = goal.request().top_m;
     if top_m > 0.0 {
         // The object must fit below the palm, and the hand must approach from above it.
-        let room_m = hand.lowest_of_palm_m(&hand.forward(&grasp.q_rad)) - z - TOP_CLEARANCE_M;
+        let room_m = hand.lowest_of_palm_m(&hand.forward(&grasp.q)) - z - TOP_CLEARANCE_M;
         check_range(top_m, (0.0, room_m), TOP)?;
         let over_m = z + approach_height_m(hand, goal.request(), now.settings);
         let over = hand.posture_for(&frame(over_m, open_m, yaw_rad));
@@ -235,10 +235,9 @@ const YAW_STEP_RAD: f64 = PI / 36.0;
 const YAW_STEPS: usize = 18;
 
 /// Returns the feasible yaw closest to the commanded one, rad.
-fn nearest_yaw_rad(commanded_rad: f64, is_feasible: impl Fn(f64) -> bool) -> Option<f64> {
+fn nearest_yaw_rad(yaw_rad: f64, is_feasible: impl Fn(f64) -> bool) -> Option<f64> {
     let turns_rad = (1..=YAW_STEPS).map(|step| step as f64 * YAW_STEP_RAD);
-    let mut yaws_rad =
-        turns_rad.flat_map(|by_rad| [commanded_rad + by_rad, commanded_rad - by_rad]);
+    let mut yaws_rad = turns_rad.flat_map(|by_rad| [yaw_rad + by_rad, yaw_rad - by_rad]);
     yaws_rad.find(|yaw_rad| is_feasible(*yaw_rad))
 }
 

@@ -90,27 +90,27 @@ impl Controller {
 
     /// Updates the hands' measured poses; synchronises to a robot that is first ready, or recovers.
     fn update_poses(&mut self) {
-        let Some(measured_rad) = self.joints.position_rad().copied() else {
+        let Some(measured) = self.joints.position().copied() else {
             return;
         };
         let is_ready = self.mode.mode() == Mode::READY;
         if is_ready && !self.gate.is_synchronised() || self.recovers && self.can_recover() {
-            self.synchronise(&measured_rad);
+            self.synchronise(&measured);
         }
         if is_ready && self.checks_for_grip {
             self.keep_existing_grips();
         }
         let ranges = self.joint_ranges();
-        let effort_n_m = self.joints.effort_n_m();
+        let effort = self.joints.effort();
         for (hand, range) in self.hands.iter_mut().zip(ranges) {
-            let q_rad = HandVector::from_slice(&measured_rad[range.clone()]);
-            let effort_n_m = effort_n_m.map(|all| HandVector::from_slice(&all[range]));
-            let effort_n_m = effort_n_m.as_ref();
+            let q = HandVector::from_slice(&measured[range.clone()]);
+            let effort = effort.map(|all| HandVector::from_slice(&all[range]));
+            let effort = effort.as_ref();
             if hand.needs_pose() {
-                let pose = hand.model().forward(&q_rad);
-                hand.update_measured(&pose, effort_n_m, &self.settings, self.step_s);
+                let pose = hand.model().forward(&q);
+                hand.update_measured(&pose, effort, &self.settings, self.step_s);
             } else {
-                hand.update_resting(effort_n_m, self.step_s);
+                hand.update_resting(effort, self.step_s);
             }
         }
     }
@@ -118,7 +118,7 @@ impl Controller {
     /// Returns true if the commanded joints rest and the measured positions are fresh.
     fn can_recover(&self) -> bool {
         let limits = &self.settings.intake;
-        self.gate.is_at_rest() && self.joints.fresh_rad(self.tick, limits).is_some()
+        self.gate.is_at_rest() && self.joints.fresh_position(self.tick, limits).is_some()
     }
 
     fn change_mode(&mut self, change: impl FnOnce(&mut ModeMachine)) {

@@ -71,10 +71,10 @@ impl HandControl {
                 .any(|side| side.in_contact)
     }
 
-    /// Processes the servo torques, N·m, of a hand that does not need its measured pose.
-    pub(crate) fn update_resting(&mut self, effort_n_m: Option<&HandVector>, step_s: f64) {
-        match effort_n_m {
-            Some(effort_n_m) => self.torque_check.learn_free(effort_n_m, step_s),
+    /// Processes the servo torques, N·m or N, of a hand that does not need its measured pose.
+    pub(crate) fn update_resting(&mut self, effort: Option<&HandVector>, step_s: f64) {
+        match effort {
+            Some(effort) => self.torque_check.learn_free(effort, step_s),
             None => self.torque_check = TorqueForceCheck::new(&self.model),
         }
     }

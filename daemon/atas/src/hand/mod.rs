@@ -161,11 +161,11 @@ impl HandControl {
         })
     }
 
-    /// Processes the measured hand pose and servo torques, N·m.
+    /// Processes the measured hand pose and servo torques, N·m or N.
     pub(crate) fn update_measured(
         &mut self,
         measured: &HandPose,
-        effort_n_m: Option<&HandVector>,
+        effort: Option<&HandVector>,
         settings: &Settings,
         step_s: f64,
     ) {
@@ -182,10 +182,10 @@ impl HandControl {
         self.side_m = core::array::from_fn(|side| measured.side_m(side));
         let closing_s = self.executor.as_ref().map_or(0.0, TaskExecutor::closing_s);
         let load = (self.grips(), closing_s);
-        match effort_n_m {
-            Some(effort_n_m) => self.torque_check.update(
+        match effort {
+            Some(effort) => self.torque_check.update(
                 &self.model,
-                (measured, effort_n_m),
+                (measured, effort),
                 self.perception.percept(),
                 load,
                 &settings.safety,
@@ -195,9 +195,9 @@ impl HandControl {
         }
     }
 
-    /// Synchronises to measured joint positions, rad, at rest.
-    pub(crate) fn synchronise(&mut self, q_rad: HandVector) {
-        self.servo = Some(HandServo::new(&self.model, q_rad));
+    /// Synchronises to measured joint positions, rad or m, at rest.
+    pub(crate) fn synchronise(&mut self, q: HandVector) {
+        self.servo = Some(HandServo::new(&self.model, q));
         self.arbiter.reset();
     }
 
@@ -273,7 +273,7 @@ impl HandControl {
     pub(crate) fn command(&mut self, moves: bool, step_s: f64) -> HandCommand {
         let Some(servo) = self.servo.as_mut() else {
             return HandCommand {
-                q_rad: HandVector::zeros(self.model.joints().len()),
+                q: HandVector::zeros(self.model.joints().len()),
                 closing_m_s: [0.0; GRASP_SIDES],
             };
         };
@@ -296,9 +296,9 @@ impl HandControl {
     }
 
     /// Adopts the joint positions that the gate let through.
-    pub(crate) fn adopt(&mut self, q_rad: HandVector) {
+    pub(crate) fn adopt(&mut self, q: HandVector) {
         if let Some(servo) = self.servo.as_mut() {
-            servo.accept(q_rad);
+            servo.accept(q);
         }
     }
 

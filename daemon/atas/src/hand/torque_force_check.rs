@@ -35,7 +35,7 @@ const TORQUE_OVER_SHARE: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TorqueForceCheck {
-    /// Free-finger torques, N·m.
+    /// Free-finger torques, N·m or N.
     free_n_m: HandVector,
     /// Filtered tactile and torque-estimated normal force per grasp side, N. Both sides hold the
     /// mean if only that is known.
@@ -96,19 +96,20 @@ impl TorqueForceCheck {
         self.disagreement.update(disagrees, step_s);
     }
 
-    /// Learns the torques, N·m, of fingers that are free.
-    pub(super) fn learn_free(&mut self, effort_n_m: &HandVector, step_s: f64) {
+    /// Learns the torques, N·m or N, of fingers that are free.
+    pub(super) fn learn_free(&mut self, effort: &HandVector, step_s: f64) {
         let learnt = |free, now| low_pass(free, now, step_s, FREE_FILTER_S);
-        self.free_n_m = self.free_n_m.zip_map(effort_n_m, learnt);
+        self.free_n_m = self.free_n_m.zip_map(effort, learnt);
         (self.tactile_n, self.torque_n, self.disagreement) = Default::default();
     }
 
-    /// Updates the check from hand pose, servo torques, N·m, and percept. Fingers without contact
-    /// or grip are free, unless they have been closing towards contact for `CLOSING_LEARN_S`.
+    /// Updates the check from hand pose, servo torques, N·m or N, and percept. Fingers without
+    /// contact or grip are free, unless they have been closing towards contact for
+    /// `CLOSING_LEARN_S`.
     pub(super) fn update(
         &mut self,
         model: &HandModel,
-        (pose, effort_n_m): (&HandPose, &HandVector),
+        (pose, effort): (&HandPose, &HandVector),
         percept: &Percept,
         (grips, closing_s): (bool, f64),
         settings: &Safety,
@@ -116,9 +117,9 @@ impl TorqueForceCheck {
     ) {
         let touches = percept.sides.iter().any(|side| side.in_contact);
         if !touches && !grips && closing_s < CLOSING_LEARN_S {
-            return self.learn_free(effort_n_m, step_s);
+            return self.learn_free(effort, step_s);
         }
-        let loaded_n_m = effort_n_m.zip_map(&self.free_n_m, |now, free| now - free);
+        let loaded_n_m = effort.zip_map(&self.free_n_m, |now, free| now - free);
         let felt_n = percept.sides.each_ref().map(|measured| measured.normal_n);
         let (felt_n, borne_n) = match joint_force_n(model, pose, &loaded_n_m, percept) {
             JointForce::PerSide(borne_n) => (felt_n, borne_n),

@@ -50,7 +50,7 @@ impl TeleopWorkspace {
 
 /// Returns the reason if this posture prevents teleoperation: the arm reaches across the middle.
 #[must_use]
-pub fn arm_across_middle(hand: &HandModel, q_rad: &HandVector) -> Option<Reason> {
+pub fn arm_across_middle(hand: &HandModel, q: &HandVector) -> Option<Reason> {
     let sign = hand.side().y_sign();
     // NaN counts as across the middle.
     let off_m = |end_m: &Vector3<f64>, radius_m: f64| {
@@ -62,7 +62,7 @@ pub fn arm_across_middle(hand: &HandModel, q_rad: &HandVector) -> Option<Reason>
         }
     };
     let nearest_m = hand
-        .capsules(&hand.forward(q_rad))
+        .capsules(&hand.forward(q))
         .iter()
         .flat_map(|body| {
             [

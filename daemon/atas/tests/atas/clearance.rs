@@ -31,7 +31,7 @@ fn posture(side: HandSide, centre_m: [f64; 3], opening_m: f64) -> HandVector {
     let (hand, centre_m) = (robot().hand(side), Vector3::from(centre_m));
     let yaw_rad = hand.closing_yaw_rad(&centre_m, 0.5);
     let frame = GraspPose::from_above(centre_m, yaw_rad, opening_m);
-    hand.posture_for(&frame).unwrap().q_rad
+    hand.posture_for(&frame).unwrap().q
 }
 
 fn at_home(side: HandSide) -> HandVector {
@@ -39,27 +39,27 @@ fn at_home(side: HandSide) -> HandVector {
     let now = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.1), 1.0, 0.05);
     hand.posture_for(&planning::home_pose(hand, &now))
         .unwrap()
-        .q_rad
+        .q
 }
 
 /// World in READY with the right arm at home and the left arm in this posture.
 fn world(left_rad: HandVector) -> World {
     let mut world = World::new();
-    for (side, q_rad) in [
+    for (side, q) in [
         (HandSide::Left, left_rad),
         (HandSide::Right, at_home(HandSide::Right)),
     ] {
-        world.q_rad[robot().joint_range(side)].copy_from_slice(&q_rad);
+        world.q[robot().joint_range(side)].copy_from_slice(&q);
     }
     world.run(50);
     assert_eq!(world.mode(), Mode::READY);
     world
 }
 
-fn gap_m(q_rad: &RobotVector) -> f64 {
+fn gap_m(q: &RobotVector) -> f64 {
     let bodies = |side| {
         let hand = robot().hand(side);
-        hand.capsules(&hand.forward(&hand_of(q_rad, side)))
+        hand.capsules(&hand.forward(&hand_of(q, side)))
     };
     nearest(&bodies(HandSide::Right), &bodies(HandSide::Left)).gap_m
 }
@@ -103,7 +103,7 @@ fn accepted_goals_keep_clearance_in_every_tick() {
             to_m: place([-0.15, 0.05]),
             ..grasp()
         };
-        if gap_m(&world.q_rad) < CLEARANCE_M {
+        if gap_m(&world.q) < CLEARANCE_M {
             continue;
         }
         match check(&world, &request) {
@@ -117,7 +117,7 @@ fn accepted_goals_keep_clearance_in_every_tick() {
                 let mut least_m = f64::INFINITY;
                 while !world.controller.goal().unwrap().state.is_final() {
                     world.tick();
-                    least_m = least_m.min(gap_m(&world.q_rad));
+                    least_m = least_m.min(gap_m(&world.q));
                 }
                 assert_eq!(world.controller.goal().unwrap().state, GoalState::SUCCEEDED);
                 assert!(
@@ -174,7 +174,7 @@ fn off_centre_grasp_within_margin_keeps_clearance() {
 #[test]
 fn collision_with_other_arm_is_rejected_by_name() {
     let world = world(posture(HandSide::Left, [0.30, -0.02, 0.06], 0.06));
-    let before_rad = world.q_rad;
+    let before_rad = world.q;
     let into = GoalRequest {
         from_m: [0.30, -0.04, 0.05],
         ..grasp()
@@ -199,7 +199,7 @@ fn collision_with_other_arm_is_rejected_by_name() {
     assert_eq!(check(&world, &over).unwrap_err().cause, Cause::ARMS_COLLIDE);
     let mut after = world.clone();
     after.run(100);
-    assert_eq!(after.q_rad, before_rad);
+    assert_eq!(after.q, before_rad);
 }
 
 /// Arms that are already too close may move apart.
@@ -207,7 +207,7 @@ fn collision_with_other_arm_is_rejected_by_name() {
 fn release_is_accepted_with_touching_arms() {
     let mut world = World::ready();
     assert!(
-        gap_m(&world.q_rad) < 0.0,
+        gap_m(&world.q) < 0.0,
         "the initial posture crosses the fingers"
     );
     let release = GoalRequest {

@@ -1,7 +1,7 @@
 //! Whole controller: modes, goals and client updates.
 
 use crate::support::JOINTS;
-use crate::support::home_rad;
+use crate::support::home;
 use crate::world::{World, commanded_gap_m, grasp, start};
 use atas_core::OperatorRequest;
 use shm_schemas::{
@@ -25,11 +25,11 @@ fn init_becomes_ready_with_valid_inputs() {
         (outputs.command.mode, outputs.command.joint_count, ticks),
         (Mode::READY, 22, 19)
     );
-    assert_eq!(outputs.command.position_rad[..JOINTS], *home_rad());
+    assert_eq!(outputs.command.position[..JOINTS], *home());
     assert_eq!(kinds(outputs.events.as_slice(), EventKind::MODE), 1);
     for _ in 0..100 {
         let outputs = world.tick();
-        assert_eq!(outputs.command.position_rad[..JOINTS], *home_rad());
+        assert_eq!(outputs.command.position[..JOINTS], *home());
         assert!(outputs.command.is_intact());
         assert_eq!(outputs.report.command_crc32, outputs.command.crc32);
     }
@@ -211,8 +211,8 @@ fn missing_object_is_reported_and_hand_stays() {
         (update.state, update.reason.cause),
         (GoalState::FAILED, Cause::NOTHING_TOUCHED)
     );
-    let rest = world.run(200).command.position_rad;
-    assert_eq!(world.run(100).command.position_rad, rest);
+    let rest = world.run(200).command.position;
+    assert_eq!(world.run(100).command.position, rest);
     assert_eq!(world.mode(), Mode::READY);
 }
 
@@ -248,9 +248,9 @@ fn cancel_stops_the_hand_in_place() {
         (update.state, update.reason.cause),
         (GoalState::CANCELLED, Cause::CANCELLED)
     );
-    let rest = world.run(300).command.position_rad;
+    let rest = world.run(300).command.position;
     assert_eq!(
-        (world.mode(), world.run(100).command.position_rad),
+        (world.mode(), world.run(100).command.position),
         (Mode::READY, rest)
     );
     assert_eq!(

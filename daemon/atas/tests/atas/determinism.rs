@@ -113,7 +113,7 @@ fn corrupted_frame(twist: Corruption, mut frame: HandFrame) -> HandFrame {
 fn corrupted_joints(twist: Corruption, mut state: JointState) -> JointState {
     match twist {
         Corruption::Intact | Corruption::Force(_) => {}
-        Corruption::Value(i, value) => state.position_rad[i % 22] = value,
+        Corruption::Value(i, value) => state.position[i % 22] = value,
         Corruption::Stamp(sequence, captured_ns, writer_epoch) => {
             state.stamp = Stamp {
                 sequence,
@@ -145,17 +145,17 @@ fn bytes(outputs: &Outputs) -> Vec<u8> {
 fn check(outputs: &Outputs) -> Result<(), TestCaseError> {
     let command = &outputs.command;
     prop_assert!(command.is_intact());
-    for (joint, (q_rad, v_rad_s)) in robot()
+    for (joint, (q, v_rad_s)) in robot()
         .joints()
-        .zip(command.position_rad.iter().zip(&command.velocity_rad_s))
+        .zip(command.position.iter().zip(&command.velocity))
     {
         prop_assert!(
-            command.joint_count == 0 || (joint.lower_rad..=joint.upper_rad).contains(q_rad),
-            "{}: {q_rad}",
+            command.joint_count == 0 || (joint.lower..=joint.upper).contains(q),
+            "{}: {q}",
             joint.name
         );
         prop_assert!(
-            v_rad_s.abs() <= joint.velocity_max_rad_s * (1.0 + 1e-9),
+            v_rad_s.abs() <= joint.velocity_max * (1.0 + 1e-9),
             "{}: {v_rad_s}",
             joint.name
         );
@@ -194,7 +194,7 @@ proptest! {
                 let twists = &received.frames[hand.index().unwrap()];
                 (1..).zip(twists).map(|(i, t)| corrupted_frame(*t, frame(hand, world.ms, now_ns - 1000 + i))).collect::<Vec<_>>()
             });
-            let state = received.joints.map(|twist| corrupted_joints(twist, joints(world.ms, now_ns, &world.q_rad)));
+            let state = received.joints.map(|twist| corrupted_joints(twist, joints(world.ms, now_ns, &world.q)));
             let inputs = Inputs {
                 tick: Tick { index: world.ms, now_ns },
                 frames: [&frames[0], &frames[1]],
@@ -206,7 +206,7 @@ proptest! {
             prop_assert_eq!(bytes(&outputs), bytes(twin.step(&inputs)));
             check(&outputs)?;
             if outputs.command.joint_count > 0 {
-                world.q_rad.copy_from_slice(&outputs.command.position_rad[..22]);
+                world.q.copy_from_slice(&outputs.command.position[..22]);
             }
         }
     }

@@ -19,8 +19,8 @@ fn silence_holds_in_time_and_recovers() {
         // The last message is one tick old when the silence shows: five more ticks make six.
         assert_eq!(ticks, bound, "{cause}");
         assert_eq!(world.controller.mode().1.cause, cause);
-        let rest = world.run(150).command.position_rad;
-        assert_eq!(world.run(50).command.position_rad, rest, "HOLD keeps still");
+        let rest = world.run(150).command.position;
+        assert_eq!(world.run(50).command.position, rest, "HOLD keeps still");
         world.silent = [false; 3];
         let (_, ticks) = world.run_until(100, |w| w.mode() == Mode::RUN);
         assert!(ticks <= 50, "re-armed after {ticks} ticks");
@@ -62,9 +62,9 @@ fn long_pause_fails_the_goal() {
         "safety.pause_s is 0.5 s, failed after {ticks} ticks"
     );
     world.silent = [false; 3];
-    let rest = world.run(100).command.position_rad;
+    let rest = world.run(100).command.position;
     assert_eq!(
-        (world.mode(), world.run(100).command.position_rad),
+        (world.mode(), world.run(100).command.position),
         (Mode::READY, rest),
         "nothing resumes"
     );
@@ -74,9 +74,9 @@ fn long_pause_fails_the_goal() {
 #[test]
 fn invalid_joint_feedback_stops_and_latches() {
     for fault in [
-        (|s| s.position_rad[3] = f64::NAN) as fn(&mut shm_schemas::JointState),
-        |s| s.position_rad[20] += 0.2,
-        |s| s.position_rad[0] = 1e12,
+        (|s| s.position[3] = f64::NAN) as fn(&mut shm_schemas::JointState),
+        |s| s.position[20] += 0.2,
+        |s| s.position[0] = 1e12,
         |s| s.joint_count = 0,
     ] {
         let mut world = World::reaching();
@@ -89,9 +89,9 @@ fn invalid_joint_feedback_stops_and_latches() {
             (GoalState::FAILED, Cause::JOINTS_INVALID)
         );
         world.joint_fault = None;
-        let rest = world.run(300).command.position_rad;
+        let rest = world.run(300).command.position;
         assert_eq!(
-            (world.mode(), world.run(100).command.position_rad),
+            (world.mode(), world.run(100).command.position),
             (Mode::SAFE_STOP, rest),
             "latched"
         );
@@ -106,25 +106,25 @@ fn invalid_joint_feedback_stops_and_latches() {
 #[test]
 fn following_error_stops_the_robot() {
     let mut world = World::reaching();
-    let stuck_rad = world.q_rad;
+    let stuck_rad = world.q;
     for ticks in 0.. {
-        world.q_rad = stuck_rad;
+        world.q = stuck_rad;
         if world.tick().command.mode == Mode::SAFE_STOP {
             break;
         }
         assert!(ticks < 1000);
     }
     assert_eq!(world.controller.mode().1.cause, Cause::FOLLOWING_ERROR);
-    world.q_rad = stuck_rad;
+    world.q = stuck_rad;
     let mut outputs = world.request(OperatorRequest::Recover);
     for _ in 0..100 {
-        world.q_rad = stuck_rad;
+        world.q = stuck_rad;
         outputs = world.tick();
     }
     assert_eq!(world.mode(), Mode::READY);
     // A limb that did not track its command restarts from its measured position; a limb that nearly
     // did keeps its command.
-    let off_rad = |i: usize| (outputs.command.position_rad[i] - stuck_rad[i]).abs();
+    let off_rad = |i: usize| (outputs.command.position[i] - stuck_rad[i]).abs();
     assert!((0..JOINTS).all(|i| off_rad(i) <= atas_core::limits::PRELOAD_MAX_RAD));
     assert!((0..JOINTS).any(|i| off_rad(i) == 0.0));
 }
@@ -135,9 +135,9 @@ fn estop_latches_until_recovery() {
     let outputs = world.request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
     assert_eq!(outputs.command.mode, Mode::SAFE_STOP);
     assert_eq!(outputs.goal_update.unwrap().reason.cause, Cause::ESTOP);
-    let rest = world.run(1000).command.position_rad;
+    let rest = world.run(1000).command.position;
     assert_eq!(
-        (world.mode(), world.run(1).command.position_rad),
+        (world.mode(), world.run(1).command.position),
         (Mode::SAFE_STOP, rest)
     );
     world.request(OperatorRequest::Recover);
@@ -169,12 +169,12 @@ fn recover_outside_safe_stop_has_no_effect() {
 #[test]
 fn stall_holds_and_motion_is_not_made_up() {
     let mut world = World::reaching();
-    let before = world.tick().command.position_rad;
+    let before = world.tick().command.position;
     world.ms += 300;
     let outputs = world.tick();
     assert_eq!(outputs.command.mode, Mode::HOLD);
     let moved = (0..JOINTS)
-        .map(|i| (outputs.command.position_rad[i] - before[i]).abs())
+        .map(|i| (outputs.command.position[i] - before[i]).abs())
         .fold(0.0, f64::max);
     assert!(moved < 6e-3, "one tick at most: {moved} rad");
     world.run_until(100, |w| w.mode() == Mode::RUN);
@@ -194,7 +194,7 @@ fn frame_bursts_are_processed_in_order() {
                 .collect()
         });
         sequence += burst;
-        let state = crate::support::joints(world.ms, now_ns, &world.q_rad);
+        let state = crate::support::joints(world.ms, now_ns, &world.q);
         let outputs = world.controller.step(&Inputs {
             tick: Tick {
                 index: world.ms,

@@ -2,7 +2,7 @@
 
 use crate::gate_bench::{GateBench, LimitChecker, NO_GRIP, positions, velocities};
 use crate::support::JOINTS;
-use crate::support::{MS_NS, hand_of, home_rad, robot};
+use crate::support::{MS_NS, hand_of, home, robot};
 use atas_core::Tick;
 use atas_core::kinematics::HandCommand;
 use atas_core::limits::JOINT_ACCELERATION_RAD_S2;
@@ -67,10 +67,10 @@ proptest! {
         let mut rig = GateBench::new();
         rig.step_s = 1.0 / rate_hz;
         let mut judge = LimitChecker::new(&rig);
-        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
+        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max).collect();
         for (factors, ticks, mode) in legs {
             for _ in 0..ticks * rig.ticks_per_ms() {
-                let at = *rig.gate.position_rad();
+                let at = *rig.gate.position();
                 let wanted = RobotVector::from_fn(JOINTS, |i| at[i] + factors[i] * speeds[i] * rig.step_s);
                 judge.check(&rig.pass(mode, &wanted))?;
             }
@@ -80,20 +80,20 @@ proptest! {
     #[test]
     fn constant_target_is_reached(legs in prop::collection::vec(any_leg(), 1..4)) {
         let mut rig = GateBench::new();
-        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
+        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max).collect();
         for (factors, ticks, _) in legs {
             for _ in 0..ticks {
-                let at = *rig.gate.position_rad();
+                let at = *rig.gate.position();
                 rig.pass(Mode::RUN, &RobotVector::from_fn(JOINTS, |i| at[i] + factors[i] * speeds[i] * 1e-3));
             }
         }
         for _ in 0..200 {
             rig.pass(Mode::HOLD, &RobotVector::repeat(JOINTS, 0.0));
         }
-        let target = rig.gate.position_rad().map(|q| q + 1e-3);
+        let target = rig.gate.position().map(|q| q + 1e-3);
         let target = RobotVector::from_fn(JOINTS, |i| {
             let joint = robot().joint(i).unwrap();
-            target[i].clamp(joint.lower_rad, joint.upper_rad)
+            target[i].clamp(joint.lower, joint.upper)
         });
         let mut last = Vec::new();
         for _ in 0..300 {
@@ -112,14 +112,14 @@ proptest! {
     ) {
         let mut rig = GateBench::new();
         rig.step_s = 1.0 / rate_hz;
-        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max_rad_s).collect();
+        let speeds: Vec<f64> = robot().joints().map(|j| j.velocity_max).collect();
         let mut moving = RobotVector::repeat(JOINTS, 0.0);
         for _ in 0..ticks * rig.ticks_per_ms() {
-            let at = *rig.gate.position_rad();
+            let at = *rig.gate.position();
             let step_s = rig.step_s;
             moving = velocities(&rig.pass(Mode::RUN, &RobotVector::from_fn(JOINTS, |i| at[i] + factors[i] * speeds[i] * step_s)));
         }
-        let from = *rig.gate.position_rad();
+        let from = *rig.gate.position();
         rig.grips = [Grip { normal_n: [30.0; 2], f2_n: Some(1.0) }; 2];
         rig.closing_m_s = [[0.002, -0.002]; 2];
         let mut rest = RobotVector::repeat(JOINTS, 0.0);
@@ -145,7 +145,7 @@ proptest! {
         let mut rig = GateBench::new();
         for i in 0..=2000_u32 {
             let tau: f64 = (f64::from(i) * 1e-3 / duration_s).min(1.0);
-            let mut wanted = home_rad();
+            let mut wanted = home();
             wanted[joint] += amplitude * tau * tau * tau * (10.0 - 15.0 * tau + 6.0 * tau * tau);
             let safe = rig.pass(Mode::RUN, &wanted);
             prop_assert!((positions(&safe)[joint] - wanted[joint]).abs() < 1e-9);
@@ -157,15 +157,15 @@ proptest! {
 fn gate_rejects_non_finite_vectors_as_a_whole() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut rig = GateBench::new();
-        let mut wanted = home_rad().map(|q| q + 1e-4);
+        let mut wanted = home().map(|q| q + 1e-4);
         wanted[13] = bad;
         let safe = rig.pass(Mode::RUN, &wanted);
-        assert_eq!(positions(&safe), home_rad());
+        assert_eq!(positions(&safe), home());
         assert_eq!(
             (rig.gate.refusal().cause, rig.gate.refusal().index),
             (Cause::COMMAND_NOT_FINITE, 13)
         );
-        rig.pass(Mode::RUN, &home_rad());
+        rig.pass(Mode::RUN, &home());
         assert!(
             !rig.gate.refusal().is_some(),
             "the refusal ends with its cause"
@@ -176,9 +176,9 @@ fn gate_rejects_non_finite_vectors_as_a_whole() {
 #[test]
 fn gate_rejects_jumps_as_a_whole() {
     let mut rig = GateBench::new();
-    let mut wanted = home_rad().map(|q| q + 1e-4);
+    let mut wanted = home().map(|q| q + 1e-4);
     wanted[4] += 0.5;
-    assert_eq!(positions(&rig.pass(Mode::RUN, &wanted)), home_rad());
+    assert_eq!(positions(&rig.pass(Mode::RUN, &wanted)), home());
     let finding = rig.gate.refusal();
     assert_eq!((finding.cause, finding.index), (Cause::COMMAND_STEP, 4));
     assert!(finding.value > finding.limit);
@@ -188,8 +188,8 @@ fn gate_rejects_jumps_as_a_whole() {
 fn only_run_allows_motion() {
     for mode in Mode::ALL {
         let mut rig = GateBench::new();
-        let wanted = home_rad().map(|q| q + 1e-4);
-        let moved = positions(&rig.pass(*mode, &wanted)) != home_rad();
+        let wanted = home().map(|q| q + 1e-4);
+        let moved = positions(&rig.pass(*mode, &wanted)) != home();
         assert_eq!(moved, *mode == Mode::RUN, "{mode}");
     }
 }
@@ -212,10 +212,10 @@ fn side_above_grip_ceiling_may_only_open() {
                 f2_n,
             };
             rig.closing_m_s[1] = [closing_m_s, 0.002];
-            let wanted = home_rad().map(|q| q + 1e-5);
+            let wanted = home().map(|q| q + 1e-5);
             let moved: Vec<bool> = positions(&rig.pass(Mode::RUN, &wanted))
                 .iter()
-                .zip(home_rad().iter())
+                .zip(home().iter())
                 .map(|(a, b)| a != b)
                 .collect();
             let frozen = over && closing_m_s >= 0.0;
@@ -243,13 +243,13 @@ fn lag_is_caught_up_without_oscillation() {
     for rate_hz in [100.0, 1000.0, 2000.0, 4000.0, 10_000.0] {
         let mut rig = GateBench::new();
         rig.step_s = 1.0 / rate_hz;
-        let (mut wanted, mut overshoot_rad) = (home_rad(), 0.0_f64);
+        let (mut wanted, mut overshoot_rad) = (home(), 0.0_f64);
         wanted[6] += 1e-3;
         for _ in 0..(0.2 * rate_hz) as usize {
             let safe = rig.pass(Mode::RUN, &wanted);
             overshoot_rad = overshoot_rad.max(positions(&safe)[6] - wanted[6]);
         }
-        let left_rad = (rig.gate.position_rad()[6] - wanted[6]).abs();
+        let left_rad = (rig.gate.position()[6] - wanted[6]).abs();
         assert!(left_rad < 1e-6, "{rate_hz} Hz: {left_rad} rad remain");
         assert!(
             overshoot_rad < 2e-4,
@@ -262,24 +262,24 @@ fn lag_is_caught_up_without_oscillation() {
 #[test]
 fn following_error_is_reported_after_ten_ticks() {
     let mut rig = GateBench::new();
-    let mut measured = home_rad();
+    let mut measured = home();
     measured[6] -= 0.1;
-    rig.measured_rad = Some(measured);
+    rig.measured = Some(measured);
     for _ in 0..9 {
-        rig.pass(Mode::RUN, &home_rad());
+        rig.pass(Mode::RUN, &home());
         assert!(!rig.gate.refusal().is_some());
     }
-    rig.measured_rad = Some(home_rad());
-    rig.pass(Mode::RUN, &home_rad());
-    rig.measured_rad = Some(measured);
+    rig.measured = Some(home());
+    rig.pass(Mode::RUN, &home());
+    rig.measured = Some(measured);
     for _ in 0..9 {
-        rig.pass(Mode::HOLD, &home_rad());
+        rig.pass(Mode::HOLD, &home());
         assert!(
             !rig.gate.refusal().is_some(),
             "one good tick restarts the count"
         );
     }
-    rig.pass(Mode::HOLD, &home_rad());
+    rig.pass(Mode::HOLD, &home());
     let finding = rig.gate.refusal();
     assert_eq!((finding.cause, finding.index), (Cause::FOLLOWING_ERROR, 6));
     assert!((finding.value - 0.1).abs() < 1e-12 && (finding.limit - 0.08).abs() < 1e-12);
@@ -289,13 +289,13 @@ fn following_error_is_reported_after_ten_ticks() {
 fn fast_joint_has_larger_following_limit() {
     let mut rig = GateBench::new();
     for _ in 0..200 {
-        let at = *rig.gate.position_rad();
+        let at = *rig.gate.position();
         let mut wanted = at;
         wanted[1] += 2e-3;
         let mut measured = at;
         measured[1] -= 0.09;
-        let fast = rig.pass(Mode::RUN, &wanted).command().velocity_rad_s[1] > 1.0;
-        rig.measured_rad = fast.then_some(measured);
+        let fast = rig.pass(Mode::RUN, &wanted).command().velocity[1] > 1.0;
+        rig.measured = fast.then_some(measured);
         assert!(!rig.gate.refusal().is_some());
     }
 }
@@ -304,10 +304,10 @@ fn fast_joint_has_larger_following_limit() {
 fn every_command_is_stamped_sealed_and_expires() {
     let mut gate = Gate::new(robot(), 77);
     let settings = Settings::default().safety;
-    let raw = HandSide::BOTH.map(|side| HandCommand::new(hand_of(&home_rad(), side), [0.0; 2]));
+    let raw = HandSide::BOTH.map(|side| HandCommand::new(hand_of(&home(), side), [0.0; 2]));
     for index in 0..20 {
         if index == 10 {
-            gate.synchronise(&home_rad());
+            gate.synchronise(&home());
         }
         let mode = Mode::ALL[index as usize % Mode::ALL.len()];
         let tick = Tick {
@@ -318,7 +318,7 @@ fn every_command_is_stamped_sealed_and_expires() {
             tick,
             step_s: 1e-3,
             mode,
-            measured_rad: None,
+            measured: None,
             joint_sequence: index + 100,
             grip_limit_n: [0.0, 2.5],
             settings: &settings,
@@ -349,13 +349,10 @@ fn every_command_is_stamped_sealed_and_expires() {
 #[test]
 fn joint_beyond_limit_is_commanded_at_limit() {
     let mut rig = GateBench::new();
-    let mut measured = home_rad();
-    let upper_rad = robot().joint(2).unwrap().upper_rad;
-    measured[2] = upper_rad + 0.04;
+    let mut measured = home();
+    let upper = robot().joint(2).unwrap().upper;
+    measured[2] = upper + 0.04;
     rig.gate.synchronise(&measured);
-    let safe = rig.pass(Mode::HOLD, &home_rad());
-    assert_eq!(
-        (positions(&safe)[2], velocities(&safe)[2]),
-        (upper_rad, 0.0)
-    );
+    let safe = rig.pass(Mode::HOLD, &home());
+    assert_eq!((positions(&safe)[2], velocities(&safe)[2]), (upper, 0.0));
 }

@@ -28,7 +28,7 @@ fn check_with(goal: &GoalRequest, wiring: &SensorSetup, tasks: &[Task]) -> Resul
         wiring,
         settings: &Settings::default(),
         tasks,
-        commanded_rad: None,
+        commanded_position: None,
     };
     check::check(goal, &now)
 }
@@ -195,7 +195,7 @@ fn angular_jaw_rejects_impossible_yaw_and_width() {
             wiring: &wiring,
             settings: &Settings::default(),
             tasks: &[],
-            commanded_rad: None,
+            commanded_position: None,
         };
         check::check(&goal, &now).err()
     };

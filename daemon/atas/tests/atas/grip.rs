@@ -16,12 +16,12 @@ fn warned(outputs: &atas_core::Outputs) -> Vec<Cause> {
 #[test]
 fn grip_is_kept_through_stop_and_recovery() {
     let mut world = World::holding();
-    let held_rad = world.run(1).command.position_rad;
+    let held = world.run(1).command.position;
     world.request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
     world.run(100);
     // Servos under load deviate slightly from their commands.
-    for q_rad in world.q_rad.iter_mut() {
-        *q_rad += 0.004;
+    for q in world.q.iter_mut() {
+        *q += 0.004;
     }
     world.request(OperatorRequest::Recover);
     let (outputs, _) = world.run_until(100, |w| w.controller.step_name() == "keep grip");
@@ -31,10 +31,10 @@ fn grip_is_kept_through_stop_and_recovery() {
     assert!(found.all(|event| event.hand == Hand::RIGHT));
     assert_eq!(world.run(1).command.mode, Mode::RUN);
     let off_rad = |at: &[f64]| {
-        let pairs = held_rad[..JOINTS].iter().zip(at);
+        let pairs = held[..JOINTS].iter().zip(at);
         pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
     };
-    assert!(off_rad(&outputs.command.position_rad) < 1e-4);
+    assert!(off_rad(&outputs.command.position) < 1e-4);
     let refused = world.request(start(grasp())).goal_update.unwrap();
     assert_eq!(refused.reason.cause, Cause::HAND_FULL);
 }
@@ -146,7 +146,7 @@ fn restarted_robot_process_resets_the_position() {
         "no command before the position is known"
     );
     let (outputs, _) = world.run_until(100, |w| w.mode() == Mode::READY);
-    assert_eq!(outputs.command.position_rad[..JOINTS], *world.q_rad);
+    assert_eq!(outputs.command.position[..JOINTS], *world.q);
 }
 
 /// Regression: a joint state with the largest time stamp caused a panic in lock-step.

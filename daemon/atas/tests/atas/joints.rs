@@ -1,7 +1,7 @@
 //! Joint intake: faults F40 and F41.
 
 use crate::support::JOINTS;
-use crate::support::{EPOCH, MS_NS, home_rad, joints, robot};
+use crate::support::{EPOCH, MS_NS, home, joints, robot};
 use atas_core::Tick;
 use atas_core::joints::JointIntake;
 use atas_core::settings::{Intake as Limits, Settings};
@@ -17,7 +17,7 @@ fn tick(ms: u64) -> Tick {
 }
 
 fn at(ms: u64) -> JointState {
-    joints(ms, START_NS + ms * MS_NS, &home_rad())
+    joints(ms, START_NS + ms * MS_NS, &home())
 }
 
 fn limits() -> Limits {
@@ -75,13 +75,9 @@ fn rows() -> Vec<Row> {
     vec![
         accepted("in order", 0, |_| {}),
         accepted("lost states", 4, |s| s.stamp.sequence += 4),
-        accepted("fast", 0, |s| s.position_rad[3] += 0.01),
-        accepted("NaN beyond the robot", 0, |s| {
-            s.position_rad[JOINTS] = f64::NAN
-        }),
-        accepted("NaN velocity, not read", 0, |s| {
-            s.velocity_rad_s[0] = f64::NAN
-        }),
+        accepted("fast", 0, |s| s.position[3] += 0.01),
+        accepted("NaN beyond the robot", 0, |s| s.position[JOINTS] = f64::NAN),
+        accepted("NaN velocity, not read", 0, |s| s.velocity[0] = f64::NAN),
         ignored("duplicate", |s| s.stamp.sequence = 9),
         ignored("reordered", |s| s.stamp.sequence = 3),
         ignored("older than the last", |s| s.stamp.captured_ns -= MS_NS),
@@ -90,9 +86,9 @@ fn rows() -> Vec<Row> {
             s.stamp.writer_epoch += 1
         }),
         ignored("future", |s| s.stamp.captured_ns += 5 * MS_NS),
-        faulty("NaN", 7, |s| s.position_rad[7] = f64::NAN),
-        faulty("infinite", 21, |s| s.position_rad[21] = f64::NEG_INFINITY),
-        faulty("jump", 3, |s| s.position_rad[3] += 0.1),
+        faulty("NaN", 7, |s| s.position[7] = f64::NAN),
+        faulty("infinite", 21, |s| s.position[21] = f64::NEG_INFINITY),
+        faulty("jump", 3, |s| s.position[3] += 0.1),
         faulty("too few joints", 0, |s| s.joint_count = 21),
         faulty("more joints", 0, |s| s.joint_count = 32),
         faulty("more joints than fit", 0, |s| s.joint_count = u32::MAX),
@@ -129,7 +125,7 @@ fn faults_are_handled_as_catalogued() {
             "{name}"
         );
         assert!(
-            intake.position_rad().unwrap().iter().all(|q| q.is_finite()),
+            intake.position().unwrap().iter().all(|q| q.is_finite()),
             "{name}"
         );
         assert_eq!(
@@ -145,19 +141,19 @@ fn faults_are_handled_as_catalogued() {
 /// A writer's first state has no predecessor but must be within range.
 #[test]
 fn first_state_out_of_range_is_rejected() {
-    let home_3_rad = home_rad()[3];
-    let lower_4_rad = robot().joint(4).unwrap().lower_rad;
+    let home_3_rad = home()[3];
+    let lower_4_rad = robot().joint(4).unwrap().lower;
     for (joint, value_rad) in [(0, 1e9), (3, home_3_rad + 10.0), (4, lower_4_rad - 0.1)] {
         let mut intake = JointIntake::new(robot(), true);
         let mut state = at(0);
-        state.position_rad[joint] = value_rad;
+        state.position[joint] = value_rad;
         state.seal();
         intake.update(Some(&state), tick(0), &limits());
         assert_eq!(
             (intake.fault().cause, intake.fault().index),
             (Cause::JOINTS_INVALID, joint as u32)
         );
-        assert!(intake.position_rad().is_none());
+        assert!(intake.position().is_none());
     }
 }
 
@@ -239,17 +235,17 @@ fn valid_commanded_positions_are_accepted() {
         let mut intake = warm();
         let mut state = at(10);
         state.commanded_count = JOINTS as u32;
-        state.commanded_rad = state.position_rad;
+        state.commanded_position = state.position;
         state.command_epoch = 5;
         change(&mut state);
         state.seal();
         intake.update(Some(&state), tick(10), &limits());
-        assert_eq!(intake.commanded_rad().is_some(), output);
+        assert_eq!(intake.commanded_position().is_some(), output);
     };
     check(true, |_| {});
     check(false, |s| s.commanded_count = 0);
     check(false, |s| s.commanded_count = 21);
     check(false, |s| s.command_epoch = 0);
-    check(false, |s| s.commanded_rad[4] = f64::NAN);
-    check(false, |s| s.commanded_rad[4] = 100.0);
+    check(false, |s| s.commanded_position[4] = f64::NAN);
+    check(false, |s| s.commanded_position[4] = 100.0);
 }

@@ -1,6 +1,6 @@
 //! Kinematics with a gate that refuses, and with a shared finger drive.
 
-use crate::support::{hand_of, home_rad, robot};
+use crate::support::{hand_of, home, robot};
 use atas_core::arbitration::Intent;
 use atas_core::held_object::LiftFinding;
 use atas_core::kinematics::HandServo;
@@ -12,8 +12,8 @@ use robot_model::{GRASP_SIDES, GraspPose, HandSide, RobotModel};
 #[test]
 fn refused_closing_does_not_wind_up() {
     let hand = robot().hand(HandSide::Right);
-    let q_rad = hand_of(&home_rad(), HandSide::Right);
-    let mut servo = HandServo::new(hand, q_rad);
+    let q = hand_of(&home(), HandSide::Right);
+    let mut servo = HandServo::new(hand, q);
     let open_m = servo.pose().half_opening_m;
     let closing = Intent {
         pose: None,
@@ -37,9 +37,9 @@ fn shared_drive_closing_is_not_reported_as_opening() {
     let robot = RobotModel::find("arm7-gripper").expect("a built-in robot");
     let hand = robot.hand(HandSide::Right);
     let home = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), hand.home_opening_m());
-    let q_rad = hand.posture_for(&home).expect("a reachable posture").q_rad;
+    let q = hand.posture_for(&home).expect("a reachable posture").q;
     let output = |by_m: [f64; GRASP_SIDES]| {
-        let mut servo = HandServo::new(hand, q_rad);
+        let mut servo = HandServo::new(hand, q);
         let mut frame = *servo.pose();
         for (half_m, by_m) in frame.half_opening_m.iter_mut().zip(by_m) {
             *half_m -= by_m;

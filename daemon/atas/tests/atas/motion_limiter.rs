@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use robot_model::{GRASP_SIDES, GraspPose, HandSide};
 use shm_schemas::Cause;
 
-use crate::support::{hand_of, home_rad, robot};
+use crate::support::{hand_of, home, robot};
 
 /// Rounding tolerance of position differences: a few units in the last place of 1 m.
 const ROUNDING: f64 = 4e-15;
@@ -178,9 +178,9 @@ fn posture(side: HandSide, pose: &GraspPose, yaw_rad: f64) -> (f64, Option<Cause
         closing_yaw_rad: yaw_rad,
         ..*pose
     };
-    let from = hand_of(&home_rad(), side);
+    let from = hand_of(&home(), side);
     let posture = hand.solve(&from, &pose.target(hand), 200);
-    let across = arm_across_middle(hand, &posture.q_rad);
+    let across = arm_across_middle(hand, &posture.q);
     (posture.tip_error_m, across.map(|reason| reason.cause))
 }
 
@@ -207,11 +207,11 @@ fn arm_across_the_middle_is_detected() {
     let hand = robot().hand(side);
     let over = frame([0.32, 0.04, 0.05], 0.0, 0.05);
     let posture = hand.posture_for(&over).expect("posture across the middle");
-    let reason = arm_across_middle(hand, &posture.q_rad).expect("across");
+    let reason = arm_across_middle(hand, &posture.q).expect("across");
     assert_eq!((reason.cause, reason.index), (Cause::ACROSS_THE_MIDDLE, 1));
     let beside = frame([0.32, -0.2, 0.05], 0.0, 0.05);
     let posture = hand.posture_for(&beside).expect("posture on its side");
-    assert_eq!(arm_across_middle(hand, &posture.q_rad), None);
-    let broken = hand_of(&home_rad(), side) * f64::NAN;
+    assert_eq!(arm_across_middle(hand, &posture.q), None);
+    let broken = hand_of(&home(), side) * f64::NAN;
     assert!(arm_across_middle(hand, &broken).is_some());
 }

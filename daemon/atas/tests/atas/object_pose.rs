@@ -16,7 +16,7 @@ fn hand() -> (HandPose, Percept) {
     for finger in 0..hand.fingertip_count() {
         percept.side_of_fingertip[finger] = hand.grasp_side(finger);
     }
-    (hand.forward(&posture.q_rad), percept)
+    (hand.forward(&posture.q), percept)
 }
 
 /// Estimate from contacts with these face normals, into the object, base frame.

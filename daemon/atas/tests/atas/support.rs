@@ -27,16 +27,16 @@ pub(crate) fn dome() -> &'static (Layout, u64) {
 }
 
 /// Home position of all joints, rad.
-pub(crate) fn home_rad() -> RobotVector {
-    let mut home_rad = RobotVector::repeat(JOINTS, 0.0);
+pub(crate) fn home() -> RobotVector {
+    let mut home = RobotVector::repeat(JOINTS, 0.0);
     for side in HandSide::BOTH {
-        home_rad[robot().joint_range(side)].copy_from_slice(robot().hand(side).reference_rad());
+        home[robot().joint_range(side)].copy_from_slice(robot().hand(side).reference());
     }
-    home_rad
+    home
 }
 
-pub(crate) fn hand_of(q_rad: &RobotVector, side: HandSide) -> HandVector {
-    HandVector::from_slice(&q_rad[robot().joint_range(side)])
+pub(crate) fn hand_of(q: &RobotVector, side: HandSide) -> HandVector {
+    HandVector::from_slice(&q[robot().joint_range(side)])
 }
 
 /// Sealed frame without contact; slight noise makes every frame different.
@@ -94,7 +94,7 @@ pub(crate) fn spread(centre: Vector3<f64>, half_angle_deg: f64) -> impl Fn(Vecto
     move |d| weight(d) / sum
 }
 
-pub(crate) fn joints(sequence: u64, captured_ns: u64, q_rad: &RobotVector) -> JointState {
+pub(crate) fn joints(sequence: u64, captured_ns: u64, q: &RobotVector) -> JointState {
     let mut state = JointState {
         stamp: Stamp {
             sequence,
@@ -104,7 +104,7 @@ pub(crate) fn joints(sequence: u64, captured_ns: u64, q_rad: &RobotVector) -> Jo
         joint_count: JOINTS as u32,
         ..JointState::default()
     };
-    state.position_rad[..JOINTS].copy_from_slice(q_rad);
+    state.position[..JOINTS].copy_from_slice(q);
     state.seal();
     state
 }

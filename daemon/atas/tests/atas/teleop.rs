@@ -121,11 +121,7 @@ impl Teleop {
     }
 
     fn is_at_rest(&self) -> bool {
-        self.last
-            .command
-            .velocity_rad_s
-            .iter()
-            .all(|v| v.abs() < 1e-4)
+        self.last.command.velocity.iter().all(|v| v.abs() < 1e-4)
     }
 }
 

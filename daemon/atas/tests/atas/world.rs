@@ -1,7 +1,7 @@
 //! Minimal simulation for the whole controller: ideal joints, two sensors, optionally one elastic
 //! object.
 
-use crate::support::{JOINTS, MS_NS, frame, hand_of, home_rad, joints, press, robot, spread};
+use crate::support::{JOINTS, MS_NS, frame, hand_of, home, joints, press, robot, spread};
 use atas_core::{Controller, Goal, Inputs, OperatorRequest, Outputs, SensorSetup, Settings, Tick};
 use nalgebra::Vector3;
 use robot_model::{GRASP_SIDES, HandSide, RobotVector};
@@ -28,7 +28,7 @@ pub(crate) struct World {
     /// Boxed because worlds are moved and copied on the small stacks of test threads.
     pub(crate) controller: Box<Controller>,
     pub(crate) ms: u64,
-    pub(crate) q_rad: RobotVector,
+    pub(crate) q: RobotVector,
     /// Silent sources: left sensor, right sensor, joints.
     pub(crate) silent: [bool; 3],
     /// F_2 per hand that the robot stores and reports, N.
@@ -78,7 +78,7 @@ impl World {
                 Settings::default(),
             )),
             ms: 1_000,
-            q_rad: home_rad(),
+            q: home(),
             silent: [false; 3],
             stored_f2_n: [0.0; 2],
             joint_fault: None,
@@ -189,7 +189,7 @@ impl World {
             fault(&mut frames[1]);
             frames[1].seal();
         }
-        let mut state = joints(self.ms, now_ns, &self.q_rad);
+        let mut state = joints(self.ms, now_ns, &self.q);
         state.grip_limit_n = self.stored_f2_n;
         if let Some(fault) = self.joint_fault {
             fault(&mut state);
@@ -212,8 +212,7 @@ impl World {
             log.push(received);
         }
         if outputs.command.joint_count > 0 {
-            self.q_rad
-                .copy_from_slice(&outputs.command.position_rad[..JOINTS]);
+            self.q.copy_from_slice(&outputs.command.position[..JOINTS]);
             self.stored_f2_n = outputs.command.grip_limit_n;
         }
         outputs
@@ -231,7 +230,7 @@ impl World {
             return frame;
         }
         let hand = robot().hand(side);
-        let pose = hand.forward(&hand_of(&self.q_rad, side));
+        let pose = hand.forward(&hand_of(&self.q, side));
         let centre_m = (pose.tip_m(0) + pose.tip_m(1)) / 2.0;
         let away_m = (centre_m - Vector3::from(self.object_m)).xy().norm();
         let across = (pose.tip_m(0) - pose.tip_m(1)).normalize();
@@ -317,10 +316,10 @@ pub(crate) fn start(request: GoalRequest) -> OperatorRequest {
 
 /// Commanded distance between the fingertips of the right hand, m.
 pub(crate) fn commanded_gap_m(outputs: &Outputs) -> f64 {
-    let q_rad = RobotVector::from_slice(&outputs.command.position_rad[..JOINTS]);
+    let q = RobotVector::from_slice(&outputs.command.position[..JOINTS]);
     atas_core::kinematics::gap_m(
         &robot()
             .hand(HandSide::Right)
-            .forward(&hand_of(&q_rad, HandSide::Right)),
+            .forward(&hand_of(&q, HandSide::Right)),
     )
 }

@@ -232,7 +232,7 @@ fn load_joints(
             None => complete = false,
         }
     }
-    hand.reference_rad = rest;
+    hand.reference = rest;
     complete.then_some(())
 }
 
@@ -389,7 +389,7 @@ fn mounted(chain: &Chain, frames: &[Framed]) -> (Mounted, Vec<usize>) {
 /// Sets all values that follow from the reference posture.
 fn set_reference_values(hand: &mut HandModel, entry: &HandEntry) {
     hand.find_turning();
-    let pose = hand.forward(&hand.reference_rad);
+    let pose = hand.forward(&hand.reference);
     let across_m = pose.side_m(0) - pose.side_m(1);
     let closing = across_m.try_normalize(0.0).unwrap_or_default();
     let beside = closing.cross(&pose.hand_axis());
@@ -409,7 +409,7 @@ fn set_reference_values(hand: &mut HandModel, entry: &HandEntry) {
     let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
     hand.home_m = entry.home_m.map_or(middle_m, Vector3::from);
     hand.home_opening_m = entry.home_opening_m.unwrap_or(open_m);
-    let reference_yaw_rad = hand.yaw_of_joints_rad(&hand.reference_rad, &hand.home_m);
+    let reference_yaw_rad = hand.yaw_of_joints_rad(&hand.reference, &hand.home_m);
     hand.home_yaw_rad = entry
         .home_yaw_deg
         .map_or(reference_yaw_rad, f64::to_radians);

@@ -58,11 +58,11 @@ pub(super) fn load_joint(
     let joint = Joint {
         name,
         kind,
-        lower_rad: entry.lower.unwrap_or(urdf.limit.lower),
-        upper_rad: entry.upper.unwrap_or(urdf.limit.upper),
-        velocity_max_rad_s: entry.velocity.unwrap_or(urdf.limit.velocity),
-        effort_max_n_m: entry.effort.unwrap_or(urdf.limit.effort),
-        stiffness_n_m_rad: entry.stiffness,
+        lower: entry.lower.unwrap_or(urdf.limit.lower),
+        upper: entry.upper.unwrap_or(urdf.limit.upper),
+        velocity_max: entry.velocity.unwrap_or(urdf.limit.velocity),
+        effort_max: entry.effort.unwrap_or(urdf.limit.effort),
+        stiffness: entry.stiffness,
         inertia_kg_m2: entry.inertia,
     };
     let (rest, other, needs) = match kind {
@@ -92,9 +92,9 @@ pub(super) fn load_joint(
             });
         }
     }
-    let in_order = joint.lower_rad < joint.upper_rad;
+    let in_order = joint.lower < joint.upper;
     let rest = if in_order {
-        rest.clamp(joint.lower_rad, joint.upper_rad)
+        rest.clamp(joint.lower, joint.upper)
     } else {
         rest
     };
@@ -107,7 +107,7 @@ fn invalid_values(label: &str, joint: &Joint, rest: f64) -> [Option<ModelProblem
         JointKind::Revolute => ("rad", "N·m"),
         JointKind::Prismatic => ("m", "N"),
     };
-    let (lower, upper) = (joint.lower_rad, joint.upper_rad);
+    let (lower, upper) = (joint.lower, joint.upper);
     let positive = |value: f64| value.is_finite() && value > 0.0;
     let checks = [
         (
@@ -117,21 +117,21 @@ fn invalid_values(label: &str, joint: &Joint, rest: f64) -> [Option<ModelProblem
             format!("a finite lower below a finite upper ({unit})"),
         ),
         (
-            positive(joint.velocity_max_rad_s),
+            positive(joint.velocity_max),
             format!("the velocity of joint `{label}`"),
-            format!("{}", joint.velocity_max_rad_s),
+            format!("{}", joint.velocity_max),
             format!("finite and above 0 {unit}/s"),
         ),
         (
-            joint.effort_max_n_m.is_finite() && joint.effort_max_n_m >= 0.0,
+            joint.effort_max.is_finite() && joint.effort_max >= 0.0,
             format!("the effort of joint `{label}`"),
-            format!("{}", joint.effort_max_n_m),
+            format!("{}", joint.effort_max),
             format!("finite and not below 0 {turning}"),
         ),
         (
-            positive(joint.stiffness_n_m_rad),
+            positive(joint.stiffness),
             format!("the stiffness of joint `{label}`"),
-            format!("{}", joint.stiffness_n_m_rad),
+            format!("{}", joint.stiffness),
             format!("finite and above 0 {turning}/{unit}"),
         ),
         (

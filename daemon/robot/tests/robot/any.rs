@@ -31,7 +31,7 @@ fn any_robot() -> impl Strategy<Value = HandModel> {
 fn between_limits(hand: &HandModel, fractions: &[f64; 16]) -> HandVector {
     HandVector::from_fn(hand.joints().len(), |index| {
         let joint = &hand.joints()[index];
-        joint.lower_rad + (joint.upper_rad - joint.lower_rad) * fractions[index]
+        joint.lower + (joint.upper - joint.lower) * fractions[index]
     })
 }
 
@@ -71,7 +71,7 @@ fn the_reference_posture_points_down() {
     for robot in &robots() {
         let model = load(robot);
         let hand = model.hand(HandSide::Right);
-        let pose = hand.forward(hand.reference_rad());
+        let pose = hand.forward(hand.reference());
         assert_near(&robot.name, pose.hand_axis(), -Vector3::z(), 1e-9);
         for finger in 0..hand.fingertip_count() {
             let inward = pose.side_m(1 - hand.grasp_side(finger)) - pose.tip_m(finger);
@@ -119,12 +119,12 @@ proptest! {
         for _ in 0..5 {
             let pose = hand.forward(&q);
             let step = hand.ik_step(&pose, &hand.jacobian(&pose), &target, DT_S, &IkWeights::TICK);
-            prop_assert!(hand.within_limits(&step.q_rad), "{:?}", step.q_rad);
-            for (dq, joint) in step.dq_rad.iter().zip(hand.joints()) {
-                prop_assert!(dq.abs() <= joint.velocity_max_rad_s * DT_S + 1e-15, "{} moved {dq}", joint.name);
+            prop_assert!(hand.within_limits(&step.q), "{:?}", step.q);
+            for (dq, joint) in step.dq.iter().zip(hand.joints()) {
+                prop_assert!(dq.abs() <= joint.velocity_max * DT_S + 1e-15, "{} moved {dq}", joint.name);
             }
             prop_assert!(target.is_finite() || step.status == IkStatus::Failed);
-            q = step.q_rad;
+            q = step.q;
         }
     }
 }
@@ -137,12 +137,12 @@ fn grasp_below_home_is_reached_and_tracked() {
         let model = load(robot);
         let hand = model.hand(HandSide::Right);
         let home_m = hand.home_m();
-        let yaw = hand.yaw_of_joints_rad(hand.reference_rad(), &home_m);
+        let yaw = hand.yaw_of_joints_rad(hand.reference(), &home_m);
         let home = GraspPose::from_above(home_m, yaw, hand.home_opening_m());
         let mut q = hand
             .posture_for(&home)
             .unwrap_or_else(|error| panic!("{}: {error}", robot.name))
-            .q_rad;
+            .q;
         let below = GraspPose::from_above(home_m - Vector3::z() * 0.02, yaw, 0.03);
         hand.posture_for(&below)
             .unwrap_or_else(|error| panic!("{}: {error}", robot.name));
@@ -160,7 +160,7 @@ fn grasp_below_home_is_reached_and_tracked() {
                 &IkWeights::TICK,
             );
             assert_ne!(step.status, IkStatus::Failed, "{}", robot.name);
-            q = step.q_rad;
+            q = step.q;
             let pose = hand.forward(&q);
             for (finger, wanted_m) in at.target(hand).tip_m[..hand.fingertip_count()]
                 .iter()
@@ -241,7 +241,7 @@ fn a_gripper_turns_a_cap_by_its_wrist() {
     let mut grasp = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), 0.03);
     grasp.tangential_m = [0.006, -0.006];
     let posture = hand.posture_for(&grasp).expect("it turns that far");
-    let pose = hand.forward(&posture.q_rad);
+    let pose = hand.forward(&posture.q);
     let across = pose.side_m(0) - pose.side_m(1);
     let turned_rad = across.y.atan2(across.x) - hand.home_yaw_rad();
     assert!((turned_rad - 0.006 / 0.012).abs() < 1e-6, "{turned_rad}");
@@ -281,7 +281,7 @@ fn fingers_of_a_side_differ_without_moving_their_middle() {
     let model = RobotModel::find("three-finger").expect("it ships");
     let hand = model.hand(HandSide::Right);
     let grasp = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), 0.04);
-    let start = hand.posture_for(&grasp).expect("it gets there").q_rad;
+    let start = hand.posture_for(&grasp).expect("it gets there").q;
     for ahead_m in [0.003, -0.003] {
         let apart_m = grasp.closing_axis() * ahead_m;
         let mut target = grasp.target(hand);
@@ -293,7 +293,7 @@ fn fingers_of_a_side_differ_without_moving_their_middle() {
             let jacobian = hand.jacobian(&pose);
             let step = hand.ik_step(&pose, &jacobian, &target, DT_S, &IkWeights::TICK);
             assert_ne!(step.status, IkStatus::Failed, "{apart_m:?}");
-            pose = hand.forward(&step.q_rad);
+            pose = hand.forward(&step.q);
         }
         let missed_m = (pose.side_m(0) - middle_m).norm() + (pose.side_m(1) - thumb_m).norm();
         assert!(missed_m < 1e-6, "{apart_m:?}: {missed_m} m off");
@@ -308,7 +308,7 @@ fn fingers_of_a_side_differ_without_moving_their_middle() {
 fn gripper_on_rigid_arm_closes_symmetrically() {
     let model = RobotModel::find("test-bench").expect("it ships");
     let hand = model.hand(HandSide::Right);
-    let mut q = *hand.reference_rad();
+    let mut q = *hand.reference();
     let pose = hand.forward(&q);
     let home_m = hand.home_m();
     let yaw = hand.yaw_of_joints_rad(&q, &home_m);
@@ -325,7 +325,7 @@ fn gripper_on_rigid_arm_closes_symmetrically() {
             DT_S,
             &IkWeights::TICK,
         );
-        q = step.q_rad;
+        q = step.q;
     }
     let closed = hand.forward(&q);
     let moved_m = (0..2).map(|finger| (closed.tip_m(finger) - pose.tip_m(finger)).norm());

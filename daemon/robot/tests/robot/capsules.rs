@@ -108,7 +108,7 @@ proptest! {
 #[test]
 fn capsules_lie_along_the_links() {
     let hand = ROBOT.hand(HandSide::Left);
-    let pose = hand.forward(hand.reference_rad());
+    let pose = hand.forward(hand.reference());
     let capsules = hand.capsules(&pose);
     assert_eq!(capsules.len(), 15);
     let find = |joint: usize| {
@@ -151,7 +151,7 @@ fn arms_meet_only_where_both_reach() {
     let placed = |side: HandSide, centre: [f64; 3]| {
         let hand = ROBOT.hand(side);
         let grasp = GraspPose::from_above(Vector3::from(centre), 90_f64.to_radians(), 0.06);
-        hand.capsules(&hand.forward(&hand.posture_for(&grasp).expect("reachable").q_rad))
+        hand.capsules(&hand.forward(&hand.posture_for(&grasp).expect("reachable").q))
     };
     let right = placed(HandSide::Right, [0.3, -0.14, 0.1]);
     assert!(clearance_m(&placed(HandSide::Left, [0.3, 0.14, 0.1]), &right) > 0.02);

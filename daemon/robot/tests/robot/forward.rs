@@ -221,7 +221,7 @@ fn fingers_close_inward_with_positive_knuckle_and_distal() {
         let pose = hand.forward(q);
         (pose.tip_m(0) - pose.tip_m(1)).norm()
     };
-    let open = *hand.reference_rad();
+    let open = *hand.reference();
     for joint in [6, 7, 9, 10] {
         let mut closer = open;
         closer[joint] += 0.1;

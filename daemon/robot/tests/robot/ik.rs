@@ -18,7 +18,7 @@ struct Row {
     hand_azimuth_deg: f64,
     hand_pitch_deg: f64,
     root_deg: f64,
-    dq_rad: [f64; JOINTS],
+    dq: [f64; JOINTS],
     status: IkStatus,
     /// Tolerance for held joints: the prototype holds a joint by a penalty of 1e6, this crate
     /// exactly.
@@ -40,7 +40,7 @@ const PROTOTYPE_STEPS: &[Row] = &[
         hand_azimuth_deg: 0.0,
         hand_pitch_deg: 90.0,
         root_deg: 0.0,
-        dq_rad: [
+        dq: [
             0.000440415788206,
             0.000483724561009,
             -0.00084694613782,
@@ -69,7 +69,7 @@ const PROTOTYPE_STEPS: &[Row] = &[
         hand_azimuth_deg: -30.0,
         hand_pitch_deg: 45.0,
         root_deg: -27.5,
-        dq_rad: [
+        dq: [
             -0.000139316337442,
             -0.00118929029006,
             0.00188671816733,
@@ -98,7 +98,7 @@ const PROTOTYPE_STEPS: &[Row] = &[
         hand_azimuth_deg: 0.0,
         hand_pitch_deg: 90.0,
         root_deg: 0.0,
-        dq_rad: [
+        dq: [
             -0.000994339597678,
             0.002,
             -0.002,
@@ -127,7 +127,7 @@ const PROTOTYPE_STEPS: &[Row] = &[
         hand_azimuth_deg: 0.0,
         hand_pitch_deg: 90.0,
         root_deg: 5.0,
-        dq_rad: [
+        dq: [
             0.00140754990694,
             0.000601355825005,
             -0.002,
@@ -166,12 +166,12 @@ fn steps_equal_the_prototype() {
             DT_S,
             &IkWeights::TICK,
         );
-        let off = (step.dq_rad - HandVector::from(row.dq_rad)).amax();
+        let off = (step.dq - HandVector::from(row.dq)).amax();
         assert!(
             off <= row.tolerance_rad,
             "{:?} off by {off:e}: {:?}",
             row.side,
-            step.dq_rad
+            step.dq
         );
         assert_eq!(step.status, row.status);
     }
@@ -208,13 +208,13 @@ proptest! {
         for _ in 0..5 {
             let pose = hand.forward(&q);
             let step = hand.ik_step(&pose, &hand.jacobian(&pose), &target, DT_S, &IkWeights::TICK);
-            prop_assert!(hand.within_limits(&step.q_rad), "left the limits: {:?}", step.q_rad);
-            for (dq, joint) in step.dq_rad.iter().zip(hand.joints()) {
-                prop_assert!(dq.abs() <= joint.velocity_max_rad_s * DT_S + 1e-15, "{} moved {dq}", joint.name);
+            prop_assert!(hand.within_limits(&step.q), "left the limits: {:?}", step.q);
+            for (dq, joint) in step.dq.iter().zip(hand.joints()) {
+                prop_assert!(dq.abs() <= joint.velocity_max * DT_S + 1e-15, "{} moved {dq}", joint.name);
             }
             prop_assert!(target.is_finite() || step.status == IkStatus::Failed);
             prop_assert!(!step.tip_error_m.is_nan());
-            q = step.q_rad;
+            q = step.q;
         }
     }
 
@@ -227,9 +227,9 @@ proptest! {
         let hand = ROBOT.hand(HandSide::Right);
         let pose = hand.forward(&HandVector::from(q));
         let step = hand.ik_step(&pose, &hand.jacobian(&pose), &target, dt_s, &IkWeights::TICK);
-        prop_assert!(step.dq_rad.iter().all(|dq| dq.is_finite()));
+        prop_assert!(step.dq.iter().all(|dq| dq.is_finite()));
         if step.status == IkStatus::Failed {
-            prop_assert_eq!(step.dq_rad, HandVector::zeros(JOINTS));
+            prop_assert_eq!(step.dq, HandVector::zeros(JOINTS));
         }
     }
 }
@@ -238,8 +238,8 @@ proptest! {
 fn joint_outside_its_limits_returns_at_its_speed_limit() {
     let hand = ROBOT.hand(HandSide::Left);
     let target = GraspPose::from_above(Vector3::new(0.3, 0.2, 0.1), 1.5, 0.06).target(hand);
-    let mut q = *hand.reference_rad();
-    q[7] = hand.joints()[7].upper_rad + 0.02;
+    let mut q = *hand.reference();
+    q[7] = hand.joints()[7].upper + 0.02;
     for tick in 0..10 {
         let pose = hand.forward(&q);
         let step = hand.ik_step(
@@ -249,12 +249,12 @@ fn joint_outside_its_limits_returns_at_its_speed_limit() {
             DT_S,
             &IkWeights::TICK,
         );
-        let speed_limit = hand.joints()[7].velocity_max_rad_s * DT_S;
+        let speed_limit = hand.joints()[7].velocity_max * DT_S;
         assert!(
-            step.dq_rad[7] < 0.0 && step.dq_rad[7] >= -speed_limit * (1.0 + 1e-12),
+            step.dq[7] < 0.0 && step.dq[7] >= -speed_limit * (1.0 + 1e-12),
             "tick {tick}"
         );
-        q = step.q_rad;
+        q = step.q;
     }
     assert!(hand.within_limits(&q));
 }

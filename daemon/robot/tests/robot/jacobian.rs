@@ -50,7 +50,7 @@ proptest! {
 
 /// Joint stiffness of the simulated servos, N·m/rad.
 fn servo_stiffness() -> HandVector {
-    ROBOT.hand(HandSide::Left).stiffness_n_m_rad()
+    ROBOT.hand(HandSide::Left).stiffness()
 }
 
 #[test]
@@ -59,10 +59,7 @@ fn servos_equal_the_robot_design() {
         6480.0, 6480.0, 2880.0, 1280.0, 512.0, 80.0, 40.0, 40.0, 80.0, 40.0, 40.0,
     ];
     for side in HandSide::BOTH {
-        assert_eq!(
-            ROBOT.hand(side).stiffness_n_m_rad(),
-            HandVector::from(wanted)
-        );
+        assert_eq!(ROBOT.hand(side).stiffness(), HandVector::from(wanted));
     }
 }
 
@@ -106,7 +103,7 @@ fn constrained_stiffness(c: &Matrix3<f64>, direction: &Vector3<f64>) -> f64 {
 #[test]
 fn compliance_refuses_a_stiffness_that_is_not_positive() {
     let hand = ROBOT.hand(HandSide::Left);
-    let jacobian = hand.jacobian(&hand.forward(hand.reference_rad()));
+    let jacobian = hand.jacobian(&hand.forward(hand.reference()));
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let mut stiffness = servo_stiffness();
         stiffness[7] = bad;

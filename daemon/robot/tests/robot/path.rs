@@ -71,7 +71,7 @@ fn track(name: &str, side: HandSide, keys: &[Key]) -> HandVector {
     let mut q = hand
         .posture_for(&keys[0].grasp)
         .expect("the first key is reachable")
-        .q_rad;
+        .q;
     for pair in keys.windows(2) {
         let motion = pair[1].motion;
         let ticks = (pair[1].seconds / DT_S).round() as usize;
@@ -96,7 +96,7 @@ fn track(name: &str, side: HandSide, keys: &[Key]) -> HandVector {
                 IkStatus::Free,
                 "{name}: a joint was held back at s = {s}"
             );
-            q = step.q_rad;
+            q = step.q;
             let reached = hand.forward(&q);
             for finger in 0..2 {
                 let tip_error_m = (reached.tip_m(finger) - target.tip_m[finger]).norm();
@@ -214,7 +214,7 @@ fn left_hand_grasps_a_bottle_from_the_side() {
 fn commands_of_both_hands_fill_the_robot_vector() {
     let mut robot_rad = RobotVector::zeros(ROBOT.joint_count());
     for side in HandSide::BOTH {
-        let q = ROBOT.hand(side).reference_rad();
+        let q = ROBOT.hand(side).reference();
         robot_rad[ROBOT.joint_range(side)].copy_from_slice(q);
     }
     assert_eq!(robot_rad[0], -robot_rad[11]);

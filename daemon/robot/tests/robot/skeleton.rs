@@ -15,11 +15,11 @@ fn isometry(placement: &Placement) -> Isometry3<f64> {
 }
 
 /// Returns the pose of each link in the base frame.
-fn placed(skeleton: &Skeleton, q_rad: &[f64]) -> Vec<Isometry3<f64>> {
+fn placed(skeleton: &Skeleton, q: &[f64]) -> Vec<Isometry3<f64>> {
     let mut base_from: Vec<Isometry3<f64>> = Vec::new();
     for limb in skeleton.limbs() {
         let parent = limb.parent.map_or(Isometry3::identity(), |p| base_from[p]);
-        base_from.push(parent * isometry(&limb.placed(q_rad)));
+        base_from.push(parent * isometry(&limb.placed(q)));
     }
     base_from
 }
@@ -31,9 +31,9 @@ proptest! {
         let skeleton = TWO_HAND_ARM.skeleton().expect("it ships");
         let hand = ROBOT.hand(side);
         let q_hand_rad = between_limits(hand, &at);
-        let mut q_rad = RobotVector::zeros(ROBOT.joint_count());
-        q_rad[ROBOT.joint_range(side)].copy_from_slice(&q_hand_rad);
-        let base_from = placed(&skeleton, &q_rad);
+        let mut q = RobotVector::zeros(ROBOT.joint_count());
+        q[ROBOT.joint_range(side)].copy_from_slice(&q_hand_rad);
+        let base_from = placed(&skeleton, &q);
         let pose = hand.forward(&q_hand_rad);
         for (finger, name) in hand.tip_links().enumerate() {
             let index = skeleton.limbs().iter().position(|limb| limb.name == name).expect("a tip");
@@ -67,10 +67,10 @@ fn mimicking_jaw_follows_its_master() {
             files.load().expect("it ships"),
         );
         let hand = robot.hand(robot.acting_side());
-        let mut q_rad = RobotVector::zeros(robot.joint_count());
-        q_rad[robot.joint_range(hand.side())].copy_from_slice(hand.reference_rad());
-        let base_from = placed(&skeleton, &q_rad);
-        let pose = hand.forward(hand.reference_rad());
+        let mut q = RobotVector::zeros(robot.joint_count());
+        q[robot.joint_range(hand.side())].copy_from_slice(hand.reference());
+        let base_from = placed(&skeleton, &q);
+        let pose = hand.forward(hand.reference());
         for (finger, name) in hand.tip_links().enumerate() {
             let index = skeleton
                 .limbs()

@@ -27,7 +27,7 @@ pub(crate) fn fractions() -> impl Strategy<Value = [f64; JOINTS]> {
 pub(crate) fn between_limits(hand: &HandModel, fractions: &[f64; JOINTS]) -> HandVector {
     HandVector::from_fn(JOINTS, |index| {
         let joint = &hand.joints()[index];
-        joint.lower_rad + (joint.upper_rad - joint.lower_rad) * fractions[index]
+        joint.lower + (joint.upper - joint.lower) * fractions[index]
     })
 }
 

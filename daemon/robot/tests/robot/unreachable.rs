@@ -17,10 +17,7 @@ const REST_SPEED_MAX: f64 = 0.05;
 fn run(centre_m: [f64; 3], opening_m: f64) -> (f64, f64) {
     let hand = ROBOT.hand(HandSide::Right);
     let start = GraspPose::from_above(Vector3::new(0.38, 0.0, 0.13), 60_f64.to_radians(), 0.0348);
-    let mut q = hand
-        .posture_for(&start)
-        .expect("the start is reachable")
-        .q_rad;
+    let mut q = hand.posture_for(&start).expect("the start is reachable").q;
     let wanted =
         GraspPose::from_above(Vector3::from(centre_m), 60_f64.to_radians(), opening_m).target(hand);
     let (mut error_m, mut fastest) = (0.0, 0.0_f64);
@@ -34,19 +31,19 @@ fn run(centre_m: [f64; 3], opening_m: f64) -> (f64, f64) {
             &IkWeights::TICK,
         );
         assert_ne!(step.status, IkStatus::Failed, "tick {tick}");
-        assert!(hand.within_limits(&step.q_rad), "tick {tick}");
+        assert!(hand.within_limits(&step.q), "tick {tick}");
         let share = |dq: &HandVector| {
             dq.iter()
                 .zip(hand.joints())
                 .fold(0.0_f64, |most, (dq, joint)| {
-                    most.max(dq.abs() / (joint.velocity_max_rad_s * DT_S))
+                    most.max(dq.abs() / (joint.velocity_max * DT_S))
                 })
         };
-        assert!(share(&step.dq_rad) <= 1.0 + 1e-12, "tick {tick}");
+        assert!(share(&step.dq) <= 1.0 + 1e-12, "tick {tick}");
         if tick + REST_TICKS >= TICKS {
-            fastest = fastest.max(share(&step.dq_rad));
+            fastest = fastest.max(share(&step.dq));
         }
-        (error_m, q) = (step.tip_error_m, step.q_rad);
+        (error_m, q) = (step.tip_error_m, step.q);
     }
     (error_m, fastest)
 }

@@ -195,7 +195,7 @@ fn excess_collision_shapes_are_merged() {
     let robot =
         with_urdf(&TWO_HAND_ARM.urdf.replace(hand, &format!("{hand}{balls}"))).expect("it loads");
     let left = robot.hand(HandSide::Left);
-    let pose = left.forward(left.reference_rad());
+    let pose = left.forward(left.reference());
     let bodies = left.capsules(&pose);
     assert_eq!(bodies.len(), CAPSULES_MAX);
     for z_m in heights_m {
@@ -257,12 +257,9 @@ fn limits_come_from_the_file() {
     );
     let robot = with_urdf(&text).expect("other limits fit");
     let hand = robot.hand(HandSide::Left);
+    assert_eq!((hand.joints()[2].lower, hand.joints()[2].upper), (0.2, 1.2));
     assert_eq!(
-        (hand.joints()[2].lower_rad, hand.joints()[2].upper_rad),
-        (0.2, 1.2)
-    );
-    assert_eq!(
-        hand.reference_rad()[2],
+        hand.reference()[2],
         1.2,
         "the reference posture moves inside the limits"
     );

@@ -55,8 +55,8 @@ fn every_grasp_of_the_workspace_has_a_posture() {
                 "{side:?} {grasp:?}: dome {}",
                 found.dome_error_rad
             );
-            assert!(hand.within_limits(&found.q_rad), "{side:?} {grasp:?}");
-            let roll_deg = found.q_rad[4].to_degrees();
+            assert!(hand.within_limits(&found.q), "{side:?} {grasp:?}");
+            let roll_deg = found.q[4].to_degrees();
             assert!(
                 roll_deg.abs() <= 95.0,
                 "{side:?} {grasp:?}: wrist roll {roll_deg}°"
@@ -107,7 +107,7 @@ fn a_grasp_that_is_not_finite_has_no_posture() {
         let grasp = GraspPose::from_above(Vector3::new(0.3, bad, 0.1), 1.5, 0.06);
         let error = hand.posture_for(&grasp).expect_err("not a place");
         assert_eq!(error.best.tip_error_m, f64::INFINITY);
-        assert!(hand.within_limits(&error.best.q_rad));
+        assert!(hand.within_limits(&error.best.q));
     }
 }
 
@@ -118,5 +118,5 @@ fn clamping_leaves_only_usable_angles() {
     q[3] = f64::NAN;
     let clamped = hand.clamp_to_limits(&q);
     assert!(hand.within_limits(&clamped));
-    assert_eq!(clamped[3], hand.reference_rad()[3]);
+    assert_eq!(clamped[3], hand.reference()[3]);
 }

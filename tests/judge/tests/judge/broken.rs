@@ -18,12 +18,12 @@ const JAW: usize = 2;
 const NUMBERS: &[Case] = &[
     (
         "NaN in one position",
-        |ticks| ticks[CRUISE].command.position_rad[SHOULDER] = f64::NAN,
+        |ticks| ticks[CRUISE].command.position[SHOULDER] = f64::NAN,
         ViolationKind::NotFinite,
     ),
     (
         "infinite feed-forward",
-        |ticks| ticks[CRUISE].command.velocity_rad_s[JAW] = f64::INFINITY,
+        |ticks| ticks[CRUISE].command.velocity[JAW] = f64::INFINITY,
         ViolationKind::NotFinite,
     ),
     (
@@ -106,7 +106,7 @@ const MOTIONS: &[Case] = &[
     ),
     (
         "moves at the restart",
-        |ticks| ticks[AGAIN].command.velocity_rad_s[SHOULDER] = 0.1,
+        |ticks| ticks[AGAIN].command.velocity[SHOULDER] = 0.1,
         ViolationKind::Restart,
     ),
     (
@@ -141,12 +141,12 @@ const MOTIONS: &[Case] = &[
     ),
     (
         "feed-forward 1 % too high",
-        |ticks| ticks[CRUISE].command.velocity_rad_s[SHOULDER] *= 1.01,
+        |ticks| ticks[CRUISE].command.velocity[SHOULDER] *= 1.01,
         ViolationKind::FeedForward,
     ),
     (
         "feed-forward at rest",
-        |ticks| ticks[HOLD + 80].command.velocity_rad_s[SHOULDER] = 1e-12,
+        |ticks| ticks[HOLD + 80].command.velocity[SHOULDER] = 1e-12,
         ViolationKind::FeedForward,
     ),
 ];
@@ -375,8 +375,8 @@ fn push(ticks: &mut [Tick], joint: usize, from: usize, accelerations: &[f64], fa
         }
         displacement += speed * STEP_S;
         if tick.command.joint_count > 0 {
-            tick.command.position_rad[joint] += displacement;
-            tick.command.velocity_rad_s[joint] += speed;
+            tick.command.position[joint] += displacement;
+            tick.command.velocity[joint] += speed;
         }
     }
 }
@@ -387,12 +387,12 @@ fn shift(ticks: &mut [Tick], joint: usize, from: usize, distance: f64) {
         .iter_mut()
         .filter(|tick| tick.command.joint_count > 0)
     {
-        tick.command.position_rad[joint] += distance;
+        tick.command.position[joint] += distance;
     }
 }
 
 fn beyond_limit(ticks: &mut [Tick]) {
-    let positions = ticks.iter().map(|tick| tick.command.position_rad[SHOULDER]);
+    let positions = ticks.iter().map(|tick| tick.command.position[SHOULDER]);
     let highest = positions.fold(f64::MIN, f64::max);
     shift(ticks, SHOULDER, 0, 1.5 + 1e-6 - highest);
 }
@@ -400,31 +400,31 @@ fn beyond_limit(ticks: &mut [Tick]) {
 /// Scales the motion of a joint to a multiple of its speed limit.
 fn too_fast(ticks: &mut [Tick], of_limit: f64) {
     let (start, factor) = (
-        ticks[RUN - 1].command.position_rad[SHOULDER],
+        ticks[RUN - 1].command.position[SHOULDER],
         of_limit * 0.6 / 0.3,
     );
     for tick in ticks.iter_mut().filter(|tick| tick.command.joint_count > 0) {
-        let position = &mut tick.command.position_rad[SHOULDER];
+        let position = &mut tick.command.position[SHOULDER];
         *position = start + factor * (*position - start);
-        tick.command.velocity_rad_s[SHOULDER] *= factor;
+        tick.command.velocity[SHOULDER] *= factor;
     }
 }
 
 fn does_not_brake(ticks: &mut Vec<Tick>) {
     ticks.truncate(RESUME);
-    let speed = ticks[HOLD - 1].command.velocity_rad_s[SHOULDER];
-    let mut position = ticks[HOLD - 1].command.position_rad[SHOULDER];
+    let speed = ticks[HOLD - 1].command.velocity[SHOULDER];
+    let mut position = ticks[HOLD - 1].command.position[SHOULDER];
     for tick in &mut ticks[HOLD..] {
         position += speed * STEP_S;
-        tick.command.position_rad[SHOULDER] = position;
-        tick.command.velocity_rad_s[SHOULDER] = speed;
+        tick.command.position[SHOULDER] = position;
+        tick.command.velocity[SHOULDER] = speed;
     }
 }
 
 fn drifts(ticks: &mut Vec<Tick>) {
     ticks.truncate(RESUME);
     for (index, tick) in (1..).zip(&mut ticks[HOLD + 30..]) {
-        tick.command.position_rad[JAW] += 1e-13 * f64::from(index);
+        tick.command.position[JAW] += 1e-13 * f64::from(index);
     }
 }
 
@@ -482,7 +482,7 @@ fn each_broken_controller_is_rejected() {
 #[test]
 fn damaged_command_is_rejected() {
     let mut ticks = correct();
-    ticks[CRUISE].command.position_rad[1] += 1e-9;
+    ticks[CRUISE].command.position[1] += 1e-9;
     let judge = observed(&ticks);
     let kinds: Vec<_> = judge.violations().iter().map(|it| it.kind).collect();
     assert_eq!(kinds, [ViolationKind::Checksum]);

@@ -36,8 +36,8 @@ fn fault_freezes_a_moving_joint() {
     let last = ticks[CRUISE].command;
     for tick in &mut ticks[CRUISE + 1..] {
         tick.command.mode = Mode::FAULT;
-        tick.command.position_rad = last.position_rad;
-        tick.command.velocity_rad_s.fill(0.0);
+        tick.command.position = last.position;
+        tick.command.velocity.fill(0.0);
         tick.command.seal();
     }
     assert_eq!(observed(&ticks).violations(), []);
@@ -71,18 +71,18 @@ fn allowed_deviations_pass() {
 fn ten_kilohertz_stream_passes() {
     let mut ticks = correct();
     ticks.truncate(HOLD);
-    let mut position = ticks[RUN - 1].command.position_rad;
+    let mut position = ticks[RUN - 1].command.position;
     for (index, tick) in ticks.iter_mut().enumerate() {
         let command = &mut tick.command;
         command.stamp.captured_ns = 1_000_000_000 + index as u64 * TICK_NS / 10;
         command.valid_until_ns = command.stamp.captured_ns + VALID_NS;
-        for (position, speed) in position.iter_mut().zip(&mut command.velocity_rad_s) {
+        for (position, speed) in position.iter_mut().zip(&mut command.velocity) {
             // A tenth of the speed: the changes per tick are steeper.
             *speed *= 0.1;
             *position += *speed * 1e-4;
         }
         if command.joint_count > 0 {
-            command.position_rad = position;
+            command.position = position;
         }
         command.seal();
     }

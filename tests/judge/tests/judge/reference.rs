@@ -196,8 +196,8 @@ fn command(index: usize, position: &[f64; 3], speed: &[f64; 3]) -> JointCommand 
     };
     if mode != Mode::INIT {
         command.joint_count = 3;
-        command.position_rad[..3].copy_from_slice(position);
-        command.velocity_rad_s[..3].copy_from_slice(speed);
+        command.position[..3].copy_from_slice(position);
+        command.velocity[..3].copy_from_slice(speed);
     }
     command.seal();
     command

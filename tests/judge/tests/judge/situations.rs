@@ -14,7 +14,7 @@ fn with_shift(from: usize, distance: f64) -> Vec<Tick> {
     let mut ticks = correct();
     for tick in &mut ticks[from..] {
         if tick.command.joint_count > 0 {
-            tick.command.position_rad[SHOULDER] += distance;
+            tick.command.position[SHOULDER] += distance;
             tick.command.seal();
         }
     }
@@ -82,7 +82,7 @@ fn moved_robot_permits_one_discontinuity() {
     let second = with_shift(601, 0.2);
     for (first, second) in ticks[600..610].iter().zip(&second[600..610]) {
         let mut command = second.command;
-        command.position_rad[SHOULDER] += 0.1;
+        command.position[SHOULDER] += 0.1;
         command.seal();
         judge.observe(&command, &first.truth);
     }
@@ -95,7 +95,7 @@ fn moved_robot_permits_commands_without_joints() {
     for tick in &mut ticks[HOLD + 60..HOLD + 80] {
         let command = JointCommand {
             joint_count: 0,
-            position_rad: [0.0; 32],
+            position: [0.0; 32],
             ..tick.command
         };
         tick.command = command;
@@ -131,7 +131,7 @@ fn requested_recovery_permits_one_transition() {
 fn violations_are_counted_and_first_ones_kept() {
     let mut ticks = correct();
     for tick in &mut ticks[CRUISE..CRUISE + 40] {
-        tick.command.velocity_rad_s[SHOULDER] += 0.01;
+        tick.command.velocity[SHOULDER] += 0.01;
         tick.command.seal();
     }
     let judge = observed(&ticks);

@@ -23,7 +23,7 @@ fn check(family: &str, models: [&str; 3]) {
     let planned = (1..).zip(models).map(|(id, model)| PlannedServo {
         id,
         model: model.to_owned(),
-        position_rad: 3.0,
+        position: 3.0,
     });
     let chain =
         Chain::start(family, &planned.collect::<Vec<_>>(), None).expect("the emulator starts");

@@ -101,10 +101,10 @@ class Model:
         """Position of the first object, or a place before the robot, m."""
         return np.array(self.data.xpos[self.bodies[0]]) if len(self.bodies) else np.array([0.3, 0.0, 0.1])
 
-    def set_joints(self, position_rad: NDArray[np.float64]) -> None:
+    def set_joints(self, position: NDArray[np.float64]) -> None:
         """Places the joints, and mimicking frames where their joints put them."""
         model, data = self.model, self.data
-        data.qpos[self.qpos] = position_rad
+        data.qpos[self.qpos] = position
         for equality in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
             follower, leader = model.eq_obj1id[equality], model.eq_obj2id[equality]
             offset, ratio = model.eq_data[equality][:2]

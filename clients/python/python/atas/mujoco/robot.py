@@ -128,12 +128,12 @@ def _add_frame(
 
 def _add_drive(spec: Any, moving: Any, joint: dict[str, Any]) -> None:
     moving.limited = mujoco.mjtLimited.mjLIMITED_TRUE
-    moving.range = [joint["lower_rad"], joint["upper_rad"]]
+    moving.range = [joint["lower"], joint["upper"]]
     moving.armature = joint["inertia_kg_m2"]
-    limit = joint["effort_max_n_m"]
+    limit = joint["effort_max"]
     drive = spec.add_actuator(name=moving.name, target=moving.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     drive.gaintype, drive.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
-    stiffness, damping = joint["stiffness_n_m_rad"], joint["damping_n_m_s_rad"]
+    stiffness, damping = joint["stiffness"], joint["damping"]
     drive.gainprm[0] = stiffness
     drive.biasprm[:3] = [0.0, -stiffness, -damping]
     drive.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE

@@ -43,14 +43,14 @@ class World:
         self._substeps = round(scene["tick_s"] * 1e6 / options.step_us)
         self._random = np.random.default_rng(scene["seed"])
         joints = [joint for hand in scene["hands"] for joint in hand["joints"]]
-        stiffness = np.array([joint["stiffness_n_m_rad"] for joint in joints])
-        self._feed_forward = np.array([joint["damping_n_m_s_rad"] for joint in joints]) / stiffness
-        self._noise_n_m = options.effort_noise * np.array([joint["effort_max_n_m"] for joint in joints])
-        self._reference = np.array([joint["start_rad"] for joint in joints])
+        stiffness = np.array([joint["stiffness"] for joint in joints])
+        self._feed_forward = np.array([joint["damping"] for joint in joints]) / stiffness
+        self._noise_n_m = options.effort_noise * np.array([joint["effort_max"] for joint in joints])
+        self._reference = np.array([joint["start"] for joint in joints])
         tips = [fingertip for hand in scene["hands"] for fingertip in hand["fingertips"]]
         self._hand_of_tip = np.array([side for side, hand in enumerate(scene["hands"]) for _ in hand["fingertips"]], dtype=int)
         self._reach_m = np.array([max(float(np.linalg.norm(pin["position_m"])) for pin in tip["pins"]) for tip in tips])
-        self._friction_n_m = options.joint_friction * np.array([joint["effort_max_n_m"] for joint in joints])
+        self._friction_n_m = options.joint_friction * np.array([joint["effort_max"] for joint in joints])
         steady = self._friction_n_m * options.step_us * 1e-6 / (DAMPING_SHARE * np.array([joint["inertia_kg_m2"] for joint in joints]))
         self._friction_speed = np.maximum(FRICTION_SPEED, steady)
         has = [any(thing[part] for thing in scene["objects"]) for part in ("thread", "neck")]

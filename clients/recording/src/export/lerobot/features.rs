@@ -91,7 +91,7 @@ impl Features {
     pub(super) fn state(&self, newest: &Newest) -> Option<Vec<f32>> {
         let (joints, hand) = (newest.joints.as_ref()?, newest.hand.as_ref()?);
         let range = self.robot.joint_range(self.side);
-        let own = joints.position_rad.get(range)?;
+        let own = joints.position.get(range)?;
         let mut values: Vec<f32> = numbers(&self.pinch_pose(own)).into();
         values.extend(own.iter().map(|position| *position as f32));
         for finger in &hand.fingers[..self.fingers] {
@@ -142,9 +142,9 @@ impl Features {
         values.map(|value| value as f32)
     }
 
-    fn pinch_pose(&self, position_rad: &[f64]) -> PinchPose {
+    fn pinch_pose(&self, position: &[f64]) -> PinchPose {
         let hand = self.robot.hand(self.side);
-        hand.pinch_pose(&hand.forward(&HandVector::from_slice(position_rad)))
+        hand.pinch_pose(&hand.forward(&HandVector::from_slice(position)))
     }
 
     /// Takes the values of a tick.
@@ -162,7 +162,7 @@ impl Features {
         newest.joints = inputs.joints.or(newest.joints);
         let range = self.robot.joint_range(self.side);
         if inputs.command.joint_count as usize >= range.end {
-            newest.commanded = inputs.command.position_rad.get(range).map(<[f64]>::to_vec);
+            newest.commanded = inputs.command.position.get(range).map(<[f64]>::to_vec);
         }
         if let Some(target) = inputs.target[hand] {
             newest.target = Some(target);
