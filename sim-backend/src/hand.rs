@@ -4,7 +4,7 @@
 //! several thousand N/m, nanometres matter. A hand in free air only moves its joints.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{Capsules, GRASP_SIDES, HandModel, HandPose, HandVector};
+use robot_model::{Capsules, GraspSide, HandModel, HandPose, HandVector, PerSide};
 
 use crate::contact::{Approach, Contact, Wrench};
 use crate::hand_body::HandBody;
@@ -44,7 +44,7 @@ pub(crate) struct Hand {
 #[derive(Clone, Debug)]
 pub(crate) struct TickStart {
     base_from_hand: Matrix3<f64>,
-    sides_m: [Vector3<f64>; GRASP_SIDES],
+    sides_m: PerSide<Vector3<f64>>,
 }
 
 struct Tip {
@@ -233,19 +233,19 @@ impl TickStart {
     pub(crate) fn from_pose(pose: &HandPose) -> Self {
         Self {
             base_from_hand: pose.base_from_hand().rotation,
-            sides_m: core::array::from_fn(|side| pose.side_m(side)),
+            sides_m: PerSide::from_fn(|side| pose.side_m(side)),
         }
     }
 
     /// Returns the grip if fingertips of both grasp sides press; `presses` states it of one.
     pub(crate) fn grip(&self, model: &HandModel, presses: impl Fn(usize) -> bool) -> Option<Grip> {
-        let from = |side: usize| model.fingertips_of(side).any(&presses);
+        let from = |side| model.fingertips_of(side).any(&presses);
         let tips_m = self.sides_m;
-        (0..GRASP_SIDES).all(from).then(|| Grip {
+        GraspSide::BOTH.into_iter().all(from).then(|| Grip {
             hand: model.side().index(),
             base_from_hand: self.base_from_hand,
-            middle_m: (tips_m[0] + tips_m[1]) / 2.0,
-            closing: (tips_m[1] - tips_m[0]).normalize(),
+            middle_m: (tips_m[GraspSide::First] + tips_m[GraspSide::Second]) / 2.0,
+            closing: (tips_m[GraspSide::Second] - tips_m[GraspSide::First]).normalize(),
         })
     }
 }

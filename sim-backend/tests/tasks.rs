@@ -4,7 +4,7 @@ mod common;
 
 use common::Script;
 use nalgebra::Vector3;
-use robot_model::{GraspPose, HandSide, RobotModel};
+use robot_model::{GraspPose, GraspSide, HandSide, RobotModel};
 use shm_schemas::ObjectTruth;
 use sim_backend::{Mount, Object, Scene, World};
 use zerocopy::IntoBytes;
@@ -101,10 +101,10 @@ fn release_above_the_place_is_a_drop() {
 /// returns.
 fn turn_cap(script: &mut Script) {
     let sweep = |script: &mut Script, to_m: f64, ticks: usize| {
-        let step_m = (to_m - script.frame.tangential_m[0]) / ticks as f64;
+        let step_m = (to_m - script.frame.tangential_m[GraspSide::First]) / ticks as f64;
         script.ticks(ticks, |script| {
-            script.frame.tangential_m[0] += step_m;
-            script.frame.tangential_m[1] -= step_m;
+            script.frame.tangential_m[GraspSide::First] += step_m;
+            script.frame.tangential_m[GraspSide::Second] -= step_m;
         });
     };
     sweep(script, 0.007, 400);

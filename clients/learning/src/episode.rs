@@ -1,12 +1,12 @@
 //! One episode: simulated world with the acting hand around an object, advanced tick by tick.
 
+use robot_model::{GraspPose, HandSide, HandVector, PerSide, RobotModel, RobotVector};
 use std::ops::Range;
 
 use atas_core::kinematics::HandCommand;
 use atas_core::safety::{Gate, GateContext};
 use atas_core::{SensorSetup, Settings, Tick};
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, GraspPose, HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::{Hand, JointCommand, Mode, WorldTruth};
 use sim_backend::{Object, Scene, Sensed, World, home};
 
@@ -110,11 +110,11 @@ impl Episode {
 
     /// Passes the command through the safety gate; the resting hand does not move.
     fn pass(&mut self, acting: HandCommand) -> JointCommand {
-        let resting = HandCommand::new(self.resting_rad, [0.0; GRASP_SIDES]);
+        let resting = HandCommand::new(self.resting_rad, PerSide::repeat(0.0));
         let mut raw = [resting; 2];
         raw[self.side.index()] = acting;
         let mut grips = [self.hand.grip(); 2];
-        grips[1 - self.side.index()].normal_n = [0.0; GRASP_SIDES];
+        grips[1 - self.side.index()].normal_n = PerSide::repeat(0.0);
         let joints = &self.sensed.joints;
         let measured = RobotVector::from_slice(&joints.position[..joints.joint_count as usize]);
         let safe = self.gate.pass(
@@ -216,7 +216,7 @@ impl Episode {
         let to_place_m = self
             .place_m
             .map_or(Vector3::zeros(), |place_m| place_m - frame.centre_m);
-        let [first_m, second_m] = frame.half_opening_m;
+        let [first_m, second_m] = frame.half_opening_m.into_array();
         let reported = from_source_m
             .iter()
             .chain([&first_m, &second_m])

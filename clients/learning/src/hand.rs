@@ -12,7 +12,7 @@ use atas_core::safety::Grip;
 use atas_core::thresholds::Thresholds;
 use atas_core::{HandSensorSetup, Settings, Tick};
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, GraspPose, HandModel, HandVector};
+use robot_model::{GRASP_SIDES, GraspPose, HandModel, HandVector, PerSide};
 use shm_schemas::{Hand, HandFrame};
 
 use crate::observation::MODULES;
@@ -113,7 +113,8 @@ impl PolicyHand {
         let pose = self.next_pose(&(Vector3::new(x, y, z) * MOVE_M_S));
         let proposal = Proposal {
             active: true,
-            closing_m_s: self.within_opening([first, second].map(|share| share * CLOSING_M_S)),
+            closing_m_s: self
+                .within_opening([first, second].map(|share| share * CLOSING_M_S).into()),
             pose: Some(PoseCommand {
                 pose,
                 with_fingers: false,
@@ -145,10 +146,10 @@ impl PolicyHand {
     }
 
     /// Limits closing speeds so that the opening stays within its range.
-    fn within_opening(&self, closing_m_s: [f64; GRASP_SIDES]) -> [f64; GRASP_SIDES] {
+    fn within_opening(&self, closing_m_s: PerSide<f64>) -> PerSide<f64> {
         let most_m = HALF_OPENING_MAX_M.min(self.model.max_opening_m() / 2.0);
         let half_m = &self.servo.pose().half_opening_m;
-        core::array::from_fn(|side| {
+        PerSide::from_fn(|side| {
             let closes = closing_m_s[side] > 0.0;
             let at_end = if closes {
                 half_m[side] <= 0.0
@@ -178,7 +179,7 @@ impl PolicyHand {
             closing_axis: frame.closing_axis(),
             turns_by_wrist: self.model.turns_by_wrist(),
             base_from_tip: measured.base_from_tip(),
-            side_m: core::array::from_fn(|side| measured.side_m(side)),
+            side_m: PerSide::from_fn(|side| measured.side_m(side)),
             compression: perception::compression(&settings.perception, self.model.skin()),
             tactile_over_torque: 1.0,
             torque_over_tactile: 1.0,

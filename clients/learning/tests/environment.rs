@@ -180,7 +180,7 @@ fn every_built_in_robot_grasps_in_its_environment() {
         assert_eq!(joints.shape, [hand.joints().len(), 3], "{name}");
         assert_eq!(percept.shape[0], hand.fingertip_count(), "{name}");
         let tips = 0..hand.fingertip_count();
-        let sides: Vec<usize> = tips.map(|finger| hand.grasp_side(finger)).collect();
+        let sides: Vec<usize> = tips.map(|finger| hand.grasp_side(finger).index()).collect();
         let policy = |row: &[f32], _| grip_with(side_forces_n(row, &sides), 3.0, 0.5);
         let (outcome, ..) = play(&mut environment, 1, policy);
         assert_eq!(outcome.end, End::Success, "{name}: {outcome:?}");

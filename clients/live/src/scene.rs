@@ -61,7 +61,7 @@ fn tip_frames(skeleton: &Skeleton, robot: &RobotModel) -> [Vec<Value>; 2] {
                     "xyz": limb_from_tip.translation.vector.as_slice(),
                     "q": limb_from_tip.rotation.coords.as_slice(),
                 },
-                "side": hand.grasp_side(finger),
+                "side": hand.grasp_side(finger).index(),
                 "radius_m": hand.tip_radius_m()[finger],
             }))
         };
@@ -155,7 +155,12 @@ mod tests {
                 };
                 assert_eq!(frames.len(), count, "{}", files.name);
                 for (finger, frame) in frames.iter().enumerate() {
-                    assert_eq!(frame["side"], hand.grasp_side(finger), "{}", files.name);
+                    assert_eq!(
+                        frame["side"],
+                        hand.grasp_side(finger).index(),
+                        "{}",
+                        files.name
+                    );
                     assert_eq!(frame["radius_m"], hand.tip_radius_m()[finger]);
                 }
             }

@@ -9,7 +9,7 @@
 
 use atas_core::kinematics::{gap_m, grasp_pose};
 use atas_core::{Controller, Inputs, OperatorRequest, SensorSetup, Settings, Tick, check};
-use robot_model::{HandSide, HandVector, RobotModel, RobotVector};
+use robot_model::{GraspSide, HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::{GoalKind, GoalRequest, Hand, HandFrame, JointState, Layout, Mode, Stamp};
 
 const WIDTH_M: f64 = 0.05;
@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let pose = right.forward(&right_rad(&position));
         let gap_m = gap_m(&pose) - 2.0 * right.tip_radius_m()[0];
         let normal_n = (WIDTH_M - gap_m).max(0.0) / 2.0 * STIFFNESS_N_M;
-        let is_lifted = pose.side_m(0).z > HEIGHT_M + 1e-3 && normal_n > 0.0;
+        let is_lifted = pose.side_m(GraspSide::First).z > HEIGHT_M + 1e-3 && normal_n > 0.0;
         let load_n = if is_lifted { WEIGHT_N } else { 0.0 };
         let frames = [
             frame(Hand::LEFT, stamp, 0.0, 0.0),

@@ -14,7 +14,7 @@ use crate::limits::{
     CARRY_SCALE_PER_S, CLOSING_SLOW_DOWN_M_S2, CLOSING_SPEED_UP_M_S2, CLOSING_SPEED_UP_S,
 };
 use crate::modules::{PoseCommand, Proposal, Verdict};
-use robot_model::GRASP_SIDES;
+use robot_model::{GraspSide, PerSide};
 
 /// Merged command for one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct Intent {
     /// Target pose; `None` keeps the current one.
     pub pose: Option<PoseCommand>,
     /// Closing speed per grasp side, m/s, negative opens; ignored while the path moves the fingers.
-    pub closing_m_s: [f64; GRASP_SIDES],
+    pub closing_m_s: PerSide<f64>,
     /// Highest-ranked verdict.
     pub verdict: Verdict,
     /// Result of lift verification.
@@ -34,14 +34,14 @@ pub struct Intent {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Arbiter {
-    closing_m_s: [f64; GRASP_SIDES],
+    closing_m_s: PerSide<f64>,
     carry_scale: f64,
 }
 
 impl Default for Arbiter {
     fn default() -> Self {
         Self {
-            closing_m_s: [0.0; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(0.0),
             carry_scale: 1.0,
         }
     }
@@ -56,15 +56,15 @@ impl Arbiter {
     ///
     /// // Both modules are active: the higher closing speed counts, in any order.
     /// let gentle = Proposal { active: true, closing_m_s: [0.001; 2], ..Proposal::default() };
-    /// let firm = Proposal { active: true, closing_m_s: [0.003; 2], ..Proposal::default() };
+    /// let firm = Proposal { active: true, closing_m_s: PerSide::repeat(0.003), ..Proposal::default() };
     /// let mut arbiters = [Arbiter::default(), Arbiter::default()];
     /// let one = arbiters[0].merge(&[gentle, firm], 1e-3);
     /// let other = arbiters[1].merge(&[firm, gentle], 1e-3);
     /// assert_eq!(one, other);
     /// ```
     pub fn merge(&mut self, proposals: &[Proposal], step_s: f64) -> Intent {
-        for finger in 0..GRASP_SIDES {
-            let wishes = || proposals.iter().map(|p| p.closing_m_s[finger]);
+        for side in GraspSide::BOTH {
+            let wishes = || proposals.iter().map(|p| p.closing_m_s[side]);
             let closing = highest(wishes(), 0.0);
             let wanted = if closing > 0.0 {
                 closing
@@ -72,11 +72,11 @@ impl Arbiter {
                 lowest(wishes(), 0.0)
             };
             let ceiling = lowest(
-                proposals.iter().map(|p| p.closing_ceiling_m_s[finger]),
+                proposals.iter().map(|p| p.closing_ceiling_m_s[side]),
                 f64::INFINITY,
             );
             let target = if wanted < ceiling { wanted } else { ceiling };
-            self.closing_m_s[finger] = slew_closing(self.closing_m_s[finger], target, step_s);
+            self.closing_m_s[side] = slew_closing(self.closing_m_s[side], target, step_s);
         }
         let tolerated = lowest(proposals.iter().map(|p| p.carry_ceiling), 1.0);
         self.carry_scale = approach(self.carry_scale, tolerated, CARRY_SCALE_PER_S * step_s);
@@ -100,7 +100,7 @@ impl Arbiter {
 
     /// Returns the merged closing speed per grasp side, m/s.
     #[must_use]
-    pub fn closing_m_s(&self) -> [f64; GRASP_SIDES] {
+    pub fn closing_m_s(&self) -> PerSide<f64> {
         self.closing_m_s
     }
 
@@ -112,7 +112,7 @@ impl Arbiter {
     /// Resets after a stop on the way: the hand accelerates from rest.
     pub fn stop(&mut self) {
         *self = Self {
-            closing_m_s: [0.0; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(0.0),
             carry_scale: 0.0,
         };
     }

@@ -14,8 +14,8 @@ use crate::load_sharing::LoadSharing;
 use crate::perception::Percept;
 use nalgebra::{Vector2, Vector3};
 use robot_model::{
-    FINGERTIPS_MAX, GRASP_SIDES, GraspPose, HandJacobian, HandModel, HandPose, HandVector,
-    IkStatus, IkWeights,
+    FINGERTIPS_MAX, GraspPose, GraspSide, HandJacobian, HandModel, HandPose, HandVector, IkStatus,
+    IkWeights, PerSide,
 };
 
 /// Largest lead of a side's commanded over its actual opening, m. Derivation: ten times the lag at
@@ -33,20 +33,20 @@ pub struct HandCommand {
     /// Requested positions, rad or m; unchecked.
     pub(crate) q: HandVector,
     /// Closing speed per grasp side, m/s: maximum of the requested speed and that of the joints.
-    pub(crate) closing_m_s: [f64; GRASP_SIDES],
+    pub(crate) closing_m_s: PerSide<f64>,
 }
 
 impl HandCommand {
     /// Creates a command from requested positions, rad or m, and closing speed per grasp side, m/s.
     #[must_use]
-    pub fn new(q: HandVector, closing_m_s: [f64; GRASP_SIDES]) -> Self {
+    pub fn new(q: HandVector, closing_m_s: PerSide<f64>) -> Self {
         Self { q, closing_m_s }
     }
 
     /// Returns the closing speed per grasp side, m/s; negative only if request and joint motion
     /// both open.
     #[must_use]
-    pub fn closing_m_s(&self) -> [f64; GRASP_SIDES] {
+    pub fn closing_m_s(&self) -> PerSide<f64> {
         self.closing_m_s
     }
 }
@@ -110,7 +110,7 @@ impl HandServo {
     pub fn initialise_grip(&mut self, hand: &HandModel, percept: &Percept) {
         let (pose, n) = (hand.forward(&self.q), self.closing_axis(hand));
         let jacobian = hand.jacobian(&pose);
-        self.grip_force_n = mean_normal_n(percept);
+        self.grip_force_n = percept.mean_normal_n();
         let bend_m = self.grip_bending_m(hand, (&pose, &jacobian, &n), percept, 0.0);
         for (up_m, bend_m) in self.pose.up_m.iter_mut().zip(bend_m) {
             *up_m += bend_m.clamp(-COMPLIANCE_MAX_M, COMPLIANCE_MAX_M);
@@ -128,7 +128,7 @@ impl HandServo {
     pub fn hold_still(&self) -> HandCommand {
         HandCommand {
             q: self.q,
-            closing_m_s: [0.0; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(0.0),
         }
     }
 
@@ -145,7 +145,7 @@ impl HandServo {
         if intent.pose.is_none_or(|carried| !carried.with_fingers) {
             self.limit_windup(hand, &pose, &n);
             let along_m = self.load_sharing.update(hand, percept, step_s);
-            for (side, along_m) in along_m.into_iter().enumerate() {
+            for (side, &along_m) in along_m.entries() {
                 if along_m != 0.0 {
                     self.pose.half_opening_m[side] -= along_m;
                     closing_m_s[side] += along_m / step_s;
@@ -184,15 +184,15 @@ impl HandServo {
         (pose, jacobian, n): (&HandPose, &HandJacobian, &Vector3<f64>),
         percept: &Percept,
         step_s: f64,
-    ) -> [f64; GRASP_SIDES] {
+    ) -> PerSide<f64> {
         let share = step_s / (COMPLIANCE_FILTER_S + step_s);
-        self.grip_force_n += (mean_normal_n(percept) - self.grip_force_n) * share;
-        // Side 0 is pressed along +n, side 1 along −n.
+        self.grip_force_n += (percept.mean_normal_n() - self.grip_force_n) * share;
+        // The object presses each side outwards.
         let mut force_n = [Vector3::zeros(); FINGERTIPS_MAX];
-        for side in 0..GRASP_SIDES {
+        for side in GraspSide::BOTH {
             let share_n = self.grip_force_n / hand.fingertips_of(side).count() as f64;
             for finger in hand.fingertips_of(side) {
-                force_n[finger] = n * if side == 0 { share_n } else { -share_n };
+                force_n[finger] = n * (side.outward() * share_n);
             }
         }
         let stiffness = hand.stiffness();
@@ -205,7 +205,7 @@ impl HandServo {
             let turned_rad = HandJacobian::moved(&jacobian.tips[finger].angular, &bent_rad);
             moved_m.z + turned_rad.cross(&arm_m).z
         };
-        core::array::from_fn(|side| hand.mean_of_side(side, bend_m))
+        PerSide::from_fn(|side| hand.mean_of_side(side, bend_m))
     }
 
     /// Returns the weights. The gain towards the preferred posture builds up slowly; otherwise the
@@ -224,18 +224,18 @@ impl HandServo {
     /// and a request to close one side blocks both on a hand that cannot shift.
     fn limit_windup(&mut self, hand: &HandModel, pose: &HandPose, n: &Vector3<f64>) {
         let radius_m = hand.tip_radius_m();
-        let is_m: [f64; GRASP_SIDES] = core::array::from_fn(|finger| {
-            let sign = if finger == 0 { 1.0 } else { -1.0 };
-            let from_centre_m = pose.side_m(finger) - self.pose.centre_m;
-            let radius_m = hand.mean_of_side(finger, |tip| radius_m[tip]);
-            sign * from_centre_m.dot(n) - radius_m
+        let is_m = PerSide::from_fn(|side| {
+            let from_centre_m = pose.side_m(side) - self.pose.centre_m;
+            let radius_m = hand.mean_of_side(side, |tip| radius_m[tip]);
+            side.outward() * from_centre_m.dot(n) - radius_m
         });
         let half_opening_m = &mut self.pose.half_opening_m;
-        let shift_m = (half_opening_m[0] - is_m[0] - (half_opening_m[1] - is_m[1])) / 2.0;
+        let ahead_m = |side| half_opening_m[side] - is_m[side];
+        let shift_m = (ahead_m(GraspSide::First) - ahead_m(GraspSide::Second)) / 2.0;
         let beyond_m = shift_m - shift_m.clamp(-SHIFT_LEAD_MAX_M, SHIFT_LEAD_MAX_M);
         if beyond_m != 0.0 {
-            half_opening_m[0] -= beyond_m;
-            half_opening_m[1] += beyond_m;
+            half_opening_m[GraspSide::First] -= beyond_m;
+            half_opening_m[GraspSide::Second] += beyond_m;
         }
         for (half_opening_m, is_m) in half_opening_m.iter_mut().zip(is_m) {
             let least_m = is_m - OPENING_LEAD_MAX_M;
@@ -246,7 +246,7 @@ impl HandServo {
     }
 
     /// Integrates the commanded pose; returns its closing speed per side, m/s.
-    fn integrate(&mut self, intent: &Intent, step_s: f64) -> [f64; GRASP_SIDES] {
+    fn integrate(&mut self, intent: &Intent, step_s: f64) -> PerSide<f64> {
         let before_m = self.pose.half_opening_m;
         let carried_fingers = match intent.pose {
             Some(carried) => {
@@ -257,9 +257,11 @@ impl HandServo {
         };
         if !carried_fingers {
             self.pose.half_opening_m =
-                core::array::from_fn(|f| before_m[f] - intent.closing_m_s[f] * step_s);
+                before_m.zip_map(intent.closing_m_s, |before_m, m_s| before_m - m_s * step_s);
         }
-        core::array::from_fn(|f| (before_m[f] - self.pose.half_opening_m[f]) / step_s)
+        before_m.zip_map(self.pose.half_opening_m, |before_m, now_m| {
+            (before_m - now_m) / step_s
+        })
     }
 }
 
@@ -270,32 +272,27 @@ fn finger_closing_m(
     jacobian: &HandJacobian,
     dq: &HandVector,
     n: &Vector3<f64>,
-) -> [f64; GRASP_SIDES] {
+) -> PerSide<f64> {
     let mut fingers = *dq;
     fingers[hand.arm_joints()].fill(0.0);
-    core::array::from_fn(|side| {
-        let inwards = if side == 0 { -n } else { *n };
+    PerSide::from_fn(|side| {
+        let inwards = n * -side.outward();
         hand.mean_of_side(side, |finger| {
             HandJacobian::moved(&jacobian.tips[finger].position, &fingers).dot(&inwards)
         })
     })
 }
 
-fn mean_normal_n(percept: &Percept) -> f64 {
-    let fingers = percept.sides.iter();
-    fingers.map(|f| f.normal_n).sum::<f64>() / GRASP_SIDES as f64
-}
-
 /// Returns the distance between the sides' fingertip centres, m; basis of the measured closing.
 #[must_use]
 pub fn gap_m(pose: &HandPose) -> f64 {
-    (pose.side_m(0) - pose.side_m(1)).norm()
+    pose.across_m().norm()
 }
 
 /// Returns the grasp pose of a hand.
 #[must_use]
 pub fn grasp_pose(hand: &HandModel, pose: &HandPose) -> GraspPose {
-    let (tip1_m, tip2_m) = (pose.side_m(0), pose.side_m(1));
+    let [tip1_m, tip2_m] = GraspSide::BOTH.map(|side| pose.side_m(side));
     let centre_m = (tip1_m + tip2_m) / 2.0;
     let across = Vector2::new(tip1_m.x - tip2_m.x, tip1_m.y - tip2_m.y);
     let axis = pose.hand_axis();
@@ -308,11 +305,11 @@ pub fn grasp_pose(hand: &HandModel, pose: &HandPose) -> GraspPose {
         hand_azimuth_rad: hand.bearing_rad(&centre_m),
         hand_pitch_rad: libm::atan2(-axis.z, Vector3::new(axis.x, axis.y, 0.0).norm()),
         root_rad: hand.root_rad(q),
-        half_opening_m: core::array::from_fn(|side| {
+        half_opening_m: PerSide::from_fn(|side| {
             half_m - hand.mean_of_side(side, |finger| radius_m[finger])
         }),
-        tangential_m: [0.0; GRASP_SIDES],
-        up_m: [tip1_m.z - centre_m.z, tip2_m.z - centre_m.z],
+        tangential_m: PerSide::repeat(0.0),
+        up_m: PerSide::new(tip1_m.z - centre_m.z, tip2_m.z - centre_m.z),
     }
 }
 

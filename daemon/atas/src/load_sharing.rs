@@ -9,7 +9,7 @@
 //! * Sides with one fingertip are unaffected.
 
 use crate::perception::Percept;
-use robot_model::{FINGERTIPS_MAX, GRASP_SIDES, GraspPose, HandModel, HandPose, HandTarget};
+use robot_model::{FINGERTIPS_MAX, GraspPose, GraspSide, HandModel, HandPose, HandTarget, PerSide};
 
 /// Closing speed of a fingertip without contact, m/s. Design choice: twice that of the first touch,
 /// so that it arrives before the opposite side.
@@ -37,7 +37,7 @@ impl LoadSharing {
         let mut sharing = Self::default();
         let n = frame.closing_axis();
         for side in shared_sides(hand) {
-            let inwards = if side == 0 { -n } else { n };
+            let inwards = n * -side.outward();
             for finger in hand.fingertips_of(side) {
                 let from_middle_m = pose.tip_m(finger) - pose.side_m(side);
                 let ahead_m = from_middle_m.dot(&inwards);
@@ -58,8 +58,8 @@ impl LoadSharing {
         hand: &HandModel,
         percept: &Percept,
         step_s: f64,
-    ) -> [f64; GRASP_SIDES] {
-        let mut along_m = [0.0; GRASP_SIDES];
+    ) -> PerSide<f64> {
+        let mut along_m = PerSide::repeat(0.0);
         for side in shared_sides(hand) {
             let touches = |finger: &usize| percept.fingertips[*finger].in_contact;
             if !hand.fingertips_of(side).any(|finger| touches(&finger)) {
@@ -96,7 +96,7 @@ impl LoadSharing {
         }
     }
 
-    fn reduce_offsets(&mut self, hand: &HandModel, side: usize, by_m: f64) {
+    fn reduce_offsets(&mut self, hand: &HandModel, side: GraspSide, by_m: f64) {
         let farthest_m = hand
             .fingertips_of(side)
             .map(|finger| self.offset_m[finger].abs())
@@ -112,6 +112,8 @@ impl LoadSharing {
     }
 }
 
-fn shared_sides(hand: &HandModel) -> impl Iterator<Item = usize> + '_ {
-    (0..GRASP_SIDES).filter(|side| hand.fingertips_of(*side).count() > 1)
+fn shared_sides(hand: &HandModel) -> impl Iterator<Item = GraspSide> + '_ {
+    GraspSide::BOTH
+        .into_iter()
+        .filter(|side| hand.fingertips_of(*side).count() > 1)
 }

@@ -6,7 +6,7 @@
 
 use core::f64::consts::PI;
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, GraspPose, HandModel};
+use robot_model::{GraspPose, GraspSide, HandModel, PerSide};
 
 /// Shortest duration, s. Design choice: lets the loop settle on a zero-length path.
 const DURATION_MIN_S: f64 = 0.05;
@@ -173,8 +173,7 @@ pub fn with_height(frame: &GraspPose, height_m: f64) -> GraspPose {
 #[must_use]
 pub fn blend(a: &GraspPose, b: &GraspPose, s: f64) -> GraspPose {
     let mix = |a: f64, b: f64| a + (b - a) * s;
-    let mix2 =
-        |a: [f64; GRASP_SIDES], b: [f64; GRASP_SIDES]| core::array::from_fn(|i| mix(a[i], b[i]));
+    let mix2 = |a: PerSide<f64>, b: PerSide<f64>| a.zip_map(b, mix);
     GraspPose {
         centre_m: a.centre_m + (b.centre_m - a.centre_m) * s,
         closing_yaw_rad: mix(a.closing_yaw_rad, b.closing_yaw_rad),
@@ -194,8 +193,12 @@ fn duration_s(from: &GraspPose, to: &GraspPose, speeds: &Speeds) -> f64 {
         to.hand_pitch_rad - from.hand_pitch_rad,
         to.root_rad - from.root_rad,
     ];
-    let opening = (0..GRASP_SIDES).map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
-    let slides = (0..GRASP_SIDES).map(|f| to.tangential_m[f] - from.tangential_m[f]);
+    let opening = GraspSide::BOTH
+        .into_iter()
+        .map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
+    let slides = GraspSide::BOTH
+        .into_iter()
+        .map(|f| to.tangential_m[f] - from.tangential_m[f]);
     let largest = |values: &mut dyn Iterator<Item = f64>| {
         values.fold(0.0, |m: f64, v| if v.abs() > m { v.abs() } else { m })
     };

@@ -10,7 +10,7 @@ use crate::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3, STEP_FACTOR};
 use crate::settings::Safety as Settings;
 use crate::tick::Tick;
 use crate::tick::nanoseconds;
-use robot_model::{GRASP_SIDES, HandSide, Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
+use robot_model::{GraspSide, HandSide, Joint, PerSide, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
 use shm_schemas::capacity::{HANDS, JOINTS};
 use shm_schemas::{Cause, JointCommand, Mode, Reason, Stamp};
 
@@ -21,7 +21,7 @@ pub type RawCommand = [HandCommand; HANDS];
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grip {
     /// Measured normal force per grasp side, N.
-    pub normal_n: [f64; GRASP_SIDES],
+    pub normal_n: PerSide<f64>,
     /// F_2 of the held object, if known, N.
     pub f2_n: Option<f64>,
 }
@@ -185,7 +185,7 @@ impl Gate {
             let ceiling_n = grip.f2_n.map_or(settings.grip_ceiling_n, |f2_n| {
                 settings.grip_ceiling_n.min(f2_n * settings.grip_ceiling_f2)
             });
-            for side in 0..GRASP_SIDES {
+            for side in GraspSide::BOTH {
                 let normal_n = grip.normal_n[side];
                 // NaN counts as above the ceiling.
                 let below = normal_n <= ceiling_n;
@@ -199,7 +199,7 @@ impl Gate {
                     if limb.hand == hand && is_held && request != commanded {
                         *request = *commanded;
                         self.refusal = Reason::with_limit(Cause::GRIP_CEILING, normal_n, ceiling_n)
-                            .with_index(side);
+                            .with_index(side.index());
                     }
                 }
             }
@@ -352,7 +352,7 @@ struct JointRole {
     hand: usize,
     arm: bool,
     /// Grasp sides whose fingertips the joint moves relative to the palm.
-    drives: [bool; GRASP_SIDES],
+    drives: PerSide<bool>,
 }
 
 impl JointRole {
@@ -365,7 +365,7 @@ impl JointRole {
         Self {
             hand: side.index(),
             arm: hand.arm_joints().contains(&own),
-            drives: core::array::from_fn(|finger| hand.drives(own, finger)),
+            drives: PerSide::from_fn(|side| hand.drives(own, side)),
         }
     }
 }

@@ -17,6 +17,7 @@
 //! use small matrices of which only the first rows and columns are in use: no allocation, and the
 //! same order of summation on every machine.
 
+use crate::grasp_sides::GraspSide;
 use arrayvec::ArrayVec;
 use nalgebra::{SMatrix, SVector, Vector3};
 
@@ -52,7 +53,7 @@ pub(crate) struct FingerBlock {
     /// Requested change of the tip.
     pub(crate) e: Vector3<f64>,
     /// Grasp side of the tip.
-    pub(crate) side: usize,
+    pub(crate) side: GraspSide,
 }
 
 /// Complete problem of one hand.

@@ -24,8 +24,8 @@ impl HandModel {
             (!frame.slides && libm::fabs(cos) > PARALLEL_COS).then(|| libm::copysign(1.0, cos))
         };
         let arm = self.arm_joints;
-        let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
-        let closing = pose.side_m(0) - pose.side_m(1);
+        let middle_m = pose.middle_m();
+        let closing = pose.across_m();
         if let Some(sign) = turns_about(0, Vector3::z()).filter(|_| arm > 0) {
             let from_shoulder = middle_m - self.shoulder_m();
             let bearing_rad = libm::atan2(from_shoulder.y, from_shoulder.x);

@@ -1,5 +1,6 @@
 //! Capabilities of a hand, found by inverse kinematics around its home pose.
 
+use crate::grasp_sides::PerSide;
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use nalgebra::Vector3;
@@ -150,7 +151,7 @@ impl HandModel {
     fn turns_both_ways(&self) -> bool {
         [PASS_M, -PASS_M].into_iter().all(|by_m| {
             let frame = GraspPose {
-                tangential_m: [by_m, -by_m],
+                tangential_m: PerSide::new(by_m, -by_m),
                 ..GraspPose::from_above(self.home_m, self.home_yaw_rad, CAP_M)
             };
             let dome_error_max_rad = if self.turns_by_wrist {

@@ -1,11 +1,12 @@
 //! Forward kinematics of one hand: from joint positions to frames of joints, hand and fingertips.
 
+use crate::grasp_sides::{GraspSide, PerSide};
 use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 
 use crate::capsule::Capsules;
 use crate::model::{HandModel, Mounted};
-use crate::sizes::{FINGERTIPS_MAX, FRAMES_MAX, GRASP_SIDES};
+use crate::sizes::{FINGERTIPS_MAX, FRAMES_MAX};
 use crate::transform::Transform;
 use crate::vector::HandVector;
 
@@ -20,7 +21,7 @@ pub struct HandPose {
     base_from_hand: Transform,
     hand_axis: Vector3<f64>,
     base_from_tip: ArrayVec<Transform, FINGERTIPS_MAX>,
-    side_m: [Vector3<f64>; GRASP_SIDES],
+    side_m: PerSide<Vector3<f64>>,
 }
 
 impl HandPose {
@@ -73,8 +74,20 @@ impl HandPose {
 
     /// Mean of the dome centres of one grasp side, metres.
     #[must_use]
-    pub fn side_m(&self, side: usize) -> Vector3<f64> {
+    pub fn side_m(&self, side: GraspSide) -> Vector3<f64> {
         self.side_m[side]
+    }
+
+    /// Midpoint between the grasp sides, metres.
+    #[must_use]
+    pub fn middle_m(&self) -> Vector3<f64> {
+        (self.side_m[GraspSide::First] + self.side_m[GraspSide::Second]) / 2.0
+    }
+
+    /// Vector from the second to the first grasp side, metres.
+    #[must_use]
+    pub fn across_m(&self) -> Vector3<f64> {
+        self.side_m[GraspSide::First] - self.side_m[GraspSide::Second]
     }
 
     /// The hand's pointing direction, unit length.
@@ -98,7 +111,7 @@ impl HandModel {
             base_from_hand: Transform::IDENTITY,
             hand_axis: Vector3::zeros(),
             base_from_tip: ArrayVec::new(),
-            side_m: [Vector3::zeros(); GRASP_SIDES],
+            side_m: PerSide::repeat(Vector3::zeros()),
         };
         self.compute(&mut pose, q);
         pose
@@ -142,11 +155,11 @@ impl HandModel {
         for finger in &self.fingers[..self.finger_count] {
             pose.base_from_tip.push(place(&finger.tip));
         }
-        pose.side_m = core::array::from_fn(|side| self.middle_m(side, &pose.base_from_tip));
+        pose.side_m = PerSide::from_fn(|side| self.side_middle_m(side, &pose.base_from_tip));
     }
 
     /// Mean of the tips of one grasp side, metres.
-    fn middle_m(&self, side: usize, base_from_tip: &[Transform]) -> Vector3<f64> {
+    fn side_middle_m(&self, side: GraspSide, base_from_tip: &[Transform]) -> Vector3<f64> {
         let tips_m = self.fingertips_of(side);
         let tips_m = tips_m.map(|finger| base_from_tip[finger].translation_m);
         let (sum_m, count) = tips_m.fold((Vector3::zeros(), 0.0), |(sum_m, count), tip_m| {
@@ -172,7 +185,7 @@ impl HandModel {
     #[must_use]
     pub fn room_over_tips_m(&self) -> f64 {
         let pose = self.forward(&self.reference);
-        let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
+        let middle_m = pose.middle_m();
         self.lowest_of_palm_m(&pose) - middle_m.z
     }
 

@@ -100,7 +100,7 @@ pub use capsule::{
 #[cfg(feature = "std")]
 pub use files::{RobotFiles, SHIPPED, TWO_HAND_ARM, shipped_names};
 pub use forward::HandPose;
-pub use grasp_sides::GraspSides;
+pub use grasp_sides::{GraspSide, GraspSides, PerSide};
 pub use ik::{ACTIVE_SET_PASSES, IkStatus, IkStep, IkWeights};
 pub use jacobian::{HandJacobian, Rows3, TipJacobian};
 pub use joint::{Joint, JointKind, PRISMATIC_LEVER_M};

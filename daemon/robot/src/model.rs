@@ -1,6 +1,7 @@
 //! Model of one arm with its hand, in fixed size: a tree of joints with limits and mounting
 //! transforms.
 
+use crate::grasp_sides::GraspSide;
 use core::ops::Range;
 
 use nalgebra::Vector3;
@@ -10,7 +11,7 @@ use crate::grasp_sides::GraspSides;
 use crate::joint::Joint;
 use crate::name::Name;
 use crate::side::HandSide;
-use crate::sizes::{FINGERTIPS_MAX, FRAMES_MAX, GRASP_SIDES, HAND_JOINTS_MAX};
+use crate::sizes::{FINGERTIPS_MAX, FRAMES_MAX, HAND_JOINTS_MAX};
 use crate::skin::Skin;
 use crate::transform::Transform;
 use crate::turning::Turning;
@@ -115,7 +116,7 @@ pub(crate) struct Finger {
     /// Name of the link that carries the tip frame.
     pub(crate) link: Name,
     /// Grasp side, 0 or 1.
-    pub(crate) side: usize,
+    pub(crate) side: GraspSide,
     pub(crate) tip: Mounted,
     /// First joint of the finger, and number of joints.
     pub(crate) first_joint: usize,
@@ -151,7 +152,7 @@ impl Finger {
     pub(crate) fn none() -> Finger {
         Finger {
             link: Name::default(),
-            side: 0,
+            side: GraspSide::First,
             tip: Mounted::ON_BASE,
             first_joint: 0,
             joint_count: 0,
@@ -243,7 +244,7 @@ impl HandModel {
 
     /// Returns true if a joint after the arm moves a fingertip of this grasp side.
     #[must_use]
-    pub fn drives(&self, joint: usize, side: usize) -> bool {
+    pub fn drives(&self, joint: usize, side: GraspSide) -> bool {
         let moves = |finger: usize| self.movers(finger).any(|mover| mover.joint == joint);
         joint >= self.arm_joints && self.fingertips_of(side).any(moves)
     }
@@ -254,14 +255,14 @@ impl HandModel {
         self.finger_count
     }
 
-    /// Returns the grasp side of a fingertip, 0 or 1: see [`GRASP_SIDES`].
+    /// Returns the grasp side of a fingertip.
     #[must_use]
-    pub fn grasp_side(&self, finger: usize) -> usize {
+    pub fn grasp_side(&self, finger: usize) -> GraspSide {
         self.fingers[finger].side
     }
 
     /// Returns the fingertips of a grasp side.
-    pub fn fingertips_of(&self, side: usize) -> impl Iterator<Item = usize> + '_ {
+    pub fn fingertips_of(&self, side: GraspSide) -> impl Iterator<Item = usize> + '_ {
         let presses = move |finger: &usize| self.grasp_side(*finger) == side;
         (0..self.finger_count).filter(presses)
     }
@@ -277,7 +278,7 @@ impl HandModel {
     #[must_use]
     pub fn opposed_tips(&self) -> usize {
         let of_side = |side| self.fingertips_of(side).count();
-        (0..GRASP_SIDES).map(of_side).min().unwrap_or(0)
+        GraspSide::BOTH.into_iter().map(of_side).min().unwrap_or(0)
     }
 
     /// Returns the names of the links that carry the tip frames.
@@ -334,13 +335,13 @@ impl HandModel {
     }
 
     /// Returns the mean of a value over the fingertips of a side.
-    pub fn mean_of_side(&self, side: usize, value: impl FnMut(usize) -> f64) -> f64 {
+    pub fn mean_of_side(&self, side: GraspSide, value: impl FnMut(usize) -> f64) -> f64 {
         mean(self.fingertips_of(side).map(value))
     }
 
     /// Returns the longer of both sides' mean error vectors, m; 0 without fingertips.
     pub(crate) fn side_error_m(&self, error_m: impl Fn(usize) -> Vector3<f64>) -> f64 {
-        (0..GRASP_SIDES).fold(0.0_f64, |worst_m, side| {
+        GraspSide::BOTH.iter().fold(0.0_f64, |worst_m, &side| {
             let mean = |axis: usize| self.mean_of_side(side, |finger| error_m(finger)[axis]);
             worst_m.max(Vector3::new(mean(0), mean(1), mean(2)).norm())
         })

@@ -1,5 +1,6 @@
 //! Pinch pose: the point, direction and opening between the grasp sides of a posture.
 
+use crate::grasp_sides::GraspSide;
 use nalgebra::Vector3;
 
 use crate::forward::HandPose;
@@ -19,9 +20,9 @@ use crate::model::HandModel;
 /// let posture = hand.forward(hand.reference());
 /// let pinch = hand.pinch_pose(&posture);
 /// // Equal fingertips: the point is the middle of both sides.
-/// let middle_m = (posture.side_m(0) + posture.side_m(1)) / 2.0;
+/// let middle_m = posture.middle_m();
 /// assert!((pinch.centre_m - middle_m).norm() < 1e-9);
-/// let distance_m = (posture.side_m(0) - posture.side_m(1)).norm();
+/// let distance_m = posture.across_m().norm();
 /// assert!(0.0 < pinch.opening_m && pinch.opening_m < distance_m);
 /// # Ok(())
 /// # }
@@ -40,9 +41,9 @@ impl HandModel {
     /// Computes the pinch pose of a posture; not finite if a joint position is not.
     #[must_use]
     pub fn pinch_pose(&self, pose: &HandPose) -> PinchPose {
-        let [first_m, second_m] = [pose.side_m(0), pose.side_m(1)];
-        let [first_radius_m, second_radius_m] =
-            [0, 1].map(|side| self.mean_of_side(side, |finger| self.tip_radius_m()[finger]));
+        let [first_m, second_m] = GraspSide::BOTH.map(|side| pose.side_m(side));
+        let [first_radius_m, second_radius_m] = GraspSide::BOTH
+            .map(|side| self.mean_of_side(side, |finger| self.tip_radius_m()[finger]));
         let between_m = first_m - second_m;
         let distance_m = between_m.norm();
         // The middle of the gap, which differs from the middle of the centres if one side's

@@ -1,11 +1,12 @@
 //! Target of a hand: tip positions and directions, usually from a grasp pose.
 
+use crate::grasp_sides::PerSide;
 use core::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 
 use crate::model::HandModel;
-use crate::sizes::{FINGERTIPS_MAX, GRASP_SIDES};
+use crate::sizes::FINGERTIPS_MAX;
 
 /// Radius of a turn at which a wrist rotation replaces the passing of fingertips, metres. Design
 /// choice: the radius of a small cap. Longer turns need fewer regrasps.
@@ -69,13 +70,13 @@ pub struct GraspPose {
     pub root_rad: f64,
     /// Distance of each side's dome surfaces (their poles) from the centre along the closing axis,
     /// metres; negative presses in.
-    pub half_opening_m: [f64; GRASP_SIDES],
+    pub half_opening_m: PerSide<f64>,
     /// Offset of each side's tips along t, metres. `[d, -d]` turns a held cap anticlockwise seen
     /// from above for d > 0. If the fingertips of a hand cannot pass each other, its wrist turns
     /// instead; see [`GraspPose::executed_by`].
-    pub tangential_m: [f64; GRASP_SIDES],
+    pub tangential_m: PerSide<f64>,
     /// Offset of each side's tips along z, metres: feed-forward against sag.
-    pub up_m: [f64; GRASP_SIDES],
+    pub up_m: PerSide<f64>,
 }
 
 impl GraspPose {
@@ -88,9 +89,9 @@ impl GraspPose {
             hand_azimuth_rad: 0.0,
             hand_pitch_rad: FRAC_PI_2,
             root_rad: 0.0,
-            half_opening_m: [opening_m / 2.0; GRASP_SIDES],
-            tangential_m: [0.0; GRASP_SIDES],
-            up_m: [0.0; GRASP_SIDES],
+            half_opening_m: PerSide::repeat(opening_m / 2.0),
+            tangential_m: PerSide::repeat(0.0),
+            up_m: PerSide::repeat(0.0),
         }
     }
 
@@ -109,11 +110,11 @@ impl GraspPose {
         if !hand.turns_by_wrist {
             return *self;
         }
-        let [first_m, second_m] = self.tangential_m;
+        let [first_m, second_m] = self.tangential_m.into_array();
         let turn_rad = (first_m - second_m) / 2.0 / WRIST_TURN_RADIUS_M;
         GraspPose {
             closing_yaw_rad: self.closing_yaw_rad + turn_rad,
-            tangential_m: [(first_m + second_m) / 2.0; GRASP_SIDES],
+            tangential_m: PerSide::repeat((first_m + second_m) / 2.0),
             ..*self
         }
     }
@@ -137,7 +138,7 @@ impl GraspPose {
         };
         for (finger, model) in hand.fingers[..hand.finger_count].iter().enumerate() {
             let side = model.side;
-            let outward = if side == 0 { n } else { -n };
+            let outward = n * side.outward();
             target.tip_m[finger] = self.centre_m
                 + outward * (self.half_opening_m[side] + hand.tip_radius_m[finger])
                 + t * self.tangential_m[side]

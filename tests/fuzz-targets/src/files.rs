@@ -3,6 +3,7 @@
 //! An input is the text of a file. Text that is not UTF-8 is rejected before the parsers, so an
 //! input is converted first.
 
+use robot_model::{GraspSide, RobotFile, RobotModel, SHIPPED, Skeleton};
 use std::path::Path;
 
 use atas_live::requests::count_targets;
@@ -17,7 +18,6 @@ use ebts::grasp::course;
 use ebts::grasp::table_file::GraspFile;
 use ebts::table_file::{Hash, TableFile};
 use field::{Model, Preset};
-use robot_model::{RobotFile, RobotModel, SHIPPED, Skeleton};
 use sim_backend::{Object, SensorModel};
 
 use crate::target::Target;
@@ -107,7 +107,11 @@ fn urdf(bytes: &[u8]) {
             for side in robot.sides() {
                 let hand = robot.hand(side);
                 let pose = hand.forward(&robot_model::HandVector::from_slice(hand.reference()));
-                assert!(pose.side_m(0).iter().all(|value| value.is_finite()));
+                assert!(
+                    pose.side_m(GraspSide::First)
+                        .iter()
+                        .all(|value| value.is_finite())
+                );
             }
         }
         Err(error) => assert!(!error.to_string().is_empty()),

@@ -1,7 +1,7 @@
 //! Fingertips and closing axes of a robot at given joint positions.
 
 use nalgebra::Vector3;
-use robot_model::{HandModel, HandPose, HandVector, RobotModel};
+use robot_model::{GraspSide, HandModel, HandPose, HandVector, RobotModel};
 
 use super::bodies::{Body, Shade};
 use super::mark::{Drawing, Mark, Rgb};
@@ -78,7 +78,7 @@ pub(super) fn draw_closing_axes(
     q: &[f64],
 ) {
     for (_, pose) in poses(robot, q) {
-        let [a, b] = [pose.side_m(0), pose.side_m(1)];
+        let [a, b] = GraspSide::BOTH.map(|side| pose.side_m(side));
         let Some(along) = (b - a).try_normalize(1e-9) else {
             continue;
         };

@@ -1,7 +1,7 @@
 //! Figure of a grasp (Fig. 4): forces between their thresholds, lift, module activity.
 
 use plotters::style::RGBColor;
-use robot_model::{GRASP_SIDES, GraspSides};
+use robot_model::{GraspSide, GraspSides, PerSide};
 use shm_schemas::{FingerReport, ModuleId};
 
 use super::figure::{self, *};
@@ -27,7 +27,7 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     time_s.end = Phases::axis_end(&time_s, &steps);
     let series = |value: fn(&Tick) -> f64| trace.series(&time_s, POINTS, value);
     let sides = trace.sides;
-    let pressed = [0, 1].map(|side| {
+    let pressed = GraspSide::BOTH.map(|side| {
         let normal_n = |t: &Tick| per_side(t, sides, |f| f.normal_n)[side];
         trace.series(&time_s, POINTS, normal_n)
     });
@@ -94,14 +94,14 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
 }
 
 /// Returns the sum of a measured value per grasp side.
-fn per_side(tick: &Tick, sides: GraspSides, value: fn(&FingerReport) -> f32) -> [f64; GRASP_SIDES] {
+fn per_side(tick: &Tick, sides: GraspSides, value: fn(&FingerReport) -> f32) -> PerSide<f64> {
     let fingers = &Trace::acting(tick).report.fingers;
     sides.sums(|fingertip| value(&fingers[fingertip]).into())
 }
 
 /// Returns the mean of a measured value over the grasp sides.
 fn mean(tick: &Tick, sides: GraspSides, value: fn(&FingerReport) -> f32) -> f64 {
-    per_side(tick, sides, value).iter().sum::<f64>() / GRASP_SIDES as f64
+    per_side(tick, sides, value).mean()
 }
 
 fn lane(trace: &Trace, (id, name, colour): (ModuleId, &str, RGBColor)) -> Lane {

@@ -27,11 +27,11 @@ pub(super) fn draw(trace: &Trace) -> anyhow::Result<String> {
     };
     let rest_m = truth.position_m[2];
     let support = series(&|t| t.object.table_n);
-    let pressed = series(&|t| Trace::acting(t).pressed_n.iter().sum::<f64>() / 2.0);
+    let pressed = series(&|t| Trace::acting(t).pressed_n.mean());
     let height = series(&|t| (t.object.position_m[2] - rest_m) * 1e3);
     let width_m = trace.goal.width_m + 2.0 * trace.dome_radius_m;
     let opening = series(&|t| {
-        let [a, b] = Trace::acting(t).tips_m;
+        let [a, b] = Trace::acting(t).tips_m.into_array();
         ((a - b).norm() - width_m) * 1e3
     });
     let moments = moments(trace, carried_s);

@@ -41,7 +41,7 @@ type Path = Vec<(f64, f64)>;
 
 fn place(trace: &Trace, tick: &Tick) -> (f64, f64) {
     let cap_m = Vector3::from(trace.truth.objects[0].position_m);
-    let [first, second] = Trace::acting(tick).tips_m;
+    let [first, second] = Trace::acting(tick).tips_m.into_array();
     let (sin, cos) = trace.goal.from_yaw_rad.sin_cos();
     let mut out = Vector3::new(cos, sin, 0.0);
     if (first - second).dot(&out) < 0.0 {

@@ -1,12 +1,12 @@
 //! Trace of one offline trial, tick by tick, as data of a figure.
 
+use robot_model::{GraspSides, HandSide, HandVector, PerSide, RobotModel};
 use std::ops::Range;
 
 use anyhow::Context;
 use atas_client::GoalProgress;
 use atas_core::{Outputs, Settings};
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, GraspSides, HandSide, HandVector, RobotModel};
 use shm_schemas::{EventKind, GoalRequest, HandReport, ObjectTruth, WorldTruth};
 use sim_backend::{Object, Scene, World};
 
@@ -42,9 +42,9 @@ pub(super) struct Tick {
 pub(super) struct Hand {
     pub(super) report: HandReport,
     /// True normal force per grasp side, N.
-    pub(super) pressed_n: [f64; GRASP_SIDES],
+    pub(super) pressed_n: PerSide<f64>,
     /// Commanded centre of each side's fingertips, base frame, m.
-    pub(super) tips_m: [Vector3<f64>; GRASP_SIDES],
+    pub(super) tips_m: PerSide<Vector3<f64>>,
     /// Index of the step's name; `None` before the first step.
     step: Option<usize>,
 }
@@ -103,7 +103,7 @@ impl Trace {
             Hand {
                 report,
                 pressed_n: hand.grasp_sides().sums(|tip| truth.normal_n[index][tip]),
-                tips_m: core::array::from_fn(|side| pose.side_m(side)),
+                tips_m: PerSide::from_fn(|side| pose.side_m(side)),
                 step: now[index],
             }
         };

@@ -158,6 +158,6 @@ impl<'a> HeldRun<'a> {
             .robot
             .hand(side)
             .forward(&HandVector::from_slice(commanded));
-        (pose.side_m(1) - pose.side_m(0)).norm()
+        pose.across_m().norm()
     }
 }

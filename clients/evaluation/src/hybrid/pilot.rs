@@ -285,7 +285,7 @@ impl Pilot {
     pub(super) fn grip_n(&self) -> [f32; GRASP_SIDES] {
         let normal_n = &self.progress.figures().normal_n;
         let sums_n = self.sides.sums(|fingertip| normal_n[fingertip].into());
-        sums_n.map(|sum_n| sum_n as f32)
+        sums_n.map(|sum_n| sum_n as f32).into_array()
     }
 
     pub(super) fn hand_failure(&self) -> Option<String> {

@@ -74,7 +74,7 @@ pub(super) fn measure(
             face_n,
             percept.step_s,
             &RIGID_TIPS,
-            WHOLE_FACES,
+            WHOLE_FACES.into(),
             &probe_settings,
         ) {
             measured.whole_n_m = fit.object_n_m;

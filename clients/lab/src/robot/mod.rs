@@ -12,6 +12,9 @@
 mod facing;
 mod reach;
 
+use robot_model::{
+    GraspSide, HandModel, HandSide, Joint, JointKind, RobotFiles, RobotModel, SHIPPED,
+};
 use std::path::Path;
 use std::time::Instant;
 
@@ -19,9 +22,6 @@ use atas_console::arguments::RobotAction;
 use atas_console::{Exit, ExitError, Output, number, table};
 use atas_evaluation::drawing::robot_views;
 use atas_evaluation::{NominalTrial, Task};
-use robot_model::{
-    GRASP_SIDES, HandModel, HandSide, Joint, JointKind, RobotFiles, RobotModel, SHIPPED,
-};
 use serde_json::{Value, json};
 
 use crate::picture;
@@ -208,7 +208,7 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
     output.table(rows)?;
     for (finger, link) in hand.tip_links().enumerate() {
         let (side, radius_mm) = (
-            hand.grasp_side(finger) + 1,
+            hand.grasp_side(finger).index() + 1,
             hand.tip_radius_m()[finger] * 1e3,
         );
         let layout = hand.skin().layout;
@@ -228,7 +228,7 @@ fn print_hand(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
         output.line(format_args!(
             "fingertips of grasp side {} are {apart_mm:.0} mm apart: their edges touch objects \
              that are narrower than that",
-            side + 1
+            side.index() + 1
         ))?;
     }
     for line in Facing::from_hand(hand).lines() {
@@ -287,14 +287,15 @@ fn print_reach(hand: &HandModel, output: &mut Output) -> anyhow::Result<()> {
 
 /// Returns grasp sides with several fingertips, each with the largest distance between two of them
 /// in the reference posture, m.
-fn fingertip_spread_m(hand: &HandModel) -> Vec<(usize, f64)> {
+fn fingertip_spread_m(hand: &HandModel) -> Vec<(GraspSide, f64)> {
     let pose = hand.forward(hand.reference());
-    let apart_m = |side: usize| {
+    let apart_m = |side: GraspSide| {
         let tips = || hand.fingertips_of(side).map(|finger| pose.tip_m(finger));
         let pairs = tips().flat_map(|a| tips().map(move |b| (a - b).norm()));
         pairs.fold(0.0_f64, f64::max)
     };
-    (0..GRASP_SIDES)
+    GraspSide::BOTH
+        .into_iter()
         .filter(|side| hand.fingertips_of(*side).count() > 1)
         .map(|side| (side, apart_m(side)))
         .collect()
@@ -306,7 +307,7 @@ fn misaligned_fingertips(hand: &HandModel) -> Vec<&str> {
     let pose = hand.forward(hand.reference());
     let faces = |finger: usize| {
         let across =
-            pose.side_m(1 - hand.grasp_side(finger)) - pose.side_m(hand.grasp_side(finger));
+            pose.side_m(hand.grasp_side(finger).opposite()) - pose.side_m(hand.grasp_side(finger));
         // A NaN counts as not facing.
         across
             .try_normalize(1e-9)
@@ -335,7 +336,7 @@ fn hand_json(hand: &HandModel) -> Value {
     let tip = |(finger, link): (usize, &str)| {
         json!({
             "link": link,
-            "side": hand.grasp_side(finger) + 1,
+            "side": hand.grasp_side(finger).index() + 1,
             "radius_m": hand.tip_radius_m()[finger],
         })
     };

@@ -18,7 +18,7 @@ use crate::tasks::{Motion, Step, StepSequence, Transition, Waypoint};
 use core::cell::Cell;
 use core::ops::Range;
 use robot_model::{
-    Capsules, GRASP_SIDES, GraspPose, HandModel, HandSide, HandVector, Nearest, RobotVector,
+    Capsules, GraspPose, GraspSide, HandModel, HandSide, HandVector, Nearest, PerSide, RobotVector,
     farthest_move_m, nearest,
 };
 use shm_schemas::{Body, BodyPair, Cause, Reason};
@@ -290,7 +290,7 @@ impl<'a> PathWalker<'a> {
             }
             (Motion::Square, _) => self.square(visit),
             (_, Transition::AllTouched | Transition::Gripped) => {
-                let half_opening_m = [self.width_m / 2.0; GRASP_SIDES];
+                let half_opening_m = PerSide::repeat(self.width_m / 2.0);
                 let closed = GraspPose {
                     half_opening_m,
                     ..at
@@ -316,7 +316,7 @@ impl<'a> PathWalker<'a> {
         ];
         for (turned_m, away_m) in corners {
             let corner = GraspPose {
-                tangential_m: [turned_m, -turned_m],
+                tangential_m: PerSide::new(turned_m, -turned_m),
                 half_opening_m: at.half_opening_m.map(|half_m| half_m + away_m),
                 ..at
             };
@@ -393,7 +393,7 @@ fn sample_count(from: &GraspPose, to: &GraspPose) -> u32 {
         to.hand_pitch_rad - from.hand_pitch_rad,
         to.root_rad - from.root_rad,
     ];
-    let fingers = (0..GRASP_SIDES).flat_map(|f| {
+    let fingers = GraspSide::BOTH.into_iter().flat_map(|f| {
         [
             to.half_opening_m[f] - from.half_opening_m[f],
             to.tangential_m[f] - from.tangential_m[f],

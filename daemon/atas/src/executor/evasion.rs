@@ -37,7 +37,7 @@ impl TaskExecutor {
             return false;
         }
         self.corrections.evasions += 1;
-        for (side, percept) in percept.sides.iter().enumerate() {
+        for (side, percept) in percept.sides.entries() {
             if percept.in_contact {
                 self.waypoints.widen_grasp(side, OUTWARDS_M);
             }

@@ -35,7 +35,7 @@ use crate::tasks::{
 };
 use crate::thresholds::Thresholds;
 use nalgebra::{Vector2, Vector3};
-use robot_model::{Compression, GRASP_SIDES, GraspPose, Transform};
+use robot_model::{Compression, GraspPose, PerSide, Transform};
 use shm_schemas::{Cause, ModuleId, Reason};
 
 /// Motion of the hand at the start of a tick.
@@ -44,7 +44,7 @@ pub struct HandMotion<'a> {
     /// Path speed factor arbitrated in the previous tick, −1 (back) to 1.
     pub carry_scale: f64,
     /// Closing speed per grasp side arbitrated in the previous tick, m/s.
-    pub closing_m_s: [f64; GRASP_SIDES],
+    pub closing_m_s: PerSide<f64>,
     /// Commanded grasp pose.
     pub pose: &'a GraspPose,
     /// Present closing axis, base frame, unit length, including the rotation of the wrist.
@@ -54,7 +54,7 @@ pub struct HandMotion<'a> {
     /// Measured frame of each fingertip.
     pub base_from_tip: &'a [Transform],
     /// Measured mean of the fingertips of each grasp side, base frame, m.
-    pub side_m: [Vector3<f64>; GRASP_SIDES],
+    pub side_m: PerSide<Vector3<f64>>,
     /// Compression of the fingertips under load.
     pub compression: Compression,
     /// Ratio of tactile to joint-estimated force, ≥ 1. Limits opening when the skin reports too

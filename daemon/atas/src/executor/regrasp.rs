@@ -245,7 +245,7 @@ impl TaskExecutor {
     /// frame, m.
     fn object_offset(&self, now: &GraspPose) -> Option<(ObjectPose, Vector2<f64>)> {
         let measured = self.object_pose?;
-        let [first_m, second_m] = now.half_opening_m;
+        let [first_m, second_m] = now.half_opening_m.into_array();
         let off_m = measured.offset_m + measured.closing_axis * ((first_m - second_m) / 2.0);
         Some((measured, off_m))
     }

@@ -20,7 +20,7 @@ use crate::tasks::Step;
 use crate::teleop::{TeleopTarget, ValidatedTarget};
 use crate::tick::Tick;
 use nalgebra::{Vector2, Vector3};
-use robot_model::{FINGERTIPS_MAX, GRASP_SIDES, HandModel, HandPose, HandVector, Transform};
+use robot_model::{FINGERTIPS_MAX, HandModel, HandPose, HandVector, PerSide, Transform};
 use shm_schemas::{
     Cause, EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus,
     ModuleEvent, Reason,
@@ -50,7 +50,7 @@ pub(crate) struct HandControl {
     /// Measured pose of the object against the hand.
     object_pose: Option<ObjectPose>,
     base_from_tip: [Transform; FINGERTIPS_MAX],
-    side_m: [Vector3<f64>; GRASP_SIDES],
+    side_m: PerSide<Vector3<f64>>,
     frames: u32,
     torque_check: TorqueForceCheck,
     /// F_2 of the held object, N; zero for an empty hand.
@@ -86,7 +86,7 @@ impl HandControl {
             measured_gap_m: 0.0,
             object_pose: None,
             base_from_tip: [Transform::IDENTITY; FINGERTIPS_MAX],
-            side_m: [Vector3::zeros(); GRASP_SIDES],
+            side_m: PerSide::repeat(Vector3::zeros()),
             frames: 0,
             force_limit_n: 0.0,
             slips: false,
@@ -179,7 +179,7 @@ impl HandControl {
         for (of_tip, tip) in self.base_from_tip.iter_mut().zip(measured.base_from_tip()) {
             *of_tip = *tip;
         }
-        self.side_m = core::array::from_fn(|side| measured.side_m(side));
+        self.side_m = PerSide::from_fn(|side| measured.side_m(side));
         let closing_s = self.executor.as_ref().map_or(0.0, TaskExecutor::closing_s);
         let load = (self.grips(), closing_s);
         match effort {
@@ -274,7 +274,7 @@ impl HandControl {
         let Some(servo) = self.servo.as_mut() else {
             return HandCommand {
                 q: HandVector::zeros(self.model.joints().len()),
-                closing_m_s: [0.0; GRASP_SIDES],
+                closing_m_s: PerSide::repeat(0.0),
             };
         };
         match self.intent {

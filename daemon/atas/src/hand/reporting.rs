@@ -1,6 +1,7 @@
 //! Reporting of one hand: figures, reports, counts, events.
 
 use super::*;
+use robot_model::PerSide;
 
 impl HandControl {
     /// Returns the grasp figures for the goal's client.
@@ -100,8 +101,8 @@ impl HandControl {
         }
     }
 
-    fn intent_closing(&self) -> [f64; GRASP_SIDES] {
-        self.intent.map_or([0.0; GRASP_SIDES], |i| i.closing_m_s)
+    fn intent_closing(&self) -> PerSide<f64> {
+        self.intent.map_or(PerSide::repeat(0.0), |i| i.closing_m_s)
     }
 
     pub(super) fn event(&self, kind: EventKind) -> ModuleEvent {

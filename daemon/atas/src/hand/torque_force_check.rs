@@ -10,7 +10,7 @@ use crate::filter::{Dwell, low_pass};
 use crate::perception::{ContactPercept, Percept};
 use crate::settings::Safety;
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, HandModel, HandPose, HandVector, Mover};
+use robot_model::{GraspSide, HandModel, HandPose, HandVector, Mover, PerSide};
 
 /// Filter time constant of both forces, s (design choice: longer than hand tremor, shorter than
 /// drift).
@@ -39,8 +39,8 @@ pub(super) struct TorqueForceCheck {
     free_n_m: HandVector,
     /// Filtered tactile and torque-estimated normal force per grasp side, N. Both sides hold the
     /// mean if only that is known.
-    tactile_n: [f64; GRASP_SIDES],
-    torque_n: [f64; GRASP_SIDES],
+    tactile_n: PerSide<f64>,
+    torque_n: PerSide<f64>,
     /// Duration of the present disagreement.
     disagreement: Dwell,
 }
@@ -50,8 +50,8 @@ impl TorqueForceCheck {
     pub(super) fn new(model: &HandModel) -> Self {
         Self {
             free_n_m: HandVector::zeros(model.joints().len()),
-            tactile_n: [0.0; GRASP_SIDES],
-            torque_n: [0.0; GRASP_SIDES],
+            tactile_n: PerSide::repeat(0.0),
+            torque_n: PerSide::repeat(0.0),
             disagreement: Dwell::default(),
         }
     }
@@ -73,12 +73,17 @@ impl TorqueForceCheck {
 
     /// Returns tactile and torque-estimated force, N, after a disagreement of `MISMATCH_S`.
     pub(super) fn mismatch(&self) -> Option<[f64; 2]> {
-        let worst = usize::from(self.difference_n(1) > self.difference_n(0));
+        let [first_n, second_n] = GraspSide::BOTH.map(|side| self.difference_n(side));
+        let worst = if second_n > first_n {
+            GraspSide::Second
+        } else {
+            GraspSide::First
+        };
         (self.disagreement.seconds() > MISMATCH_S)
             .then(|| [self.tactile_n[worst], self.torque_n[worst]])
     }
 
-    fn difference_n(&self, side: usize) -> f64 {
+    fn difference_n(&self, side: GraspSide) -> f64 {
         (self.tactile_n[side] - self.torque_n[side]).abs()
     }
 
@@ -89,7 +94,7 @@ impl TorqueForceCheck {
         } else {
             1.0
         };
-        let disagrees = (0..GRASP_SIDES).any(|side| {
+        let disagrees = GraspSide::BOTH.into_iter().any(|side| {
             let least_n = self.tactile_n[side].min(self.torque_n[side]).max(0.0);
             self.difference_n(side) > allowed * tolerated_n(least_n, settings)
         });
@@ -125,12 +130,9 @@ impl TorqueForceCheck {
             JointForce::PerSide(borne_n) => (felt_n, borne_n),
             // Until both sides touch, one side pushes the object; the joints cannot distinguish
             // which.
-            JointForce::Mean(borne_n) => {
-                let felt_n = felt_n.iter().sum::<f64>() / GRASP_SIDES as f64;
-                ([felt_n; GRASP_SIDES], [borne_n; GRASP_SIDES])
-            }
+            JointForce::Mean(borne_n) => (PerSide::repeat(felt_n.mean()), PerSide::repeat(borne_n)),
         };
-        for side in 0..GRASP_SIDES {
+        for side in GraspSide::BOTH {
             self.tactile_n[side] = low_pass(self.tactile_n[side], felt_n[side], step_s, FILTER_S);
             self.torque_n[side] = low_pass(self.torque_n[side], borne_n[side], step_s, FILTER_S);
         }
@@ -139,12 +141,7 @@ impl TorqueForceCheck {
 }
 
 /// Returns the largest ratio of one force to the other plus its dead band, over both sides, ≥ 1.
-fn max_ratio(
-    ones_n: &[f64; GRASP_SIDES],
-    others_n: &[f64; GRASP_SIDES],
-    share: f64,
-    settings: &Safety,
-) -> f64 {
+fn max_ratio(ones_n: &PerSide<f64>, others_n: &PerSide<f64>, share: f64, settings: &Safety) -> f64 {
     ones_n
         .iter()
         .zip(others_n)
@@ -163,7 +160,7 @@ fn tolerated_n(force_n: f64, settings: &Safety) -> f64 {
 /// Normal force estimated from joint torques, N.
 enum JointForce {
     /// Force of each grasp side.
-    PerSide([f64; GRASP_SIDES]),
+    PerSide(PerSide<f64>),
     /// Mean of both sides, if the same joints move both.
     Mean(f64),
 }
@@ -177,7 +174,7 @@ fn joint_force_n(
 ) -> JointForce {
     let zeros = HandVector::zeros(loaded_n_m.len());
     // Torques per newton of normal force per side, and residual torques without tangential forces.
-    let mut unit_n_m = [zeros; GRASP_SIDES];
+    let mut unit_n_m = PerSide::repeat(zeros);
     let mut rest_n_m = *loaded_n_m;
     for finger in 0..model.fingertip_count() {
         let (side, measured) = (model.grasp_side(finger), &percept.fingertips[finger]);
@@ -195,12 +192,15 @@ fn joint_force_n(
     let dot = |a: &HandVector, b: &HandVector| -> f64 {
         a.iter().zip(b.iter()).map(|(a, b)| a * b).sum()
     };
-    let [first, second] = &unit_n_m;
+    let [first, second] = &unit_n_m.into_array();
     let (a, b, c) = (dot(first, first), dot(first, second), dot(second, second));
     let (p, q) = (dot(first, &rest_n_m), dot(second, &rest_n_m));
     let determinant = a * c - b * b;
     if determinant > DEPENDENT_SHARE * a * c {
-        JointForce::PerSide([(p * c - q * b) / determinant, (q * a - p * b) / determinant])
+        JointForce::PerSide(PerSide::new(
+            (p * c - q * b) / determinant,
+            (q * a - p * b) / determinant,
+        ))
     } else if a + 2.0 * b + c > 0.0 {
         JointForce::Mean((p + q) / (a + 2.0 * b + c))
     } else {

@@ -118,8 +118,8 @@ mod tests {
             held_n: 0.5,
             mean_n: 0.5,
             scatter_n: 0.0,
-            normal_n,
-            verified_normal_n: [1.0; 2],
+            normal_n: normal_n.into(),
+            verified_normal_n: [1.0; 2].into(),
             closed_m: closed_mm * 1e-3,
         };
         let drift = Drift::estimate(&grip, &Skin::DOME_41.compression, 0.0);

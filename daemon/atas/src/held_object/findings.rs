@@ -121,8 +121,7 @@ impl HeldObjectEstimator {
     #[must_use]
     pub fn drift_warning(&self) -> Option<Reason> {
         let grip = self.object.grip?;
-        let mean_n = |normal_n: &[f64]| normal_n.iter().sum::<f64>() / normal_n.len() as f64;
-        let [now_n, verified_n] = [grip.normal_n, grip.verified_normal_n].map(|n| mean_n(&n));
+        let [now_n, verified_n] = [grip.normal_n, grip.verified_normal_n].map(|n| n.mean());
         (self.drifting.seconds() > DRIFT_WARNING_S)
             .then(|| Reason::with_limit(Cause::FORCE_AGAINST_OPENING, now_n, verified_n))
     }

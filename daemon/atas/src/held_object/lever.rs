@@ -48,7 +48,7 @@ impl Lever {
         let filter_s = FILTER_S * (1.0 + LIGHT_LOAD_N / load_n);
         let filter = |before, now| low_pass(before, now, percept.step_s, filter_s);
         // The sides face each other, so the moments about their normals have opposite signs.
-        let [first, second] = &percept.sides;
+        let [first, second] = percept.sides.each_ref().into_array();
         let lever_m = (first.moment_n_m - second.moment_n_m) / load_n;
         self.now_m = filter(self.now_m, lever_m.abs());
         self.signed_m = filter(self.signed_m, lever_m);

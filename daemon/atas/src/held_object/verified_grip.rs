@@ -12,7 +12,7 @@
 use crate::filter::{Dwell, low_pass};
 use crate::limits::{GRAVITY_M_S2, NORMAL_MIN_N};
 use crate::perception::Percept;
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 
 /// Filter time constant of the ratio of filtered load to filtered force, s (design choice: suppresses
 /// frame noise).
@@ -42,9 +42,9 @@ pub struct VerifiedGrip {
     /// Standard deviation of the load, N.
     pub scatter_n: f64,
     /// Normal force of each side, N.
-    pub normal_n: [f64; GRASP_SIDES],
+    pub normal_n: PerSide<f64>,
     /// Normal force of each side at the verification, N.
-    pub verified_normal_n: [f64; GRASP_SIDES],
+    pub verified_normal_n: PerSide<f64>,
     /// Distance by which the fingertips are closer to each other than at the verification, m.
     pub closed_m: f64,
 }
@@ -53,7 +53,7 @@ pub struct VerifiedGrip {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Verification {
-    normal_n: [f64; GRASP_SIDES],
+    normal_n: PerSide<f64>,
     opening_m: f64,
 }
 
@@ -63,7 +63,7 @@ struct Verification {
 pub(super) struct GripVerification {
     /// Filtered net load, and normal force per side, N.
     load_n: f64,
-    normal_n: [f64; GRASP_SIDES],
+    normal_n: PerSide<f64>,
     /// Mean of the filtered load, N, and variance around it, N².
     mean_load_n: f64,
     scatter_n2: f64,
@@ -86,7 +86,7 @@ impl Default for GripVerification {
     fn default() -> Self {
         Self {
             load_n: 0.0,
-            normal_n: [0.0; GRASP_SIDES],
+            normal_n: PerSide::repeat(0.0),
             mean_load_n: 0.0,
             scatter_n2: 0.0,
             opening_m: 0.0,
@@ -232,7 +232,7 @@ mod tests {
             };
             for _ in 0..1000 {
                 let percept = Percept {
-                    sides: [side; 2],
+                    sides: [side; 2].into(),
                     step_s: 1e-3,
                     ..Percept::default()
                 };

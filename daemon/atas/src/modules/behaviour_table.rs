@@ -10,7 +10,7 @@ use super::slip::{exceeds_utilisation, is_loading, is_turning, slips_grossly};
 use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::filter::Dwell;
 use crate::perception::{ContactPercept, Percept};
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::{ModuleId, SensorBit};
 
 /// Total time of backward motion that refuses the object, s (design choice: longer than several
@@ -27,8 +27,8 @@ const LOW_UTILISATION_S: f64 = 0.1;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct BehaviourTable {
     /// Per side, with hysteresis: excessive utilisation, and turning.
-    slipping: [bool; GRASP_SIDES],
-    turning: [bool; GRASP_SIDES],
+    slipping: PerSide<bool>,
+    turning: PerSide<bool>,
     /// Remaining time of [`SensorBit::SLIPPING`], s.
     latch_s: f64,
     above_f2: bool,
@@ -60,7 +60,7 @@ impl Module for BehaviourTable {
         let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::BEHAVIOUR_TABLE);
         Proposal {
             active: action.fingers_m_s != 0.0 || action.hand < 1.0,
-            closing_m_s: [action.fingers_m_s; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(action.fingers_m_s),
             carry_ceiling: action.hand,
             verdict: if self.back_s > BACK_MAX_S {
                 Verdict::Refuse(reason)

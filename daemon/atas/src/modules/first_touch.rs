@@ -8,7 +8,7 @@
 
 use super::{Context, Module, Proposal, Roles};
 use crate::perception::Percept;
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::ModuleId;
 
 /// Stateless module.
@@ -25,14 +25,14 @@ impl Module for FirstTouch {
 
     fn evaluate(&mut self, percept: &Percept, context: &Context<'_>) -> Proposal {
         let (weakest_n, _) = percept.normal_range_n();
-        let enhance: [bool; GRASP_SIDES] = if context.object.all_touched {
-            [weakest_n <= context.object.min_force_n; GRASP_SIDES]
+        let enhance = if context.object.all_touched {
+            PerSide::repeat(weakest_n <= context.object.min_force_n)
         } else {
-            core::array::from_fn(|finger| !percept.sides[finger].in_contact)
+            percept.sides.each_ref().map(|side| !side.in_contact)
         };
         let speed_m_s = context.settings.grasp.approach_m_s;
         Proposal {
-            active: enhance.contains(&true),
+            active: enhance.iter().any(|enhance| *enhance),
             closing_m_s: enhance.map(|enhance| if enhance { speed_m_s } else { 0.0 }),
             ..Proposal::default()
         }

@@ -11,7 +11,7 @@ use super::{Context, Module, Proposal, Verdict};
 use crate::filter::{Dwell, low_pass};
 use crate::perception::Percept;
 use crate::thresholds::ForceLimitSource;
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::{ModuleId, Reason};
 
 /// Share of F_2 that deactivates the module (design choice: wider than the force noise).
@@ -58,7 +58,7 @@ impl Module for ForceLimit {
         let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::FORCE_LIMIT);
         Proposal {
             active: self.active || drift.stops_closing,
-            closing_ceiling_m_s: [ceiling_m_s; GRASP_SIDES],
+            closing_ceiling_m_s: PerSide::repeat(ceiling_m_s),
             // The motion of the hand may raise the force, for example onto a support.
             carry_ceiling: if ceiling_m_s < 0.0 { 0.0 } else { 1.0 },
             verdict: if slides {

@@ -18,7 +18,7 @@ use super::{Context, Module, Proposal, RELEASE_SHARE, Verdict};
 use crate::filter::Dwell;
 use crate::held_object::LiftFinding;
 use crate::perception::Percept;
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::ModuleId;
 
 /// Largest lifting distance from the begin of a slip until the hand can respond, m. Design choice:
@@ -127,7 +127,7 @@ impl Module for LiftVerification {
         };
         Proposal {
             active: carry_ceiling < 1.0,
-            closing_m_s: [closing_m_s; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(closing_m_s),
             carry_ceiling,
             verdict: if stands && at_ceiling {
                 Verdict::Refuse(reason.with_module(ModuleId::LIFT_VERIFICATION))

@@ -90,8 +90,8 @@ mod tests {
             held_n: 2.0,
             mean_n: 2.0,
             scatter_n,
-            normal_n: [4.0; 2],
-            verified_normal_n: [4.0; 2],
+            normal_n: [4.0; 2].into(),
+            verified_normal_n: [4.0; 2].into(),
             closed_m: 0.0,
         };
         let skin = Skin::DOME_41.compression;
@@ -141,8 +141,8 @@ mod tests {
             held_n: 1.5,
             mean_n: 2.0,
             scatter_n: 0.0,
-            normal_n: [4.0; 2],
-            verified_normal_n: [4.0; 2],
+            normal_n: [4.0; 2].into(),
+            verified_normal_n: [4.0; 2].into(),
             closed_m: 0.0,
         };
         let speed_m_s = growth.closing_m_s(Some(steady), (3.0, 3.0), 8.0, &skin, 1e-3);

@@ -8,7 +8,7 @@
 
 use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::perception::{LoadedArea, Percept, StiffnessEstimate, StiffnessFit};
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::ModuleId;
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,7 +36,7 @@ impl Module for Probe {
         let pressing = !done && strongest_n < context.object.thresholds.force_ceiling_n(settings);
         Proposal {
             active: !done,
-            closing_m_s: [if pressing { settings.approach_m_s } else { 0.0 }; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(if pressing { settings.approach_m_s } else { 0.0 }),
             verdict: self
                 .fit
                 .filter(|_| done)
@@ -53,7 +53,7 @@ impl Probe {
         if percept.step_s <= 0.0 || slips {
             return;
         }
-        let mean_n = percept.sides.iter().map(|f| f.normal_n).sum::<f64>() / GRASP_SIDES as f64;
+        let mean_n = percept.mean_normal_n();
         let settings = &context.settings.perception;
         let news = self.stiffness.add(
             context.object.closing_m,

@@ -7,7 +7,7 @@ use crate::perception::{Percept, StiffnessFit};
 use crate::settings::Settings;
 use crate::tasks::BehaviourTable;
 use crate::teleop::TeleopTarget;
-use robot_model::{GRASP_SIDES, GraspPose};
+use robot_model::{GraspPose, PerSide};
 use shm_schemas::{ModuleId, Reason};
 
 /// Inputs of a module other than the percept.
@@ -40,9 +40,9 @@ pub struct Proposal {
     pub active: bool,
     /// Requested closing speed of each grasp side, m/s; 0 for none, negative to open unless a
     /// module closes.
-    pub closing_m_s: [f64; GRASP_SIDES],
+    pub closing_m_s: PerSide<f64>,
     /// Highest tolerated closing speed of each grasp side, m/s; negative demands opening.
-    pub closing_ceiling_m_s: [f64; GRASP_SIDES],
+    pub closing_ceiling_m_s: PerSide<f64>,
     /// Highest tolerated factor on the path speed, −1 (back) to 1.
     pub carry_ceiling: f64,
     /// Requested pose of the hand.
@@ -84,8 +84,8 @@ impl Default for Proposal {
     fn default() -> Self {
         Self {
             active: false,
-            closing_m_s: [0.0; GRASP_SIDES],
-            closing_ceiling_m_s: [f64::INFINITY; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(0.0),
+            closing_ceiling_m_s: PerSide::repeat(f64::INFINITY),
             carry_ceiling: 1.0,
             pose: None,
             verdict: Verdict::None,

@@ -15,7 +15,7 @@ use super::{Context, Module, Proposal};
 use crate::filter::{Dwell, low_pass};
 use crate::limits::FRICTION_FLOOR;
 use crate::perception::{ContactPercept, Percept};
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::ModuleId;
 
 /// Factor above the minimum force at which opening stops (design choice: keeps Module 1 inactive).
@@ -112,7 +112,7 @@ impl Module for Relax {
         };
         Proposal {
             active: self.active,
-            closing_m_s: [-opening_m_s; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(-opening_m_s),
             ..Proposal::default()
         }
     }
@@ -189,8 +189,10 @@ impl Relax {
 
     /// Returns whether further opening would turn the object.
     fn exceeds_torsion(&mut self, percept: &Percept) -> bool {
-        let fingers = &percept.sides;
-        let most = fingers.iter().fold(0.0, |most: f64, f| most.max(f.torsion));
+        let sides = &percept.sides;
+        let most = sides
+            .iter()
+            .fold(0.0, |most: f64, side| most.max(side.torsion));
         self.torsion = low_pass(self.torsion, most, percept.step_s, FILTER_S);
         let limit = if self.active {
             MINIMISE_TORSION
@@ -201,25 +203,25 @@ impl Relax {
     }
 
     fn update_scatter(&mut self, percept: &Percept) {
-        let fingers = &percept.sides;
-        let squares: f64 = fingers.iter().map(|f| f.scatter * f.scatter).sum();
-        let now = libm::sqrt(squares / fingers.len() as f64);
+        let sides = &percept.sides;
+        let squares = sides.each_ref().map(|side| side.scatter * side.scatter);
+        let now = libm::sqrt(squares.mean());
         self.scatter = low_pass(self.scatter, now, percept.step_s, SCATTER_S);
     }
 
     /// Returns the low-passed utilisation, if known for every side.
     fn update_utilisation(&mut self, percept: &Percept, context: &Context<'_>) -> Option<f64> {
         let step_s = context.step_s;
-        let fingers = &percept.sides;
+        let sides = &percept.sides;
         let scatter = if context.object.minimises_grip {
             0.0
         } else {
             self.scatter
         };
-        let known = fingers.iter().all(|f| f.utilisation > 0.0);
-        let most = fingers
+        let known = sides.iter().all(|side| side.utilisation > 0.0);
+        let most = sides
             .iter()
-            .map(|finger| pessimistic_utilisation(finger, scatter))
+            .map(|side| pessimistic_utilisation(side, scatter))
             .fold(0.0, |most, utilisation| {
                 if utilisation > most {
                     utilisation

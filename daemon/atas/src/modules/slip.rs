@@ -27,7 +27,7 @@
 use super::load_growth::LoadGrowth;
 use super::{Context, Module, Proposal, Roles};
 use crate::perception::{ContactPercept, Percept};
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::ModuleId;
 
 /// Torsion ratios at which turning begins and ends (design choice: at 0.6 the first objects have
@@ -66,9 +66,9 @@ const VIBRATION_SHARE: f64 = 0.1;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Slip {
     /// Per side: cause (a) holds.
-    slipping: [bool; GRASP_SIDES],
+    slipping: PerSide<bool>,
     /// Per side: cause (d) holds.
-    turning: [bool; GRASP_SIDES],
+    turning: PerSide<bool>,
     load_growth: LoadGrowth,
     /// Remaining latch time, s.
     latch_s: f64,
@@ -121,7 +121,7 @@ impl Module for Slip {
         let tilts = !object.suspended && self.turning.iter().any(|turning| *turning);
         Proposal {
             active: slips || self.load_growth.is_active(),
-            closing_m_s: [closing_m_s; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(closing_m_s),
             carry_ceiling: match (slips && helps, tilts) {
                 (true, true) => TILTING_CARRY_SCALE,
                 (true, false) => settings.slip_carry_scale,

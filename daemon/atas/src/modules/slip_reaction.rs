@@ -11,7 +11,7 @@
 use super::{Context, Module, Proposal, Roles};
 use crate::perception::{ContactPercept, Percept};
 use crate::settings::Grasp;
-use robot_model::GRASP_SIDES;
+use robot_model::PerSide;
 use shm_schemas::ModuleId;
 
 /// Rise of the target per sample with slip: 8 %, that is 0.2 % per millisecond over the 41 ms
@@ -51,7 +51,7 @@ impl Module for SlipReaction {
         let active = context.object.all_touched && weakest_n <= target_n;
         Proposal {
             active,
-            closing_m_s: [if active { settings.enhance_m_s } else { 0.0 }; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(if active { settings.enhance_m_s } else { 0.0 }),
             ..Proposal::default()
         }
     }

@@ -21,7 +21,7 @@ use super::trajectory::ENGAGED_DESCENT_M;
 use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::filter::low_pass;
 use crate::perception::{ContactPercept, Percept};
-use robot_model::{GRASP_SIDES, Transform};
+use robot_model::{GraspSide, Transform};
 use shm_schemas::ModuleId;
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -51,7 +51,7 @@ impl Module for TerminateScrew {
         let torque_n_m = -context.turning * torque_n_m(percept, context);
         let filter_s = settings.finish_filter_s;
         self.torque_n_m = low_pass(self.torque_n_m, torque_n_m, context.step_s, filter_s);
-        let turned_m = context.turning * context.hand.pose.tangential_m[0];
+        let turned_m = context.turning * context.hand.pose.tangential_m[GraspSide::First];
         let moved_m = turned_m - self.last_m.replace(turned_m).unwrap_or(turned_m);
         let gripping = percept.sides.iter().all(|f| f.in_contact);
         if moved_m < 0.0 {
@@ -92,7 +92,8 @@ impl TerminateScrew {
 /// Returns the torque of the object about the vertical through the hand's centre, N·m; positive is
 /// anticlockwise from above.
 fn torque_n_m(percept: &Percept, context: &Context<'_>) -> f64 {
-    let centre_m = (context.hand.side_m[0] + context.hand.side_m[1]) / GRASP_SIDES as f64;
+    let centre_m =
+        (context.hand.side_m[GraspSide::First] + context.hand.side_m[GraspSide::Second]) / 2.0;
     let of_fingertip = |(finger, tip): (&ContactPercept, &Transform)| {
         let force_n = tip.rotation * finger.force_tip_n;
         let torque_n_m = tip.rotation * finger.torque_tip_n_m;

@@ -28,7 +28,7 @@ use crate::perception::Percept;
 use crate::thresholds::Thresholds;
 use core::f64::consts::PI;
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, GraspPose};
+use robot_model::{GraspPose, GraspSide, PerSide};
 use shm_schemas::ModuleId;
 
 /// Samples of the offset along the turn (prototype: one per 0.5 mm).
@@ -88,7 +88,7 @@ pub(super) struct Trajectory {
     speed_m_s: f64,
     first_grip: Option<GraspPose>,
     /// Offset e(s) of each side, m, positive inwards.
-    inward_m: [[f64; BINS]; GRASP_SIDES],
+    inward_m: PerSide<[f64; BINS]>,
     /// Time for which the grip force has been sufficient, s.
     gripped: Dwell,
     /// Vertical travel with the cap, m; negative is down.
@@ -115,7 +115,7 @@ impl Default for Trajectory {
             position_m: 0.0,
             speed_m_s: 0.0,
             first_grip: None,
-            inward_m: [[0.0; BINS]; GRASP_SIDES],
+            inward_m: PerSide::repeat([0.0; BINS]),
             gripped: Dwell::default(),
             cap_travel_m: 0.0,
             turn_start_m: 0.0,
@@ -154,13 +154,13 @@ impl Module for Trajectory {
         };
         Proposal {
             active: true,
-            closing_m_s: [closing_m_s; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(closing_m_s),
             carry_ceiling: if waits {
                 context.settings.grasp.slip_carry_scale
             } else {
                 1.0
             },
-            closing_ceiling_m_s: [if touching { f64::INFINITY } else { 0.0 }; GRASP_SIDES],
+            closing_ceiling_m_s: PerSide::repeat(if touching { f64::INFINITY } else { 0.0 }),
             pose: Some(PoseCommand {
                 pose: self.pose(context),
                 with_fingers: self.edge != Edge::Grip,
@@ -202,11 +202,11 @@ impl Trajectory {
         } else {
             settings.centring_m_s_n
         };
-        for finger in 0..GRASP_SIDES {
-            let softer_n = (normal_n[1 - finger] - normal_n[finger]) / 2.0;
-            let inwards_m_s = context.hand.closing_m_s[finger] + centring_m_s_n * softer_n;
+        for side in GraspSide::BOTH {
+            let softer_n = (normal_n[side.opposite()] - normal_n[side]) / 2.0;
+            let inwards_m_s = context.hand.closing_m_s[side] + centring_m_s_n * softer_n;
             add_correction(
-                &mut self.inward_m[finger],
+                &mut self.inward_m[side],
                 place,
                 inwards_m_s * context.step_s,
                 decay(context),
@@ -294,11 +294,11 @@ impl Trajectory {
         let Some(anchor) = self.first_grip else {
             return;
         };
-        for finger in 0..GRASP_SIDES {
-            let gripped_m = anchor.half_opening_m[finger] - now.half_opening_m[finger];
-            let news_m = gripped_m - self.inward_m[finger][0];
+        for side in GraspSide::BOTH {
+            let gripped_m = anchor.half_opening_m[side] - now.half_opening_m[side];
+            let news_m = gripped_m - self.inward_m[side][0];
             let mut share = 1.0;
-            for inward_m in &mut self.inward_m[finger] {
+            for inward_m in &mut self.inward_m[side] {
                 *inward_m += news_m * share;
                 share *= decay;
             }
@@ -319,7 +319,7 @@ impl Trajectory {
             Edge::Rest => (0.0, clearance_m),
         };
         let turned_m = context.turning * travel_m * (2.0 * along - 1.0);
-        frame.tangential_m = [turned_m, -turned_m];
+        frame.tangential_m = PerSide::new(turned_m, -turned_m);
         frame.centre_m.z += self.cap_travel_m;
         let carried = match self.edge {
             Edge::In | Edge::Grip => 0.0,
@@ -327,16 +327,14 @@ impl Trajectory {
             Edge::Out | Edge::Return | Edge::Rest => 1.0,
         };
         frame.centre_m += self.search.offset_m(carried);
-        for finger in 0..GRASP_SIDES {
+        for side in GraspSide::BOTH {
             let inward_m = match self.edge {
-                Edge::Return | Edge::Rest => interpolate(
-                    self.inward_m[finger][0],
-                    self.inward_m[finger][BINS - 1],
-                    along,
-                ),
-                _ => offset_at(&self.inward_m[finger], along * (BINS - 1) as f64),
+                Edge::Return | Edge::Rest => {
+                    interpolate(self.inward_m[side][0], self.inward_m[side][BINS - 1], along)
+                }
+                _ => offset_at(&self.inward_m[side], along * (BINS - 1) as f64),
             };
-            frame.half_opening_m[finger] += away_m - inward_m;
+            frame.half_opening_m[side] += away_m - inward_m;
         }
         frame
     }

@@ -8,12 +8,18 @@ impl Percept {
     /// Returns the smallest and largest normal force over the grasp sides, N.
     #[must_use]
     pub fn normal_range_n(&self) -> (f64, f64) {
-        let [first_n, second_n] = self.sides.each_ref().map(|side| side.normal_n);
+        let [first_n, second_n] = self.sides.each_ref().map(|side| side.normal_n).into_array();
         if first_n < second_n {
             (first_n, second_n)
         } else {
             (second_n, first_n)
         }
+    }
+
+    /// Returns the mean normal force of the grasp sides, N.
+    #[must_use]
+    pub fn mean_normal_n(&self) -> f64 {
+        self.sides.each_ref().map(|side| side.normal_n).mean()
     }
 
     /// Returns the sum of the normal forces of the grasp sides, N.

@@ -30,7 +30,7 @@ use crate::intake::ValidatedFrame;
 use crate::sensor_setup::HandSensorSetup;
 use crate::settings::Settings;
 use patch::ElementAxes;
-use robot_model::{GRASP_SIDES, HandModel};
+use robot_model::{GraspSide, HandModel, PerSide};
 use shm_schemas::capacity::FINGERS;
 
 /// Share of a new frame in the mean delay (design choice: a single late frame hardly counts).
@@ -42,10 +42,10 @@ const DELAY_SHARE: f64 = 1.0 / 16.0;
 pub struct Percept {
     /// Per fingertip; zero forces without a sensor.
     pub fingertips: [ContactPercept; FINGERS],
-    /// Grasp side of each fingertip, 0 or 1.
-    pub side_of_fingertip: [usize; FINGERS],
+    /// Grasp side of each fingertip.
+    pub side_of_fingertip: [GraspSide; FINGERS],
     /// Per grasp side, the combined percept of its fingertips.
-    pub sides: [ContactPercept; GRASP_SIDES],
+    pub sides: PerSide<ContactPercept>,
     /// Sensor time of the newest frame, ns.
     pub captured_ns: u64,
     /// Sensor time that the newest frames of this tick cover, s; 0 without a frame.
@@ -105,7 +105,7 @@ impl Perception {
             self.percept.fingertips[index] =
                 *finger.update((index, &self.axes), frame, slips, settings);
         }
-        for (side, measured) in self.percept.sides.iter_mut().enumerate() {
+        for (side, measured) in GraspSide::BOTH.into_iter().zip(&mut self.percept.sides) {
             let fingers = self.percept.fingertips[..self.count].iter();
             let of_side = fingers.zip(self.percept.side_of_fingertip);
             let of_side = of_side.filter_map(|(finger, from)| (from == side).then_some(finger));

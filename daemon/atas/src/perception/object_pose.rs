@@ -17,7 +17,7 @@
 use super::Percept;
 use crate::limits::PATCH_FLOOR_N;
 use nalgebra::Vector2;
-use robot_model::{GRASP_SIDES, HandModel, HandPose};
+use robot_model::{HandModel, HandPose, PerSide};
 
 /// Smallest squared distance between the unit normals of both sides (design choice: the sides face
 /// each other within 90°).
@@ -41,7 +41,7 @@ impl ObjectPose {
     /// every fingertip presses, the offset along the faces is zero.
     #[must_use]
     pub fn estimate(hand: &HandModel, measured: &HandPose, percept: &Percept) -> Option<Self> {
-        let mut sides = [Contacts::default(); GRASP_SIDES];
+        let mut sides = PerSide::repeat(Contacts::default());
         let mut all_press = true;
         for (index, finger) in percept.fingertips[..hand.fingertip_count()]
             .iter()
@@ -56,7 +56,7 @@ impl ObjectPose {
             let contact_m = tip.translation_m.xy() + normal * hand.tip_radius_m()[index];
             sides[hand.grasp_side(index)].add(contact_m, normal);
         }
-        let [first, second] = sides.map(Contacts::mean);
+        let [first, second] = sides.map(Contacts::mean).into_array();
         let ((first_m, first), (second_m, second)) = (first?, second?);
         let facing = first - second;
         if facing.norm_squared() < FACING_MIN {
@@ -64,8 +64,8 @@ impl ObjectPose {
         }
         let deep_m = -(first_m - second_m).dot(&facing) / facing.norm_squared();
         let middle_m = (first_m + second_m + (first + second) * deep_m) / 2.0;
-        let line = (measured.side_m(0) - measured.side_m(1)).xy().normalize();
-        let off_m = middle_m - ((measured.side_m(0) + measured.side_m(1)) / 2.0).xy();
+        let line = measured.across_m().xy().normalize();
+        let off_m = middle_m - measured.middle_m().xy();
         Some(Self {
             offset_m: if all_press {
                 off_m

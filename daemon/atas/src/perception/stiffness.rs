@@ -11,7 +11,7 @@
 //! are therefore discarded.
 
 use crate::settings::Perception as Settings;
-use robot_model::{Compression, GRASP_SIDES, Skin};
+use robot_model::{Compression, PerSide, Skin};
 
 /// Smallest number of samples of a slope, that of a 30 Hz sensor in 100 ms.
 const SAMPLES_MIN: f64 = 3.0;
@@ -51,7 +51,7 @@ pub struct StiffnessEstimate {
     compression_m: f64,
     partial_contact_m: f64,
     /// Smallest loaded area of each side in the present contact.
-    min_loaded_area: Option<[f64; GRASP_SIDES]>,
+    min_loaded_area: Option<PerSide<f64>>,
     /// Compliance from the previous contact, m/N; infinite if it gave no fit.
     previous_m_n: Option<f64>,
     sums: Sums,
@@ -109,7 +109,7 @@ impl StiffnessEstimate {
         normal_n: f64,
         step_s: f64,
         tips: &Compression,
-        bearing: [LoadedArea; GRASP_SIDES],
+        bearing: PerSide<LoadedArea>,
         settings: &Settings,
     ) -> Option<StiffnessFit> {
         let closing_m = self.delay_closing(closing_m, step_s, settings.filter_s);
@@ -156,7 +156,7 @@ impl StiffnessEstimate {
     }
 
     /// Discards samples from a much smaller loaded area.
-    fn detect_new_contact(&mut self, bearing: [f64; GRASP_SIDES]) {
+    fn detect_new_contact(&mut self, bearing: PerSide<f64>) {
         let least = self.min_loaded_area.unwrap_or(bearing);
         let grows = |(now, least): (&f64, &f64)| *now > CONTACT_GROWTH * least;
         if bearing.iter().zip(&least).any(grows) {
@@ -165,14 +165,8 @@ impl StiffnessEstimate {
             self.sums = Sums::default();
             self.min_loaded_area = Some(bearing);
         } else {
-            let less = |side: usize| {
-                if bearing[side] < least[side] {
-                    bearing[side]
-                } else {
-                    least[side]
-                }
-            };
-            self.min_loaded_area = Some(core::array::from_fn(less));
+            let smaller = |now, least| if now < least { now } else { least };
+            self.min_loaded_area = Some(bearing.zip_map(least, smaller));
         }
     }
 

@@ -6,7 +6,7 @@ use crate::settings::Settings;
 use crate::tasks::Waypoint;
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::{Vector2, Vector3};
-use robot_model::{GraspPose, HandModel};
+use robot_model::{GraspPose, GraspSide, HandModel, PerSide};
 use shm_schemas::{GoalRequest, Turn};
 
 /// Minimum height of a grasp centre, m (design choice: fingertip radius plus 3 mm).
@@ -120,7 +120,7 @@ impl Waypoints {
         // A turn begins at the far end of its travel.
         let start_m = -request.turn.sign() * settings.screw.travel_m;
         if goal.requirements().grasps_to_turn {
-            source.tangential_m = [start_m, -start_m];
+            source.tangential_m = PerSide::new(start_m, -start_m);
         }
         let (to_m, to_yaw_rad) = goal.destination();
         let descend_m = approach_height_m(hand, request, settings);
@@ -210,7 +210,7 @@ impl Waypoints {
             Waypoint::OverTarget => self.over_target(),
             Waypoint::TurnStart => GraspPose {
                 half_opening_m: self.source.half_opening_m,
-                tangential_m: [self.turn_start_m, -self.turn_start_m],
+                tangential_m: PerSide::new(self.turn_start_m, -self.turn_start_m),
                 ..*now
             },
             Waypoint::Above => raised(now, self.descend_m),
@@ -267,13 +267,13 @@ impl Waypoints {
     }
 
     /// Moves one side of the grasp outwards by `by_m`, m, as far as the hand opens.
-    pub fn widen_grasp(&mut self, side: usize, by_m: f64) {
+    pub fn widen_grasp(&mut self, side: GraspSide, by_m: f64) {
         let half_m = self.source.half_opening_m[side] + by_m / 2.0;
         let half_m = half_m.min(self.max_half_opening_m);
         for pose in [&mut self.before_source, &mut self.source] {
             pose.half_opening_m = pose.half_opening_m.map(|before_m| half_m.max(before_m));
         }
-        let outwards = self.source.closing_axis().xy() * [1.0, -1.0][side];
+        let outwards = self.source.closing_axis().xy() * side.outward();
         self.shift_source(&(outwards * (by_m / 2.0)));
     }
 

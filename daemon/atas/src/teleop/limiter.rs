@@ -1,7 +1,7 @@
 //! Motion limiter of all coordinates of a [`GraspPose`].
 
 use super::axis::{Axis, Bounds};
-use robot_model::{GRASP_SIDES, GraspPose};
+use robot_model::{GRASP_SIDES, GraspPose, PerSide};
 
 /// Coordinates: three of the centre, three angles, three per side.
 const AXES: usize = FIRST_ANGLE + 3 + 3 * GRASP_SIDES;
@@ -93,7 +93,7 @@ impl MotionLimiter {
     pub fn pose(&self) -> GraspPose {
         let at = |index: usize| self.axes[index].position();
         let of_finger = |kind: usize| {
-            core::array::from_fn(|finger| at(FIRST_SIDE + kind * GRASP_SIDES + finger))
+            PerSide::from_fn(|side| at(FIRST_SIDE + kind * GRASP_SIDES + side.index()))
         };
         GraspPose {
             centre_m: [at(0), at(1), at(2)].into(),
@@ -117,8 +117,11 @@ fn coordinates(frame: &GraspPose) -> [f64; AXES] {
         frame.root_rad,
     ]);
     let kinds = [frame.half_opening_m, frame.tangential_m, frame.up_m];
-    for (slot, value) in all[FIRST_SIDE..].iter_mut().zip(kinds.as_flattened()) {
-        *slot = *value;
+    for (slot, value) in all[FIRST_SIDE..]
+        .iter_mut()
+        .zip(kinds.into_iter().flatten())
+    {
+        *slot = value;
     }
     all
 }

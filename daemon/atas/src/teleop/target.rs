@@ -4,7 +4,7 @@
 use super::targets::ValidatedTarget;
 use core::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, GraspPose, HandModel};
+use robot_model::{GraspPose, HandModel, PerSide};
 use shm_schemas::GripOrder;
 
 /// Largest wrist rotation, rad. Design choice: slightly more than the quarter turn that covers
@@ -32,7 +32,7 @@ impl TeleopTarget {
         let yaw_rad = nearest_yaw_rad(hand, now, &centre_m, target.closing_yaw_rad());
         let half_opening_m = match target.grip() {
             GripOrder::HOLD => now.half_opening_m,
-            _ => [(target.opening_m() / 2.0).max(HALF_OPENING_MIN_M); GRASP_SIDES],
+            _ => PerSide::repeat((target.opening_m() / 2.0).max(HALF_OPENING_MIN_M)),
         };
         let frame = GraspPose {
             hand_azimuth_rad: hand.bearing_rad(&now.centre_m),

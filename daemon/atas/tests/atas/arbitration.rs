@@ -15,14 +15,14 @@ const STEP_S: f64 = 1e-3;
 
 fn closing_proposal(closing_m_s: f64) -> Proposal {
     Proposal {
-        closing_m_s: [closing_m_s; 2],
+        closing_m_s: [closing_m_s; 2].into(),
         ..Proposal::default()
     }
 }
 
 fn ceiling(closing_m_s: f64) -> Proposal {
     Proposal {
-        closing_ceiling_m_s: [closing_m_s; 2],
+        closing_ceiling_m_s: [closing_m_s; 2].into(),
         ..Proposal::default()
     }
 }
@@ -115,21 +115,25 @@ fn closing_speeds_merge_by_the_rules() {
             0.001,
         ),
     ] {
-        assert_eq!(settled(&proposals).closing_m_s, [expected_m_s; 2], "{rule}");
+        assert_eq!(
+            settled(&proposals).closing_m_s,
+            [expected_m_s; 2].into(),
+            "{rule}"
+        );
     }
 }
 
 #[test]
 fn grasp_sides_are_merged_separately() {
     let one = Proposal {
-        closing_m_s: [0.002, 0.0],
+        closing_m_s: [0.002, 0.0].into(),
         ..Proposal::default()
     };
     let other = Proposal {
-        closing_ceiling_m_s: [f64::INFINITY, -0.001],
+        closing_ceiling_m_s: [f64::INFINITY, -0.001].into(),
         ..Proposal::default()
     };
-    assert_eq!(settled(&[one, other]).closing_m_s, [0.002, -0.001]);
+    assert_eq!(settled(&[one, other]).closing_m_s, [0.002, -0.001].into());
 }
 
 #[test]
@@ -189,7 +193,10 @@ fn reset_clears_the_closing_speed() {
     }
     arbiter.reset();
     let intent = arbiter.merge(&[closing_proposal(0.002)], STEP_S);
-    assert_eq!(intent.closing_m_s, [CLOSING_SPEED_UP_M_S2 * STEP_S; 2]);
+    assert_eq!(
+        intent.closing_m_s,
+        [CLOSING_SPEED_UP_M_S2 * STEP_S; 2].into()
+    );
 }
 
 fn speeds() -> impl Strategy<Value = f64> {
@@ -212,8 +219,8 @@ fn any_proposal() -> impl Strategy<Value = Proposal> {
     )
         .prop_map(|(wish, ceiling, carry, active)| Proposal {
             active,
-            closing_m_s: wish,
-            closing_ceiling_m_s: ceiling,
+            closing_m_s: wish.into(),
+            closing_ceiling_m_s: ceiling.into(),
             carry_ceiling: carry,
             ..Proposal::default()
         })
@@ -287,7 +294,7 @@ proptest! {
                 prop_assert!((now - before).abs() <= most + 1e-15, "{before} to {now}");
             }
             prop_assert!((arbiter.carry_scale() - before_scale).abs() <= CARRY_SCALE_PER_S * STEP_S + 1e-15);
-            (before_m_s, before_scale) = (intent.closing_m_s, arbiter.carry_scale());
+            (before_m_s, before_scale) = (intent.closing_m_s.into_array(), arbiter.carry_scale());
         }
     }
 }

@@ -33,7 +33,7 @@ fn condition_bits_select_the_proposed_row() {
     ];
     for (percept, closing_m_s, carry) in cases {
         let proposal = bench().evaluate(&percept);
-        assert_eq!(proposal.closing_m_s, [closing_m_s; 2]);
+        assert_eq!(proposal.closing_m_s, [closing_m_s; 2].into());
         assert_eq!(proposal.carry_ceiling, carry);
         assert_eq!(proposal.verdict, Verdict::None);
     }

@@ -10,7 +10,7 @@ use atas_core::tasks::BehaviourTable;
 use atas_core::teleop::TeleopTarget;
 use atas_core::thresholds::{ForceLimitSource, Thresholds};
 use nalgebra::Vector3;
-use robot_model::{GRASP_SIDES, GraspPose, Transform};
+use robot_model::{GRASP_SIDES, GraspPose, GraspSide, PerSide, Transform};
 use shm_schemas::{GripOrder, ModuleId};
 
 /// Lift of 50 mm within 5 s.
@@ -40,7 +40,7 @@ pub(crate) struct Bench {
     /// Estimate of the object; the bench sets thresholds and vertical load.
     pub(crate) object: HeldObject,
     pub(crate) carry_scale: f64,
-    pub(crate) closing_m_s: [f64; GRASP_SIDES],
+    pub(crate) closing_m_s: PerSide<f64>,
     pub(crate) frame: GraspPose,
     pub(crate) lowering_m: Option<f64>,
     pub(crate) lead: Option<TeleopTarget>,
@@ -61,7 +61,7 @@ impl Bench {
                 ..HeldObject::untouched(Thresholds::for_unknown_object(&Settings::default().grasp))
             },
             carry_scale: 1.0,
-            closing_m_s: [0.0; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(0.0),
             frame: path().pose_at(0.0),
             lowering_m: None,
             lead: None,
@@ -84,9 +84,8 @@ impl Bench {
     pub(crate) fn base_from_tip(&self) -> [Transform; GRASP_SIDES] {
         let (frame, axis) = (&self.frame, self.frame.closing_axis());
         let along = Vector3::new(-axis.y, axis.x, 0.0);
-        [1.0, -1.0].map(|sign| {
-            let side = usize::from(sign < 0.0);
-            let outwards_m = axis * (sign * (frame.half_opening_m[side] + 0.01));
+        GraspSide::BOTH.map(|side| {
+            let outwards_m = axis * (side.outward() * (frame.half_opening_m[side] + 0.01));
             Transform {
                 translation_m: frame.centre_m + outwards_m + along * frame.tangential_m[side],
                 ..Transform::IDENTITY
@@ -104,7 +103,7 @@ impl Bench {
             closing_axis: self.frame.closing_axis(),
             turns_by_wrist: false,
             base_from_tip: &base_from_tip,
-            side_m: base_from_tip.map(|tip| tip.translation_m),
+            side_m: base_from_tip.map(|tip| tip.translation_m).into(),
             compression: robot_model::Skin::DOME_41.compression,
             tactile_over_torque: 1.0,
             torque_over_tactile: 1.0,
@@ -163,8 +162,13 @@ pub(crate) fn percept(fingers: [ContactPercept; 2]) -> Percept {
     let [a, b] = fingers;
     Percept {
         fingertips: [a, b, ContactPercept::default(), ContactPercept::default()],
-        side_of_fingertip: [0, 1, 0, 0],
-        sides: fingers,
+        side_of_fingertip: [
+            GraspSide::First,
+            GraspSide::Second,
+            GraspSide::First,
+            GraspSide::First,
+        ],
+        sides: fingers.into(),
         captured_ns: 1,
         step_s: 1e-3,
         delay_s: 1e-3,

@@ -25,8 +25,10 @@ fn any_mode() -> impl Strategy<Value = Mode> {
 
 fn any_grip() -> impl Strategy<Value = Grip> {
     let force = || prop_oneof![3 => 0.0..20.0, 1 => Just(f64::NAN), 1 => Just(f64::INFINITY)];
-    ([force(), force()], prop::option::of(0.1..8.0))
-        .prop_map(|(normal_n, f2_n)| Grip { normal_n, f2_n })
+    ([force(), force()], prop::option::of(0.1..8.0)).prop_map(|(normal_n, f2_n)| Grip {
+        normal_n: normal_n.into(),
+        f2_n,
+    })
 }
 
 /// Speed factor per joint, some beyond its capability, held for some ticks.
@@ -120,7 +122,7 @@ proptest! {
             moving = velocities(&rig.pass(Mode::RUN, &RobotVector::from_fn(JOINTS, |i| at[i] + factors[i] * speeds[i] * step_s)));
         }
         let from = *rig.gate.position();
-        rig.grips = [Grip { normal_n: [30.0; 2], f2_n: Some(1.0) }; 2];
+        rig.grips = [Grip { normal_n: [30.0; 2].into(), f2_n: Some(1.0) }; 2];
         rig.closing_m_s = [[0.002, -0.002]; 2];
         let mut rest = RobotVector::repeat(JOINTS, 0.0);
         for _ in 0..200 * rig.ticks_per_ms() {
@@ -208,7 +210,7 @@ fn side_above_grip_ceiling_may_only_open() {
         for closing_m_s in [0.002, -0.002, 0.0] {
             let mut rig = GateBench::new();
             rig.grips[1] = Grip {
-                normal_n: [normal_n, 0.0],
+                normal_n: [normal_n, 0.0].into(),
                 f2_n,
             };
             rig.closing_m_s[1] = [closing_m_s, 0.002];
@@ -304,7 +306,7 @@ fn fast_joint_has_larger_following_limit() {
 fn every_command_is_stamped_sealed_and_expires() {
     let mut gate = Gate::new(robot(), 77);
     let settings = Settings::default().safety;
-    let raw = HandSide::BOTH.map(|side| HandCommand::new(hand_of(&home(), side), [0.0; 2]));
+    let raw = HandSide::BOTH.map(|side| HandCommand::new(hand_of(&home(), side), [0.0; 2].into()));
     for index in 0..20 {
         if index == 10 {
             gate.synchronise(&home());

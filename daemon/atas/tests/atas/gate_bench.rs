@@ -8,14 +8,14 @@ use atas_core::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3};
 use atas_core::safety::{Gate, GateContext, Grip, SafeCommand};
 use atas_core::settings::{Safety, Settings};
 use proptest::prelude::*;
-use robot_model::{HandSide, Joint, RobotVector};
+use robot_model::{HandSide, Joint, PerSide, RobotVector};
 use shm_schemas::Mode;
 
 pub(crate) type Joints = RobotVector;
 
 /// Hand without grip force.
 pub(crate) const NO_GRIP: Grip = Grip {
-    normal_n: [0.0; 2],
+    normal_n: PerSide::repeat(0.0),
     f2_n: None,
 };
 
@@ -51,8 +51,9 @@ impl GateBench {
     }
 
     pub(crate) fn pass(&mut self, mode: Mode, wanted: &Joints) -> SafeCommand {
-        let raw = HandSide::BOTH
-            .map(|side| HandCommand::new(hand_of(wanted, side), self.closing_m_s[side.index()]));
+        let raw = HandSide::BOTH.map(|side| {
+            HandCommand::new(hand_of(wanted, side), self.closing_m_s[side.index()].into())
+        });
         let tick = Tick {
             index: self.index,
             now_ns: 1_000 * MS_NS + (self.index as f64 * self.step_s * 1e9) as u64,

@@ -55,12 +55,12 @@ impl Rig {
     fn update(&mut self, measured: &Percept, step: StepFacts) -> HeldObject {
         let hand = HandMotion {
             carry_scale: self.carry_scale,
-            closing_m_s: [0.0; 2],
+            closing_m_s: [0.0; 2].into(),
             pose: &self.pose,
             closing_axis: Vector3::x(),
             turns_by_wrist: false,
             base_from_tip: &[Transform::IDENTITY; 2],
-            side_m: [Vector3::zeros(); 2],
+            side_m: [Vector3::zeros(); 2].into(),
             compression: Skin::DOME_41.compression,
             tactile_over_torque: 1.0,
             torque_over_tactile: 1.0,

@@ -7,7 +7,7 @@ use atas_core::kinematics::HandServo;
 use atas_core::modules::PoseCommand;
 use atas_core::modules::Verdict;
 use atas_core::perception::Percept;
-use robot_model::{GRASP_SIDES, GraspPose, HandSide, RobotModel};
+use robot_model::{GraspPose, GraspSide, HandSide, PerSide, RobotModel};
 
 #[test]
 fn refused_closing_does_not_wind_up() {
@@ -17,7 +17,7 @@ fn refused_closing_does_not_wind_up() {
     let open_m = servo.pose().half_opening_m;
     let closing = Intent {
         pose: None,
-        closing_m_s: [0.002; GRASP_SIDES],
+        closing_m_s: PerSide::repeat(0.002),
         verdict: Verdict::None,
         finding: LiftFinding::None,
     };
@@ -38,7 +38,7 @@ fn shared_drive_closing_is_not_reported_as_opening() {
     let hand = robot.hand(HandSide::Right);
     let home = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), hand.home_opening_m());
     let q = hand.posture_for(&home).expect("a reachable posture").q;
-    let output = |by_m: [f64; GRASP_SIDES]| {
+    let output = |by_m: PerSide<f64>| {
         let mut servo = HandServo::new(hand, q);
         let mut frame = *servo.pose();
         for (half_m, by_m) in frame.half_opening_m.iter_mut().zip(by_m) {
@@ -50,17 +50,20 @@ fn shared_drive_closing_is_not_reported_as_opening() {
                 with_fingers: true,
                 arrived: false,
             }),
-            closing_m_s: [0.0; GRASP_SIDES],
+            closing_m_s: PerSide::repeat(0.0),
             verdict: Verdict::None,
             finding: LiftFinding::None,
         };
         servo.update(hand, &intent, &Percept::default(), 1e-3)
     };
     // Both close by the difference between closing and opening.
-    let command = output([-1e-6, 3e-6]);
+    let command = output([-1e-6, 3e-6].into());
     assert!(command.closing_m_s().iter().all(|closing| *closing > 0.0));
-    let command = output([-3e-6, 1e-6]);
-    assert!(command.closing_m_s()[0] < 0.0 && command.closing_m_s()[1] > 0.0);
-    let command = output([-1e-6; GRASP_SIDES]);
+    let command = output([-3e-6, 1e-6].into());
+    assert!(
+        command.closing_m_s()[GraspSide::First] < 0.0
+            && command.closing_m_s()[GraspSide::Second] > 0.0
+    );
+    let command = output(PerSide::repeat(-1e-6));
     assert!(command.closing_m_s().iter().all(|closing| *closing < 0.0));
 }

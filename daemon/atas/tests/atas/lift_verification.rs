@@ -5,6 +5,7 @@ use crate::bench::{Bench, with_utilisation};
 use atas_core::held_object::LiftFinding;
 use atas_core::modules::{Proposal, Verdict};
 use atas_core::perception::Percept;
+use robot_model::GraspSide;
 use shm_schemas::{Cause, ModuleId};
 
 /// Normal forces well below and above F_2 = 4 N.
@@ -71,13 +72,13 @@ fn suspended_object_is_verified_after_grip_minimisation() {
             "{normal_n} N"
         );
         minimises_grip(&mut bench, &measured);
-        bench.closing_m_s = [-0.001; 2];
+        bench.closing_m_s = [-0.001; 2].into();
         assert_eq!(
             bench.evaluate_for(1000, &measured).finding,
             LiftFinding::MinimisesGrip,
             "waits for the fingers"
         );
-        bench.closing_m_s = [0.0; 2];
+        bench.closing_m_s = [0.0; 2].into();
         let pulls = bench.evaluate_for(302 + FRAMES, &measured);
         assert_eq!(pulls.carry_ceiling, -1.0, "pulls back");
         bench.object.carried_m = 0.0022;
@@ -109,7 +110,10 @@ fn minimised_grip_is_secured_before_the_pull_back() {
         bench.evaluate_for(302, &measured(BELOW_F2_N));
         let pulls_back = |bench: &mut Bench, normal_n| {
             let proposal = bench.evaluate_for(FRAMES + 2, &measured(normal_n));
-            assert_eq!(proposal.closing_m_s[0] > 0.0, proposal.carry_ceiling == 0.0);
+            assert_eq!(
+                proposal.closing_m_s[GraspSide::First] > 0.0,
+                proposal.carry_ceiling == 0.0
+            );
             proposal.carry_ceiling == -1.0
         };
         if factor > 1.0 {
@@ -132,7 +136,7 @@ fn dropping_object_is_gripped_harder() {
     let mut bench = Bench::new(ModuleId::LIFT_VERIFICATION);
     pulled_back(&mut bench, BELOW_F2_N, 1.0);
     minimises_grip(&mut bench, &weighing(BELOW_F2_N, 1.0));
-    bench.closing_m_s = [-0.001; 2];
+    bench.closing_m_s = [-0.001; 2].into();
     let steady = bench.evaluate_for(1000, &weighing(BELOW_F2_N, 1.0));
     assert_eq!(steady.finding, LiftFinding::MinimisesGrip);
     bench.object.drops = true;
@@ -140,7 +144,7 @@ fn dropping_object_is_gripped_harder() {
     assert_eq!(fallen.finding, LiftFinding::Standing);
     bench.object.drops = false;
     let presses = bench.evaluate(&weighing(BELOW_F2_N, 0.8));
-    assert!(presses.closing_m_s[0] > 0.0 && presses.carry_ceiling == 0.0);
+    assert!(presses.closing_m_s[GraspSide::First] > 0.0 && presses.carry_ceiling == 0.0);
 }
 
 #[test]
@@ -176,11 +180,11 @@ fn standing_object_below_f2_is_pressed_and_retried() {
         (true, Verdict::None, 0.0)
     );
     let press = |bench: &mut Bench, normal_n| bench.evaluate(&with_utilisation(normal_n, 0.8));
-    assert!(press(&mut bench, 1.1 * BELOW_F2_N).closing_m_s[0] > 0.0);
+    assert!(press(&mut bench, 1.1 * BELOW_F2_N).closing_m_s[GraspSide::First] > 0.0);
     let again = press(&mut bench, 1.25 * BELOW_F2_N);
     assert_eq!(
         (again.active, again.closing_m_s, again.carry_ceiling),
-        (false, [0.0; 2], 1.0)
+        (false, [0.0; 2].into(), 1.0)
     );
     bench.object.carried_m += 0.0009;
     assert!(

@@ -3,13 +3,17 @@
 use crate::bench::{Bench, fingertip, path, percept, pressed, with_utilisation};
 use atas_core::modules::{Proposal, Selection, Verdict};
 use atas_core::perception::{ContactPercept, Percept};
-use robot_model::Skin;
+use robot_model::{GraspSide, PerSide, Skin};
 use shm_schemas::{Cause, ModuleId};
 
 const FREE: f64 = f64::INFINITY;
 
 fn speeds(p: &Proposal) -> (bool, [f64; 2], [f64; 2]) {
-    (p.active, p.closing_m_s, p.closing_ceiling_m_s)
+    (
+        p.active,
+        p.closing_m_s.into_array(),
+        p.closing_ceiling_m_s.into_array(),
+    )
 }
 
 #[test]
@@ -105,7 +109,12 @@ fn slip_is_detected_on_the_thumb() {
         bench.object.carried_m = 0.01;
         let measured = Percept {
             fingertips: [finger, finger, thumb, ContactPercept::default()],
-            side_of_fingertip: [0, 0, 1, 0],
+            side_of_fingertip: [
+                GraspSide::First,
+                GraspSide::First,
+                GraspSide::Second,
+                GraspSide::First,
+            ],
             ..percept([fingertip(2.0), thumb])
         };
         assert_eq!(bench.evaluate(&measured).active, active, "the thumb {case}");
@@ -198,7 +207,8 @@ fn modules_2_and_3_accept_a_grip_that_holds_its_load() {
 #[test]
 fn module_2_closes_three_times_faster_during_a_drop() {
     let mut bench = Bench::new(ModuleId::SLIP);
-    let closing_m_s = |bench: &mut Bench| bench.evaluate(&pressed(2.0)).closing_m_s[0];
+    let closing_m_s =
+        |bench: &mut Bench| bench.evaluate(&pressed(2.0)).closing_m_s[GraspSide::First];
     assert_eq!(closing_m_s(&mut bench), 0.0);
     (bench.object.drops, bench.object.load_is_held) = (true, true);
     let enhance_m_s = bench.settings.grasp.enhance_m_s;
@@ -333,7 +343,7 @@ fn relax_opens_at_low_utilisation_and_excess_force() {
     let opening = |utilisation| {
         Bench::new(ModuleId::RELAX)
             .evaluate_for(200, &measured(utilisation, 0.0, 0.0, 2.0))
-            .closing_m_s[0]
+            .closing_m_s[GraspSide::First]
     };
     assert!(opening(0.82) < opening(0.86), "slower near its limit");
 }
@@ -368,7 +378,7 @@ fn probe_returns_stiffness_after_100_ms() {
         assert_eq!(proposal.active, ticks < 100, "after {ticks} ms");
         assert_eq!(
             proposal.closing_m_s,
-            if ticks < 100 { [0.002; 2] } else { [0.0; 2] },
+            PerSide::repeat(if ticks < 100 { 0.002 } else { 0.0 }),
             "after {ticks} ms"
         );
         verdict = proposal.verdict;
@@ -385,7 +395,7 @@ fn probe_returns_stiffness_after_100_ms() {
 #[test]
 fn probe_stops_at_force_ceiling_without_result() {
     let mut bench = Bench::new(ModuleId::PROBE);
-    assert_eq!(bench.evaluate(&pressed(8.1)).closing_m_s, [0.0; 2]);
+    assert_eq!(bench.evaluate(&pressed(8.1)).closing_m_s, [0.0; 2].into());
     assert_eq!(
         bench.evaluate_for(300, &pressed(8.1)).verdict,
         Verdict::None,

@@ -6,7 +6,7 @@ use atas_core::teleop::{
 };
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{GRASP_SIDES, GraspPose, HandSide};
+use robot_model::{GraspPose, GraspSide, HandSide, PerSide};
 use shm_schemas::Cause;
 
 use crate::support::{hand_of, home, robot};
@@ -110,8 +110,8 @@ fn frame(centre_m: [f64; 3], yaw_rad: f64, opening_m: f64) -> GraspPose {
 #[test]
 fn every_coordinate_tracks_its_own_target() {
     let from = GraspPose {
-        tangential_m: [0.003, -0.003],
-        up_m: [0.001, 0.0],
+        tangential_m: [0.003, -0.003].into(),
+        up_m: [0.001, 0.0].into(),
         root_rad: 0.1,
         ..frame([0.3, -0.2, 0.1], 0.2, 0.06)
     };
@@ -128,7 +128,7 @@ fn every_coordinate_tracks_its_own_target() {
     } = follower.pose();
     assert!((centre_m - to.centre_m).norm() < 1e-9);
     assert_eq!(half_opening_m, to.half_opening_m);
-    assert_eq!(follower.pose().tangential_m, [0.0; GRASP_SIDES]);
+    assert_eq!(follower.pose().tangential_m, PerSide::repeat(0.0));
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn no_pose_brakes_and_share_slows_hand_only() {
         (
             follower,
             hand_m,
-            before.half_opening_m[0] - after.half_opening_m[0],
+            before.half_opening_m[GraspSide::First] - after.half_opening_m[GraspSide::First],
         )
     };
     let (mut follower, full_m, finger_m) = speeds(1.0);

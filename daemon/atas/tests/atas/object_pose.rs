@@ -3,7 +3,7 @@
 use crate::support::robot;
 use atas_core::perception::{ObjectPose, Percept};
 use nalgebra::{Rotation2, Vector2, Vector3};
-use robot_model::{GraspPose, HandPose, HandSide};
+use robot_model::{GraspPose, GraspSide, HandPose, HandSide};
 
 /// Hand with its fingertips on both sides of a point, and a percept without contact.
 fn hand() -> (HandPose, Percept) {
@@ -33,7 +33,7 @@ fn estimate(normals: [Vector2<f64>; 2]) -> Option<ObjectPose> {
 
 fn tips() -> ([Vector2<f64>; 2], Vector2<f64>, Vector2<f64>) {
     let (pose, _) = hand();
-    let tips_m = [0, 1].map(|side| pose.side_m(side).xy());
+    let tips_m = GraspSide::BOTH.map(|side| pose.side_m(side).xy());
     let way = (tips_m[1] - tips_m[0]).normalize();
     (tips_m, (tips_m[0] + tips_m[1]) / 2.0, way)
 }

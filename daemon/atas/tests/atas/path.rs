@@ -4,7 +4,7 @@ use crate::support::robot;
 use atas_core::path::{Path, Speeds, reachable_yaw_rad};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use robot_model::{GraspPose, HandSide};
+use robot_model::{GraspPose, GraspSide, HandSide};
 
 const SPEEDS: Speeds = Speeds {
     move_m_s: 0.12,
@@ -27,9 +27,9 @@ fn any_frame() -> impl Strategy<Value = GraspPose> {
                 hand_azimuth_rad: azimuth,
                 hand_pitch_rad: pitch,
                 root_rad: root,
-                half_opening_m: [h1, h2],
-                tangential_m: [t1, t2],
-                up_m: [u1, u2],
+                half_opening_m: [h1, h2].into(),
+                tangential_m: [t1, t2].into(),
+                up_m: [u1, u2].into(),
             },
         )
 }
@@ -42,10 +42,10 @@ fn coordinates(f: &GraspPose) -> [(f64, f64); 8] {
         (f.hand_azimuth_rad, turn),
         (f.hand_pitch_rad, turn),
         (f.root_rad, turn),
-        (f.half_opening_m[0], open),
-        (f.half_opening_m[1], open),
-        (f.tangential_m[0], open),
-        (f.tangential_m[1], open),
+        (f.half_opening_m[GraspSide::First], open),
+        (f.half_opening_m[GraspSide::Second], open),
+        (f.tangential_m[GraspSide::First], open),
+        (f.tangential_m[GraspSide::Second], open),
     ]
 }
 
@@ -136,7 +136,7 @@ fn slowest_coordinate_determines_the_duration() {
         ..from
     };
     let open = GraspPose {
-        half_opening_m: [0.05, 0.025],
+        half_opening_m: [0.05, 0.025].into(),
         ..from
     };
     for (to, duration_s) in [(from, 0.05), (far, 2.0), (turned, 2.0), (open, 0.5)] {

@@ -4,6 +4,7 @@ use crate::bench::{Bench, fingertip, percept, pressed};
 use atas_core::modules::{Proposal, Verdict};
 use atas_core::perception::{ContactPercept, Percept};
 use nalgebra::Vector3;
+use robot_model::GraspSide;
 use shm_schemas::ModuleId;
 
 /// Tangential offset of a side at the ends of a turn, m.
@@ -35,7 +36,7 @@ fn turn_descending(bench: &mut Bench, most_n: f64, descent_m: f64) -> Verdict {
     let mut verdict = Verdict::None;
     let height_m = bench.frame.centre_m.z;
     let mut go = |bench: &mut Bench, ahead_m: f64, shear_n: f64| {
-        bench.frame.tangential_m = [-ahead_m, ahead_m];
+        bench.frame.tangential_m = [-ahead_m, ahead_m].into();
         let way = (ahead_m / TRAVEL_M + 1.0) / 2.0;
         let lowest_m = bench.frame.centre_m.z;
         bench.frame.centre_m.z = lowest_m.min(height_m - descent_m * way);
@@ -101,14 +102,14 @@ fn square_with(
         let proposal = bench.evaluate(measured);
         let carried = proposal.pose.unwrap();
         bench.frame = carried.pose;
-        bench.closing_m_s = [closing_m_s; 2];
+        bench.closing_m_s = [closing_m_s; 2].into();
         proposal
     };
     (0..ticks).map(run).collect()
 }
 
 fn ahead_m(proposal: &Proposal) -> f64 {
-    -proposal.pose.unwrap().pose.tangential_m[0]
+    -proposal.pose.unwrap().pose.tangential_m[GraspSide::First]
 }
 
 #[test]
@@ -119,7 +120,7 @@ fn square_trajectory_repeats() {
         .windows(2)
         .filter(|w| ahead_m(&w[0]) < 0.0 && ahead_m(&w[1]) >= 0.0);
     assert!((4..12).contains(&turns.count()));
-    let half_m = |p: &Proposal| p.pose.unwrap().pose.half_opening_m[0];
+    let half_m = |p: &Proposal| p.pose.unwrap().pose.half_opening_m[GraspSide::First];
     for pair in round.windows(2) {
         let turning = ahead_m(&pair[1]) > ahead_m(&pair[0]);
         let away_m = half_m(&pair[1]) - 0.025;
@@ -154,7 +155,10 @@ fn loose_cap_is_carried_along_a_spiral() {
         assert!(step_m < 1e-5, "the place never jumps: {step_m}");
     }
     let last = poses.last().unwrap().pose.unwrap().pose;
-    assert!(last.half_opening_m[0] > 0.0279, "waits, open");
+    assert!(
+        last.half_opening_m[GraspSide::First] > 0.0279,
+        "waits, open"
+    );
 }
 
 #[test]
@@ -163,7 +167,7 @@ fn opening_is_kept_for_the_next_turn() {
     let mut round = square(&mut bench, 1000, 0.001);
     round.extend(square(&mut bench, 9000, 0.0));
     let inmost_m = |range: core::ops::Range<usize>| {
-        let half_m = |p: &Proposal| p.pose.unwrap().pose.half_opening_m[0];
+        let half_m = |p: &Proposal| p.pose.unwrap().pose.half_opening_m[GraspSide::First];
         round[range]
             .iter()
             .map(half_m)

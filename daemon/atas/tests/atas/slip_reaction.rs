@@ -1,6 +1,7 @@
 //! Slip reaction: the baseline for modules 1 to 3.
 
 use crate::bench::{Bench, pressed, with_utilisation};
+use robot_model::GraspSide;
 use shm_schemas::ModuleId;
 
 /// F_1 on the bench, N: initial force target.
@@ -40,10 +41,16 @@ fn target_rises_8_percent_per_41_ms_slip() {
 fn slip_reaction_never_opens_or_limits_approach() {
     let mut bench = Bench::new(ModuleId::SLIP_REACTION);
     let proposal = bench.evaluate(&pressed(9.0));
-    assert_eq!((proposal.active, proposal.closing_m_s), (false, [0.0; 2]));
+    assert_eq!(
+        (proposal.active, proposal.closing_m_s),
+        (false, [0.0; 2].into())
+    );
     bench.object.all_touched = false;
     let proposal = bench.evaluate_for(100, &with_utilisation(0.3, 1.0));
-    assert_eq!((proposal.active, proposal.closing_m_s), (false, [0.0; 2]));
+    assert_eq!(
+        (proposal.active, proposal.closing_m_s),
+        (false, [0.0; 2].into())
+    );
     bench.object.all_touched = true;
-    assert!(bench.evaluate(&pressed(0.3)).closing_m_s[0] > 0.0);
+    assert!(bench.evaluate(&pressed(0.3)).closing_m_s[GraspSide::First] > 0.0);
 }

@@ -46,7 +46,7 @@ fn probed(
         let noise_m = if i % 2 == 0 { noise_m } else { -noise_m };
         let closed_m = closing_m(true_n, object_n_m) - 1e-4 + noise_m;
         fit = estimate
-            .add(closed_m, felt_n, 1e-3, &TIPS, WHOLE, &settings)
+            .add(closed_m, felt_n, 1e-3, &TIPS, WHOLE.into(), &settings)
             .or(fit);
     }
     fit
@@ -92,7 +92,7 @@ fn edge_contact_does_not_bias_the_stiffness() {
             let closing_m = 2.0 * (tips_m + normal_n / object_n_m);
             let output = if uses_shares { faces(share) } else { WHOLE };
             fit = estimate
-                .add(closing_m, normal_n, 1e-3, &FLAT, output, &settings)
+                .add(closing_m, normal_n, 1e-3, &FLAT, output.into(), &settings)
                 .or(fit);
         }
         fit.unwrap().object_n_m
@@ -120,7 +120,14 @@ fn rotating_object_is_not_estimated_soft() {
             let share = if lies { 0.9 } else { 0.3 };
             turned_m += if lies { 0.0 } else { 4e-6 };
             let closing_m = turned_m + 2.0 * normal_n * (FLAT.at_1n_m / share + 1.0 / object_n_m);
-            fits.push(estimate.add(closing_m, normal_n, 1e-3, &FLAT, faces(share), &settings));
+            fits.push(estimate.add(
+                closing_m,
+                normal_n,
+                1e-3,
+                &FLAT,
+                faces(share).into(),
+                &settings,
+            ));
         }
         let read_n_m = |at: usize| fits[at - 50].map(|fit| fit.object_n_m);
         let turning_n_m = read_n_m(299).unwrap();
@@ -151,7 +158,7 @@ fn rotated_rigid_object_is_estimated_stiffer() {
         let noise_m = 4e-6 * (f64::from(noise >> 16) / 65_536.0 - 0.5);
         let turned_m = 1e-6 * f64::from(i.min(300));
         let closing_m = turned_m + normal_n * FLAT.at_1n_m * (1.0 / tips + 1.0) + noise_m;
-        let news = estimate.add(closing_m, normal_n, 1e-3, &FLAT, bearing, &settings);
+        let news = estimate.add(closing_m, normal_n, 1e-3, &FLAT, bearing.into(), &settings);
         fit = news.or(fit);
         if i == 299 {
             assert!(fit.is_some_and(|fit| fit.object_n_m < 3000.0), "{fit:?}");
@@ -206,7 +213,7 @@ fn rigid_block_is_stiff_and_never_negative() {
                 0.1 * f64::from(i),
                 1e-3,
                 &TIPS,
-                WHOLE,
+                WHOLE.into(),
                 &settings,
             )
             .or(fit)
@@ -231,13 +238,13 @@ fn series_without_new_data_gives_no_fit() {
         (5e-4, 0.4),
     ] {
         assert_eq!(
-            estimate.add(closing_m, normal_n, 1e-3, &TIPS, WHOLE, &settings),
+            estimate.add(closing_m, normal_n, 1e-3, &TIPS, WHOLE.into(), &settings),
             None,
             "at {normal_n} N"
         );
     }
     assert_eq!(
-        estimate.add(f64::NAN, f64::NAN, 1e-3, &TIPS, WHOLE, &settings),
+        estimate.add(f64::NAN, f64::NAN, 1e-3, &TIPS, WHOLE.into(), &settings),
         None
     );
 }

@@ -1,7 +1,7 @@
 //! Teleoperation through the whole controller.
 
 use atas_core::{OperatorRequest, Outputs};
-use robot_model::{GRASP_SIDES, HandSide};
+use robot_model::{HandSide, PerSide};
 use shm_schemas::{
     Cause, EventKind, GoalKind, GoalRequest, GoalState, GraspTarget, GripOrder, Hand, Mode, Reason,
     Stamp,
@@ -115,9 +115,9 @@ impl Teleop {
         off.sum::<f64>().sqrt()
     }
 
-    fn forces_n(&self) -> [f64; GRASP_SIDES] {
+    fn forces_n(&self) -> PerSide<f64> {
         let fingers = &self.last.report.hands[HandSide::Right.index()].fingers;
-        core::array::from_fn(|finger| f64::from(fingers[finger].normal_n))
+        PerSide::from_fn(|side| f64::from(fingers[side.index()].normal_n))
     }
 
     fn is_at_rest(&self) -> bool {
@@ -177,7 +177,7 @@ fn closing_on_an_object_grips_within_f2() {
             teleoperated.step(),
             teleoperated.forces_n().map(|n| n < 0.05)
         ),
-        ("teleop", [true; 2])
+        ("teleop", [true; 2].into())
     );
 }
 

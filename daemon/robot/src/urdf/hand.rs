@@ -1,5 +1,6 @@
 //! Loads one hand of a URDF: chains, joint order, frames, fingertips.
 
+use crate::grasp_sides::GraspSide;
 use std::collections::BTreeMap;
 use std::format;
 use std::string::String;
@@ -55,7 +56,11 @@ pub(super) fn load_hand(
     hand.skin = skin;
     hand.finger_count = chains.tips.len();
     for (finger, entry) in hand.fingers.iter_mut().zip(&entry.fingers) {
-        finger.side = usize::from(entry.side == GRASP_SIDES);
+        finger.side = if entry.side == GRASP_SIDES {
+            GraspSide::Second
+        } else {
+            GraspSide::First
+        };
     }
     let order = order_joints(&mut hand, &chains, findings)?;
     load_joints(&mut hand, &order, tree, entries, findings)?;
@@ -390,7 +395,7 @@ fn mounted(chain: &Chain, frames: &[Framed]) -> (Mounted, Vec<usize>) {
 fn set_reference_values(hand: &mut HandModel, entry: &HandEntry) {
     hand.find_turning();
     let pose = hand.forward(&hand.reference);
-    let across_m = pose.side_m(0) - pose.side_m(1);
+    let across_m = pose.across_m();
     let closing = across_m.try_normalize(0.0).unwrap_or_default();
     let beside = closing.cross(&pose.hand_axis());
     for index in 0..hand.finger_count {
@@ -405,8 +410,8 @@ fn set_reference_values(hand: &mut HandModel, entry: &HandEntry) {
         }
     }
     let radius_m = |side| hand.mean_of_side(side, |finger| hand.tip_radius_m[finger]);
-    let open_m = across_m.norm() - radius_m(0) - radius_m(1);
-    let middle_m = (pose.side_m(0) + pose.side_m(1)) / 2.0;
+    let open_m = across_m.norm() - radius_m(GraspSide::First) - radius_m(GraspSide::Second);
+    let middle_m = pose.middle_m();
     hand.home_m = entry.home_m.map_or(middle_m, Vector3::from);
     hand.home_opening_m = entry.home_opening_m.unwrap_or(open_m);
     let reference_yaw_rad = hand.yaw_of_joints_rad(&hand.reference, &hand.home_m);

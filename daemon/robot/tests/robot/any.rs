@@ -4,8 +4,8 @@
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::{
-    GraspPose, HandModel, HandPose, HandSide, HandVector, IkStatus, IkWeights, RobotFiles,
-    RobotModel, SHIPPED,
+    GraspPose, GraspSide, HandModel, HandPose, HandSide, HandVector, IkStatus, IkWeights, PerSide,
+    RobotFiles, RobotModel, SHIPPED,
 };
 
 use crate::support::assert_near;
@@ -59,7 +59,7 @@ fn structures_of_other_robots_are_recognised() {
             robot.name
         );
         let of: Vec<usize> = (0..hand.fingertip_count())
-            .map(|finger| hand.grasp_side(finger))
+            .map(|finger| hand.grasp_side(finger).index())
             .collect();
         assert_eq!(of, sides, "{}", robot.name);
     }
@@ -74,7 +74,7 @@ fn the_reference_posture_points_down() {
         let pose = hand.forward(hand.reference());
         assert_near(&robot.name, pose.hand_axis(), -Vector3::z(), 1e-9);
         for finger in 0..hand.fingertip_count() {
-            let inward = pose.side_m(1 - hand.grasp_side(finger)) - pose.tip_m(finger);
+            let inward = pose.side_m(hand.grasp_side(finger).opposite()) - pose.tip_m(finger);
             assert!(pose.dome_axis(finger).dot(&inward) > 0.0, "{}", robot.name);
         }
         assert!(hand.home_opening_m() > 0.03, "{}", hand.home_opening_m());
@@ -239,10 +239,10 @@ fn a_gripper_turns_a_cap_by_its_wrist() {
     let model = RobotModel::find("arm7-gripper").expect("it ships");
     let hand = model.hand(HandSide::Right);
     let mut grasp = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), 0.03);
-    grasp.tangential_m = [0.006, -0.006];
+    grasp.tangential_m = PerSide::new(0.006, -0.006);
     let posture = hand.posture_for(&grasp).expect("it turns that far");
     let pose = hand.forward(&posture.q);
-    let across = pose.side_m(0) - pose.side_m(1);
+    let across = pose.across_m();
     let turned_rad = across.y.atan2(across.x) - hand.home_yaw_rad();
     assert!((turned_rad - 0.006 / 0.012).abs() < 1e-6, "{turned_rad}");
 }
@@ -295,7 +295,8 @@ fn fingers_of_a_side_differ_without_moving_their_middle() {
             assert_ne!(step.status, IkStatus::Failed, "{apart_m:?}");
             pose = hand.forward(&step.q);
         }
-        let missed_m = (pose.side_m(0) - middle_m).norm() + (pose.side_m(1) - thumb_m).norm();
+        let missed_m = (pose.side_m(GraspSide::First) - middle_m).norm()
+            + (pose.side_m(GraspSide::Second) - thumb_m).norm();
         assert!(missed_m < 1e-6, "{apart_m:?}: {missed_m} m off");
         let left_m = (pose.tip_m(0) - target.tip_m[0]).norm() / apart_m.norm();
         assert!(left_m < 0.3, "{apart_m:?}: {left_m} left");
@@ -314,7 +315,7 @@ fn gripper_on_rigid_arm_closes_symmetrically() {
     let yaw = hand.yaw_of_joints_rad(&q, &home_m);
     let half_m = hand.home_opening_m() / 2.0;
     let mut asked = GraspPose::from_above(home_m, yaw, hand.home_opening_m());
-    asked.half_opening_m = [half_m - 0.0005, half_m];
+    asked.half_opening_m = PerSide::new(half_m - 0.0005, half_m);
     for _ in 0..50 {
         let pose = hand.forward(&q);
         let target = asked.target(hand);

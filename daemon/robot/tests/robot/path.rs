@@ -1,7 +1,7 @@
 //! One step per 1 ms tick along the motions of the assembly: both hands, start to end.
 
 use nalgebra::Vector3;
-use robot_model::{GraspPose, HandSide, HandVector, IkStatus, IkWeights, RobotVector};
+use robot_model::{GraspPose, HandSide, HandVector, IkStatus, IkWeights, PerSide, RobotVector};
 
 use crate::support::ROBOT;
 use Motion::{Linear, Smooth, Swing};
@@ -46,7 +46,7 @@ struct Key {
 
 fn blend(from: &GraspPose, to: &GraspPose, s: f64) -> GraspPose {
     let mix = |a: f64, b: f64| a + (b - a) * s;
-    let pair = |a: [f64; 2], b: [f64; 2]| [mix(a[0], b[0]), mix(a[1], b[1])];
+    let pair = |a: PerSide<f64>, b: PerSide<f64>| PerSide::from_fn(|side| mix(a[side], b[side]));
     GraspPose {
         centre_m: from.centre_m + (to.centre_m - from.centre_m) * s,
         closing_yaw_rad: mix(from.closing_yaw_rad, to.closing_yaw_rad),
@@ -130,7 +130,7 @@ fn right_hand_carries_and_turns_a_cap() {
     let yaw = 60_f64.to_radians();
     let at = |centre_m: Vector3<f64>, half_m: f64, turned_m: f64, seconds: f64, motion: Motion| {
         let mut grasp = GraspPose::from_above(centre_m, yaw, 2.0 * half_m);
-        grasp.tangential_m = [turned_m, -turned_m];
+        grasp.tangential_m = PerSide::new(turned_m, -turned_m);
         Key {
             grasp,
             seconds,
