@@ -194,7 +194,7 @@ impl Supervisor {
         }
         while let Some(event) = self.link.next_event() {
             self.telemetry.publish_event(&event);
-            self.event_log.write_event(&event);
+            self.event_log.write_event(&event, &self.state.robot);
             self.flight.save_on_fault(&event);
         }
         self.recording.publish(self.link.input_log());

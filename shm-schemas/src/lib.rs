@@ -85,6 +85,7 @@ pub use layout::Layout;
 pub use module::ModuleId;
 pub use payload::Payload;
 pub use reason::{Cause, Reason};
+pub use reason_text::{JointLabel, ReasonText};
 pub use record::{
     HandWiringRecord, OrderKind, OrderRecord, RunHeader, SettingsRecord, StepRecord, TableRecord,
     TaskRecord, TickInputs, TrackRecord,

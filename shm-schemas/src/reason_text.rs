@@ -9,20 +9,79 @@ use crate::stamp::Hand;
 use crate::units::goal_value_with_unit;
 use core::fmt::{self, Formatter};
 
+/// Name and unit of the joint that a reason concerns, for programs that know the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JointLabel<'a> {
+    /// Name of the joint in the robot's URDF.
+    pub name: &'a str,
+    /// Unit of its position: `rad` or `m`.
+    pub unit: &'a str,
+}
+
+/// Text of a reason, with the label of its joint if known; otherwise with the joint's index.
+#[derive(Clone, Copy, Debug)]
+pub struct ReasonText<'a> {
+    reason: Reason,
+    joint: Option<JointLabel<'a>>,
+}
+
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match self.cause.0 {
-            0..=9 | 19 | 60..=69 => self.write_goal(f),
-            10..=19 | 29 | 50..=59 => self.write_task(f),
-            20..=29 | 45 => self.write_frames(f),
-            30..=39 | 46..=47 => self.write_joints(f),
-            70..=79 => self.write_target(f),
-            _ => self.write_daemon(f),
+        self.text(None).fmt(f)
+    }
+}
+
+impl fmt::Display for ReasonText<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let reason = &self.reason;
+        match reason.cause.0 {
+            0..=9 | 19 | 60..=69 => reason.write_goal(f),
+            10..=19 | 29 | 50..=59 => reason.write_task(f),
+            20..=29 | 45 => reason.write_frames(f),
+            30..=39 | 46..=47 => reason.write_joints(f, self.joint),
+            70..=79 => reason.write_target(f),
+            _ => reason.write_daemon(f),
         }?;
-        if self.module != ModuleId::NONE {
-            write!(f, " ({})", self.module)
+        if reason.module != ModuleId::NONE {
+            write!(f, " ({})", reason.module)
         } else {
             Ok(())
+        }
+    }
+}
+
+impl Reason {
+    /// Returns the index of the joint that the reason concerns, if it concerns one.
+    #[must_use]
+    pub fn joint(&self) -> Option<usize> {
+        let names_joint = matches!(
+            self.cause,
+            Cause::JOINTS_INVALID
+                | Cause::FOLLOWING_ERROR
+                | Cause::COMMAND_NOT_FINITE
+                | Cause::COMMAND_STEP
+        );
+        names_joint.then_some(self.index as usize)
+    }
+
+    /// Returns the text of the reason; `joint` labels the joint of [`Reason::joint`].
+    #[must_use]
+    pub fn text<'a>(&self, joint: Option<JointLabel<'a>>) -> ReasonText<'a> {
+        ReasonText {
+            reason: *self,
+            joint,
+        }
+    }
+}
+
+/// Writes the name of a joint, or its index.
+struct JointName<'a>(u32, Option<JointLabel<'a>>);
+
+impl fmt::Display for JointName<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.1 {
+            Some(label) => f.write_str(label.name),
+            None => write!(f, "{}", self.0),
         }
     }
 }
@@ -336,7 +395,11 @@ impl Reason {
     }
 
     /// Formats a fault of joints or commands.
-    fn write_joints(&self, f: &mut Formatter<'_>) -> fmt::Result {
+    fn write_joints(&self, f: &mut Formatter<'_>, label: Option<JointLabel<'_>>) -> fmt::Result {
+        let (joint, unit) = (
+            JointName(self.index, label),
+            label.map_or("rad or m", |label| label.unit),
+        );
         let Self {
             value,
             limit,
@@ -360,20 +423,22 @@ impl Reason {
             Cause::JOINTS_INVALID => {
                 write!(
                     f,
-                    "joint {index} reports {value:.4} rad, last valid position {limit:.4} rad"
+                    "joint {joint} reports {value:.4} {unit}, last valid position {limit:.4} {unit}"
                 )
             }
             Cause::FOLLOWING_ERROR => {
                 write!(
                     f,
-                    "joint {index} is {value:.4} rad off its command, allowed {limit:.4} rad; is it blocked?"
+                    "joint {joint} is {value:.4} {unit} off its command, allowed {limit:.4} {unit}; is \
+                     it blocked?"
                 )
             }
-            Cause::COMMAND_NOT_FINITE => write!(f, "the command for joint {index} was not finite"),
+            Cause::COMMAND_NOT_FINITE => write!(f, "the command for joint {joint} was not finite"),
             Cause::COMMAND_STEP => {
                 write!(
                     f,
-                    "the command for joint {index} jumped by {value:.4} rad, allowed {limit:.4} rad"
+                    "the command for joint {joint} jumped by {value:.4} {unit}, allowed {limit:.4} \
+                     {unit}"
                 )
             }
             Cause::GRIP_CEILING => {

@@ -4,9 +4,11 @@ use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Run, Session, Stopped, json, standstill, text};
 use atas_console::{Exit, ExitError, Interrupt, Output, arguments, modules, number, table};
+use atas_core::joints::reason_text;
+use robot_model::RobotFiles;
 use shm_bus::{BusName, End, Owner, now_ns};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{Hand, Mode, Percentiles, Status, StatusFlags};
+use shm_schemas::{Hand, Mode, Percentiles, Reason, Status, StatusFlags};
 
 use atas_client::rejections::{self, rejection_texts};
 
@@ -77,7 +79,7 @@ fn print(
         output.json(&value)?;
         return Ok(frozen);
     }
-    output.line(heading([before, status]))?;
+    output.line(heading([before, status], run))?;
     if let Some(frozen) = frozen {
         output.line(standstill_text(frozen))?;
     }
@@ -102,6 +104,20 @@ fn missing_status_text(bus: &BusName) -> String {
     format!("no status from the daemon for one second: {why}")
 }
 
+/// Returns the text of a reason that concerns a joint. It names the joint if the daemon's robot files
+/// can be read.
+fn joint_reason(reason: &Reason, run: &Run) -> String {
+    let robot = || {
+        let header = run.header()?;
+        let files = RobotFiles::find(header.robot.as_str()).ok()?;
+        (files.hash() == header.robot_hash).then(|| files.load().ok())?
+    };
+    robot().map_or_else(
+        || reason.to_string(),
+        |robot| reason_text(reason, &robot).to_string(),
+    )
+}
+
 fn standstill_text(frozen: Duration) -> String {
     format!(
         "the ticks have stood still for {:.1} s: this status is outdated and the robot is not \
@@ -110,7 +126,7 @@ fn standstill_text(frozen: Duration) -> String {
     )
 }
 
-fn heading([before, status]: [&Status; 2]) -> String {
+fn heading([before, status]: [&Status; 2], run: &Run) -> String {
     let mut lines = vec![format!(
         "atasd {}, process {}, {} Hz{}{}",
         status.version,
@@ -120,7 +136,10 @@ fn heading([before, status]: [&Status; 2]) -> String {
         uptime(status),
     )];
     lines.push(if status.reason.is_some() {
-        let why = rejections::mode_reason([before, status]);
+        let why = match status.reason.joint() {
+            Some(_) => joint_reason(&status.reason, run),
+            None => rejections::mode_reason([before, status]),
+        };
         format!("mode {}: {why}", status.mode)
     } else {
         format!("mode {}{}", status.mode, hint(status.mode))
@@ -251,10 +270,10 @@ fn forces(force_n: &[f32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, GoalKind, GoalState, Reason, Stamp, Text};
+    use shm_schemas::{Cause, GoalKind, GoalState, Stamp, Text};
 
     fn heading_of(status: &Status) -> String {
-        heading([status, status])
+        heading([status, status], &Run::default())
     }
 
     #[test]

@@ -247,6 +247,7 @@ function paint(context, face) {
 
 /** Returns points and faces of a shape, counter-clockwise from outside. */
 function mesh(form) {
+  if (form.mesh) return form.mesh;
   if (form.sphere) return { radius: form.sphere };
   if (form.box) {
     const [x, y, z] = form.box.map((size) => size / 2);

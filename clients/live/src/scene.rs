@@ -1,5 +1,6 @@
 //! Scene: robot data for the page, with links, fingertips and element positions.
 
+use atas_meshes::{Mesh, Meshes};
 use nalgebra::{Isometry3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use robot_model::{
     Form, HandModel, HandSide, Limb, ModelError, Placement, RobotFiles, RobotModel, Shape,
@@ -31,7 +32,11 @@ pub(crate) fn scene(shown: &DisplayedRobot) -> Result<Value, ModelError> {
 fn links(files: &RobotFiles, scene: &mut Value) -> Result<(), ModelError> {
     let (skeleton, robot) = (files.skeleton()?, files.load()?);
     let tips = HandSide::BOTH.map(|side| robot.hand(side).tip_links().collect::<Vec<_>>());
-    scene["limbs"] = skeleton.limbs().iter().map(limb).collect();
+    let meshes = Meshes::load(files, &skeleton);
+    let limbs = skeleton.limbs().iter().zip(&meshes.links);
+    scene["limbs"] = limbs
+        .map(|(limb, meshes)| self::limb(limb, meshes))
+        .collect();
     scene["tips"] = json!(tips);
     scene["tip_frames"] = json!(tip_frames(&skeleton, &robot));
     Ok(())
@@ -93,7 +98,8 @@ fn pose_of(transform: &Transform) -> Isometry3<f64> {
     )
 }
 
-fn limb(limb: &Limb) -> Value {
+fn limb(limb: &Limb, meshes: &[Mesh]) -> Value {
+    let shapes = limb.shapes.iter().map(shape).chain(meshes.iter().map(mesh));
     json!({
         "name": limb.name,
         "parent": limb.parent,
@@ -103,7 +109,7 @@ fn limb(limb: &Limb) -> Value {
         "ratio": limb.ratio,
         "offset": limb.offset,
         "slides": limb.slides,
-        "shapes": limb.shapes.iter().map(shape).collect::<Vec<_>>(),
+        "shapes": shapes.collect::<Vec<_>>(),
     })
 }
 
@@ -118,6 +124,14 @@ fn shape(shape: &Shape) -> Value {
         Form::Box { size_m } => json!({ "box": size_m }),
     };
     json!({ "at": placement(&shape.origin), "form": form, "rgba": shape.rgba })
+}
+
+fn mesh(mesh: &Mesh) -> Value {
+    json!({
+        "at": { "xyz": [0, 0, 0], "q": [0, 0, 0, 1] },
+        "form": { "mesh": { "points": mesh.points_m, "faces": mesh.triangles } },
+        "rgba": mesh.rgba,
+    })
 }
 
 fn layout(layout: &Layout) -> Value {

@@ -1,11 +1,13 @@
 """Tests of reading and replaying a real recording."""
 
+import json
 import subprocess
 from pathlib import Path
 
 import atas
 import numpy as np
 import pytest
+from atas.features import HandFeatures
 from conftest import PROGRAMS, Programs
 from test_daemon import daemon, wait_for
 
@@ -49,6 +51,18 @@ def test_recording_is_read_and_replayed_exactly(programs: Programs, tmp_path: Pa
     # The command line gives the same result.
     line = subprocess.run([PROGRAMS / "atas", "replay", file, "--format", "json"], capture_output=True, check=True)
     assert b'"different":0' in line.stdout.replace(b" ", b"")
+
+
+def test_exported_data_set_has_the_features_of_a_hand(programs: Programs, tmp_path: Path) -> None:
+    file, out = tmp_path / "run.mcap", tmp_path / "set"
+    record(programs, file)
+    words = [PROGRAMS / "atas", "export", file, "--to", "lerobot", "--out", out]
+    subprocess.run(words, check=True, capture_output=True)
+    features = json.loads((out / "meta" / "info.json").read_text())["features"]
+    hand = HandFeatures(None, "right", "taxels", "pose")
+    assert features["observation.state"]["names"] == hand.state_names()
+    assert features["observation.taxels"]["names"] == hand.taxel_names(41)
+    assert features["action"]["names"] == hand.action_names()
 
 
 def test_unreadable_recording_raises(tmp_path: Path) -> None:

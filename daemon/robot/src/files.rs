@@ -76,16 +76,20 @@ impl RobotFiles {
 
     fn read(path: &Path) -> Result<Self, ModelError> {
         let robot_file = text(path.to_path_buf())?;
-        let named = RobotFile::parse(&robot_file)?.urdf;
-        let beside = named.map_or_else(
-            || path.with_extension("urdf"),
-            |urdf| path.with_file_name(urdf),
-        );
+        let urdf = urdf_path(path, &robot_file)?;
         Ok(Self {
             name: Cow::Owned(path.display().to_string()),
-            urdf: Cow::Owned(text(beside)?),
+            urdf: Cow::Owned(text(urdf)?),
             robot_file: Cow::Owned(robot_file),
         })
+    }
+
+    /// Returns the path of the URDF; `None` for a built-in robot.
+    #[must_use]
+    pub fn urdf_path(&self) -> Option<PathBuf> {
+        let path = Path::new(&*self.name);
+        path.extension()?;
+        urdf_path(path, &self.robot_file).ok()
     }
 
     /// Returns the FNV-1a 64 hash of both texts, which distinguishes recordings of different
@@ -105,6 +109,15 @@ impl RobotFiles {
     pub fn load(&self) -> Result<RobotModel, ModelError> {
         RobotModel::load(&self.urdf, &self.robot_file)
     }
+}
+
+/// Returns the path of the URDF of a robot file at `path`.
+fn urdf_path(path: &Path, robot_file: &str) -> Result<PathBuf, ModelError> {
+    let named = RobotFile::parse(robot_file)?.urdf;
+    Ok(named.map_or_else(
+        || path.with_extension("urdf"),
+        |urdf| path.with_file_name(urdf),
+    ))
 }
 
 /// Returns the names of the built-in robots, the default first.

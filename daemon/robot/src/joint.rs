@@ -40,6 +40,15 @@ pub struct Joint {
 }
 
 impl Joint {
+    /// Returns the unit of its position: `rad` or `m`.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match self.kind {
+            JointKind::Revolute => "rad",
+            JointKind::Prismatic => "m",
+        }
+    }
+
     /// Returns the motion that counts as one radian: 1 rad, or [`PRISMATIC_LEVER_M`].
     #[must_use]
     pub fn radian(&self) -> f64 {

@@ -120,7 +120,7 @@ pub use sizes::{
     ROBOT_JOINTS_MAX,
 };
 #[cfg(feature = "std")]
-pub use skeleton::{Form, Limb, Placement, Shape, Skeleton};
+pub use skeleton::{Form, Limb, MeshFile, Placement, Shape, Skeleton};
 pub use skin::{Compression, Skin};
 pub use solve::{
     POSTURE_DOME_ERROR_MAX_RAD, POSTURE_ITERATIONS, POSTURE_SPREAD_ERROR_MAX_M,

@@ -4,8 +4,8 @@
 //!   in its parent, and its visual shapes.
 //! * **Invariants:** parents precede their children. Joint numbers equal those of joint vectors; a
 //!   mimicking joint follows its master. Other joints stay at zero.
-//! * **Not included:** meshes, which need files besides the URDF, and data of the controller
-//!   ([`crate::RobotModel`]).
+//! * **Not included:** the content of meshes, which needs files besides the URDF, and data of the
+//!   controller ([`crate::RobotModel`]).
 
 use std::string::String;
 use std::vec::Vec;
@@ -66,6 +66,8 @@ pub struct Limb {
     pub slides: bool,
     /// Visual shapes.
     pub shapes: Vec<Shape>,
+    /// Visual meshes, which are files besides the URDF.
+    pub meshes: Vec<MeshFile>,
 }
 
 /// Position and orientation.
@@ -84,6 +86,19 @@ pub struct Shape {
     pub origin: Placement,
     /// Geometry.
     pub form: Form,
+    /// Red, green, blue, opacity, 0 to 1.
+    pub rgba: [f64; 4],
+}
+
+/// Visual mesh of a link: a file that the URDF names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// Name in the URDF: a path, or `package://NAME/PATH`.
+    pub name: String,
+    /// Scale along each axis of the mesh.
+    pub scale: [f64; 3],
+    /// Pose of the mesh in the link.
+    pub origin: Placement,
     /// Red, green, blue, opacity, 0 to 1.
     pub rgba: [f64; 4],
 }
@@ -208,6 +223,7 @@ fn limb(
         offset: 0.0,
         slides: false,
         shapes: vec![],
+        meshes: vec![],
     };
     if let Some(joint) = joint {
         limb.origin = pose(&joint.origin, || {
@@ -229,6 +245,7 @@ fn limb(
     }
     for visual in &link.visual {
         limb.shapes.extend(shape(robot, link, visual)?);
+        limb.meshes.extend(mesh_file(robot, link, visual)?);
     }
     Ok(limb)
 }
@@ -247,9 +264,38 @@ fn axis(joint: &Joint) -> Result<[f64; 3], ModelProblem> {
         })
 }
 
+/// Returns the mesh of a visual; `None` for a primitive.
+fn mesh_file(
+    robot: &Robot,
+    link: &Link,
+    visual: &Visual,
+) -> Result<Option<MeshFile>, ModelProblem> {
+    let Geometry::Mesh { filename, scale } = &visual.geometry else {
+        return Ok(None);
+    };
+    let scale = scale.as_ref().map_or([1.0; 3], |scale| scale.0);
+    if scale.iter().any(|factor| !factor.is_finite()) {
+        let was = format!("{scale:?}");
+        return Err(problem(
+            visual_name(link),
+            was,
+            "a finite scale of its mesh",
+        ));
+    }
+    Ok(Some(MeshFile {
+        name: filename.clone(),
+        scale,
+        origin: pose(&visual.origin, || visual_name(link))?,
+        rgba: colour(robot, visual),
+    }))
+}
+
+fn visual_name(link: &Link) -> String {
+    format!("a visual of link `{}`", link.name)
+}
+
 /// Returns `None` if the URDF alone does not describe the shape.
 fn shape(robot: &Robot, link: &Link, visual: &Visual) -> Result<Option<Shape>, ModelProblem> {
-    let what = || format!("a visual of link `{}`", link.name);
     let form = match &visual.geometry {
         Geometry::Cylinder { radius, length } | Geometry::Capsule { radius, length } => {
             Form::Cylinder {
@@ -262,7 +308,7 @@ fn shape(robot: &Robot, link: &Link, visual: &Visual) -> Result<Option<Shape>, M
         Geometry::Mesh { .. } => return Ok(None),
     };
     Ok(Some(Shape {
-        origin: pose(&visual.origin, what)?,
+        origin: pose(&visual.origin, || visual_name(link))?,
         form,
         rgba: colour(robot, visual),
     }))

@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
+use atas_core::joints::reason_text;
+use robot_model::RobotModel;
 use shm_schemas::{Cause, EventKind, GoalState, Hand, Mode, ModuleEvent};
 
 use crate::link::TickRecord;
@@ -34,14 +36,16 @@ struct Repeated {
 }
 
 impl EventLog {
-    pub(super) fn write_event(&mut self, event: &ModuleEvent) {
-        let (tick, reason) = (event.tick, event.reason);
+    pub(super) fn write_event(&mut self, event: &ModuleEvent, robot: &RobotModel) {
+        let tick = event.tick;
+        let reason = reason_text(&event.reason, robot);
+        let (is_given, cause) = (event.reason.is_some(), event.reason.cause);
         match event.kind {
             EventKind::MODE if event.mode == Mode::FAULT => {
                 let panic = crate::panics::take_message().unwrap_or_default();
                 tracing::error!(tick, mode = %event.mode, panic, "{reason}");
             }
-            EventKind::MODE if reason.cause == Cause::SHUTDOWN => {
+            EventKind::MODE if cause == Cause::SHUTDOWN => {
                 tracing::info!(tick, mode = %event.mode, "{reason}");
             }
             EventKind::MODE if matches!(event.mode, Mode::HOLD | Mode::SAFE_STOP) => {
@@ -50,16 +54,14 @@ impl EventLog {
             EventKind::MODE => tracing::info!(tick, mode = %event.mode, "mode"),
             EventKind::GOAL => {
                 let state = GoalState(event.value as u32);
-                if reason.is_some() {
+                if is_given {
                     tracing::info!(tick, hand = %event.hand, "goal {state}: {reason}");
                 } else {
                     tracing::info!(tick, hand = %event.hand, "goal {state}");
                 }
             }
             EventKind::WARNING => {
-                if let Some(suppressed) =
-                    self.take_suppressed(Topic::Hand(event.hand, reason.cause))
-                {
+                if let Some(suppressed) = self.take_suppressed(Topic::Hand(event.hand, cause)) {
                     tracing::warn!(tick, suppressed, "{reason}");
                 }
             }

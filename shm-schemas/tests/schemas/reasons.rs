@@ -1,6 +1,6 @@
 //! Text of every reason.
 
-use shm_schemas::{Body, BodyPair, Cause, GoalKind, Mode, ModuleId, Reason};
+use shm_schemas::{Body, BodyPair, Cause, GoalKind, JointLabel, Mode, ModuleId, Reason};
 
 /// One row per cause: a reason and its text.
 fn table() -> Vec<(Reason, &'static str)> {
@@ -297,11 +297,11 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::JOINTS_INVALID, 3.5, 0.25, 4),
-            "joint 4 reports 3.5000 rad, last valid position 0.2500 rad",
+            "joint 4 reports 3.5000 rad or m, last valid position 0.2500 rad or m",
         ),
         (
             limit(Cause::FOLLOWING_ERROR, 0.1, 0.08, 7),
-            "joint 7 is 0.1000 rad off its command, allowed 0.0800 rad; is it blocked?",
+            "joint 7 is 0.1000 rad or m off its command, allowed 0.0800 rad or m; is it blocked?",
         ),
         (
             limit(Cause::COMMAND_NOT_FINITE, 0.0, 0.0, 21),
@@ -309,7 +309,7 @@ fn table() -> Vec<(Reason, &'static str)> {
         ),
         (
             limit(Cause::COMMAND_STEP, 0.5, 0.016, 3),
-            "the command for joint 3 jumped by 0.5000 rad, allowed 0.0160 rad",
+            "the command for joint 3 jumped by 0.5000 rad or m, allowed 0.0160 rad or m",
         ),
         (
             limit(Cause::GRIP_CEILING, 15.5, 15.0, 1),
@@ -470,4 +470,18 @@ fn reason_without_cause_is_none() {
             .iter()
             .all(|c| Reason::new(*c).is_some() == (*c != Cause::NONE))
     );
+}
+
+#[test]
+fn reason_names_the_joint_and_its_unit() {
+    let reason = limit(Cause::FOLLOWING_ERROR, 0.03, 0.02, 7);
+    let label = JointLabel {
+        name: "gantry",
+        unit: "m",
+    };
+    assert_eq!(
+        reason.text(reason.joint().map(|_| label)).to_string(),
+        "joint gantry is 0.0300 m off its command, allowed 0.0200 m; is it blocked?"
+    );
+    assert_eq!(limit(Cause::GRIP_CEILING, 15.5, 15.0, 1).joint(), None);
 }

@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use atas_meshes::{Mesh, Meshes};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use robot_model::{Form, Placement, Skeleton};
+use robot_model::{Form, ModelError, Placement, RobotFiles, Skeleton};
 
 use super::mark::{Rgb, rgb_of};
 
@@ -32,6 +33,18 @@ pub(super) enum Shade {
     Plain,
     /// Face with this outward normal, base frame.
     Face(Vector3<f64>),
+    /// Triangle of a mesh with this outward normal, drawn without an edge.
+    Facet(Vector3<f64>),
+}
+
+impl Shade {
+    /// Returns the outward normal, if the body has one.
+    pub(super) fn normal(&self) -> Option<Vector3<f64>> {
+        match self {
+            Self::Plain => None,
+            Self::Face(normal) | Self::Facet(normal) => Some(*normal),
+        }
+    }
 }
 
 impl Body {
@@ -40,6 +53,15 @@ impl Body {
             corners: vec![centre_m.into()],
             half_m: radius_m,
             rgb,
+            shade: Shade::Plain,
+        }
+    }
+
+    fn line(ends: [Point3<f64>; 2]) -> Self {
+        Self {
+            corners: ends.to_vec(),
+            half_m: LINK_HALF_WIDTH_M,
+            rgb: LINK_RGB,
             shade: Shade::Plain,
         }
     }
@@ -56,31 +78,67 @@ impl Body {
     }
 }
 
-/// Returns the links of a robot: their shapes, or lines between links without shapes.
-pub(super) fn links(skeleton: &Skeleton, q: &[f64]) -> Vec<Body> {
-    let mut base_from: Vec<Isometry3<f64>> = Vec::new();
-    let mut bodies = Vec::new();
-    for limb in skeleton.limbs() {
-        let parent = limb
-            .parent
-            .map_or(Isometry3::identity(), |index| base_from[index]);
-        let here = parent * isometry(&limb.placed(q));
-        if limb.parent.is_some() && limb.shapes.is_empty() {
-            let ends = [parent, here].map(|frame| Point3::from(frame.translation.vector));
-            bodies.push(Body {
-                corners: ends.to_vec(),
-                half_m: LINK_HALF_WIDTH_M,
-                rgb: LINK_RGB,
-                shade: Shade::Plain,
-            });
-        }
-        for shape in &limb.shapes {
-            let at = here * isometry(&shape.origin);
-            bodies.extend(primitive(&at, shape.form, rgb_of(shape.rgba)));
-        }
-        base_from.push(here);
+/// Links of a robot with their shapes and meshes.
+#[derive(Clone, Debug)]
+pub(super) struct Links {
+    skeleton: Skeleton,
+    meshes: Meshes,
+}
+
+impl Links {
+    pub(super) fn load(files: &RobotFiles) -> Result<Self, ModelError> {
+        let skeleton = files.skeleton()?;
+        let meshes = Meshes::load(files, &skeleton);
+        Ok(Self { skeleton, meshes })
     }
-    bodies
+
+    /// Returns one sentence for each mesh that is not drawn.
+    pub(super) fn into_remarks(self) -> Vec<String> {
+        self.meshes.remarks
+    }
+
+    /// Returns the bodies at these joint positions. A line stands for a link without shapes.
+    pub(super) fn bodies(&self, q: &[f64]) -> Vec<Body> {
+        let mut base_from: Vec<Isometry3<f64>> = Vec::new();
+        let mut bodies = Vec::new();
+        for (limb, meshes) in self.skeleton.limbs().iter().zip(&self.meshes.links) {
+            let parent = limb
+                .parent
+                .map_or(Isometry3::identity(), |index| base_from[index]);
+            let here = parent * isometry(&limb.placed(q));
+            if limb.parent.is_some() && limb.shapes.is_empty() && meshes.is_empty() {
+                let ends = [parent, here].map(|frame| Point3::from(frame.translation.vector));
+                bodies.push(Body::line(ends));
+            }
+            for shape in &limb.shapes {
+                let at = here * isometry(&shape.origin);
+                bodies.extend(primitive(&at, shape.form, rgb_of(shape.rgba)));
+            }
+            bodies.extend(meshes.iter().flat_map(|mesh| faces(&here, mesh)));
+            base_from.push(here);
+        }
+        bodies
+    }
+}
+
+/// Returns the triangles of a mesh.
+fn faces(base_from_link: &Isometry3<f64>, mesh: &Mesh) -> Vec<Body> {
+    let placed = mesh
+        .points_m
+        .iter()
+        .map(|point| base_from_link * Point3::from(*point));
+    let points_m: Vec<_> = placed.collect();
+    let face = |corners: &[usize; 3]| {
+        let [a, b, c] = corners.map(|corner| points_m[corner]);
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0)?;
+        Some(Body {
+            corners: vec![a, b, c],
+            half_m: 0.0,
+            rgb: rgb_of(mesh.rgba),
+            shade: Shade::Facet(normal),
+        })
+    };
+    mesh.triangles.iter().filter_map(face).collect()
 }
 
 /// Returns the faces of a primitive.

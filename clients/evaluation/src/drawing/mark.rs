@@ -6,10 +6,17 @@ pub(super) type Rgb = [u8; 3];
 /// Colour of texts and of the scale.
 pub(super) const INK: Rgb = [68, 68, 68];
 
+/// Colour of the edges of areas and discs.
+pub(super) const EDGE: Rgb = [51, 51, 51];
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Mark {
-    /// Convex area.
-    Area { corners: Vec<[f64; 2]>, fill: Rgb },
+    /// Convex area and the colour of its edge.
+    Area {
+        corners: Vec<[f64; 2]>,
+        fill: Rgb,
+        edge: Rgb,
+    },
     /// Disc.
     Disc {
         centre: [f64; 2],

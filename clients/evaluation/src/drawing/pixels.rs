@@ -41,7 +41,7 @@ struct Pixels {
 impl Pixels {
     fn draw(&mut self, mark: &Mark) {
         match mark {
-            Mark::Area { corners, fill } => self.fill(corners, *fill),
+            Mark::Area { corners, fill, .. } => self.fill(corners, *fill),
             Mark::Disc {
                 centre,
                 radius,
@@ -176,6 +176,7 @@ mod tests {
         let bytes = drawn(vec![Mark::Area {
             corners,
             fill: [0, 0, 0],
+            edge: [0, 0, 0],
         }]);
         assert_eq!(at(&bytes, 1, 2), [255; 3], "outside");
         assert_eq!(at(&bytes, 3, 2), [0; 3], "inside");

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use robot_model::{ModelError, RobotFiles, RobotModel, RobotVector};
 
-use super::bodies::{Body, links};
+use super::bodies::{Body, Links};
 use super::hands::{AXIS_RGB, FINGERTIP_RGB, draw_closing_axes, fingertips};
 use super::mark::{Drawing, INK, Mark};
 use super::view::{Sheet, View};
@@ -23,13 +23,18 @@ const VIEWS: [(&str, [f64; 3], [f64; 3]); 3] = [
     ("above", [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]),
 ];
 
-/// Draws a robot with its fingertips and closing axes.
+/// Draws a robot with its fingertips and closing axes. Also returns one sentence for each mesh that
+/// is not drawn.
 ///
 /// # Errors
 /// The URDF is not a tree of links, or a number in it is not finite.
-pub fn robot_views(files: &RobotFiles, robot: &RobotModel) -> Result<Drawing, ModelError> {
+pub fn robot_views(
+    files: &RobotFiles,
+    robot: &RobotModel,
+) -> Result<(Drawing, Vec<String>), ModelError> {
     let q = rest_posture(robot);
-    let mut bodies = links(&files.skeleton()?, &q);
+    let links = Links::load(files)?;
+    let mut bodies = links.bodies(&q);
     bodies.extend(fingertips(robot, &q));
     let mut drawing = Drawing::default();
     for (name, right, up) in VIEWS {
@@ -41,7 +46,7 @@ pub fn robot_views(files: &RobotFiles, robot: &RobotModel) -> Result<Drawing, Mo
         drawing.append_at(drawing.size_px[0], drawn);
     }
     add_legend(&mut drawing);
-    Ok(drawing)
+    Ok((drawing, links.into_remarks()))
 }
 
 /// Returns the joint positions of the rest pose: home if the hands reach it, else the reference

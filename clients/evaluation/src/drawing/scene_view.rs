@@ -3,13 +3,13 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use robot_model::{Form, HandSide, ModelError, RobotFiles, RobotModel, Skeleton};
+use robot_model::{Form, HandSide, ModelError, RobotFiles, RobotModel};
 use shm_schemas::{ObjectTruth, WorldTruth};
 use sim_backend::{Scene, Shape};
 
-use super::bodies::{Body, Shade, links, primitive};
+use super::bodies::{Body, Links, Shade, primitive};
 use super::hands::{draw_closing_axes, fingertips};
-use super::mark::{Drawing, Mark, Rgb};
+use super::mark::{Drawing, EDGE, Mark, Rgb};
 use super::view::{Sheet, View};
 
 /// Direction of the view from the closing axis, and its height above the horizon, rad (design
@@ -34,7 +34,7 @@ const PIXELS_MAX: u32 = 4096;
 /// View of a scene from a fixed direction. The table has a grid of 100 mm.
 #[derive(Clone, Debug)]
 pub struct SceneView {
-    skeleton: Skeleton,
+    links: Links,
     robot: RobotModel,
     shapes: Vec<Shape>,
     plates: Vec<Body>,
@@ -91,7 +91,7 @@ impl SceneView {
             primitive(&at, Form::Box { size_m }, PLATE_RGB)
         });
         Ok(Self {
-            skeleton: files.skeleton()?,
+            links: Links::load(files)?,
             robot: robot.clone(),
             shapes: shapes.collect(),
             plates: plates.collect(),
@@ -127,7 +127,7 @@ impl SceneView {
             marks: Vec::new(),
         };
         self.draw_table(&mut drawing, &sheet);
-        let mut bodies = links(&self.skeleton, q);
+        let mut bodies = self.links.bodies(q);
         bodies.extend(fingertips(&self.robot, q));
         bodies.extend(self.plates.iter().cloned());
         let truths = truth.objects.iter().take(truth.object_count as usize);
@@ -147,6 +147,7 @@ impl SceneView {
         drawing.marks.push(Mark::Area {
             corners: signs.map(|(a, b)| place(a * TABLE_M, b * TABLE_M)).to_vec(),
             fill: TABLE_RGB,
+            edge: EDGE,
         });
         let count = (TABLE_M / GRID_M).round() as i32;
         for at in (-count..=count).map(|step| f64::from(step) * GRID_M) {

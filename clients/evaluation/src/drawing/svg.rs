@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::mark::{Drawing, INK, Mark, Rgb};
+use super::mark::{Drawing, EDGE, INK, Mark, Rgb};
 
 impl Drawing {
     /// Returns the drawing as an SVG file.
@@ -25,28 +25,32 @@ impl Drawing {
 }
 
 fn write_mark(svg: &mut String, mark: &Mark) -> std::fmt::Result {
-    const OUTLINE: &str = "stroke=\"#333\" stroke-width=\"0.5\" stroke-linejoin=\"round\"";
+    let edge = |rgb: Rgb| {
+        let stroke = colour(rgb);
+        format!("stroke=\"{stroke}\" stroke-width=\"0.5\" stroke-linejoin=\"round\"")
+    };
     match mark {
-        Mark::Area { corners, fill } => {
+        Mark::Area {
+            corners,
+            fill,
+            edge: rgb,
+        } => {
             let points: Vec<String> = corners
                 .iter()
                 .map(|[x, y]| format!("{x:.1},{y:.1}"))
                 .collect();
-            let (points, fill) = (points.join(" "), colour(*fill));
-            writeln!(
-                svg,
-                "<polygon points=\"{points}\" fill=\"{fill}\" {OUTLINE}/>"
-            )
+            let (points, fill, edge) = (points.join(" "), colour(*fill), edge(*rgb));
+            writeln!(svg, "<polygon points=\"{points}\" fill=\"{fill}\" {edge}/>")
         }
         Mark::Disc {
             centre: [x, y],
             radius,
             fill,
         } => {
-            let fill = colour(*fill);
+            let (fill, edge) = (colour(*fill), edge(EDGE));
             writeln!(
                 svg,
-                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" fill=\"{fill}\" {OUTLINE}/>"
+                "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" fill=\"{fill}\" {edge}/>"
             )
         }
         Mark::Line {

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::bodies::{Body, Shade};
-use super::mark::{Drawing, Mark, Rgb};
+use super::mark::{Drawing, EDGE, Mark, Rgb};
 
 /// Direction of the light, base frame; the length does not matter.
 const LIGHT: [f64; 3] = [0.4, -0.5, 0.9];
@@ -66,9 +66,9 @@ impl View {
     /// Draws bodies from far to near. Faces turned away from the eye are hidden.
     pub(super) fn draw(&self, drawing: &mut Drawing, sheet: &Sheet, bodies: &[Body]) {
         let eye = self.towards_eye();
-        let is_seen = |body: &&Body| match body.shade {
-            Shade::Face(normal) => normal.dot(&eye) > 1e-9,
-            Shade::Plain => true,
+        let is_seen = |body: &&Body| {
+            let normal = body.shade.normal();
+            normal.is_none_or(|normal| normal.dot(&eye) > 1e-9)
         };
         let mut seen: Vec<&Body> = bodies.iter().filter(is_seen).collect();
         seen.sort_by(|a, b| a.depth_m(&eye).total_cmp(&b.depth_m(&eye)));
@@ -99,6 +99,10 @@ impl View {
             _ => Mark::Area {
                 corners: hull(&points),
                 fill,
+                edge: match body.shade {
+                    Shade::Facet(_) => fill,
+                    Shade::Plain | Shade::Face(_) => EDGE,
+                },
             },
         }
     }
@@ -115,7 +119,7 @@ impl Sheet {
 }
 
 fn lit(body: &Body) -> Rgb {
-    let Shade::Face(normal) = body.shade else {
+    let Some(normal) = body.shade.normal() else {
         return body.rgb;
     };
     let facing = normal.dot(&Vector3::from(LIGHT).normalize()).max(0.0);

@@ -67,11 +67,12 @@ fn check(name: &str, out: Option<&Path>, output: &mut Output) -> anyhow::Result<
         |error: robot_model::ModelError| ExitError::with_code(Exit::Usage, error.to_string());
     let files = RobotFiles::find(name).map_err(unusable)?;
     let robot = files.load().map_err(unusable)?;
+    let mut remarks = files.remarks().map_err(unusable)?;
     if let Some(out) = out {
-        let drawn = robot_views(&files, &robot).map_err(unusable)?;
+        let (drawn, not_drawn) = robot_views(&files, &robot).map_err(unusable)?;
         picture::write(out, &drawn.svg(&files.name))?;
+        remarks.extend(not_drawn);
     }
-    let remarks = files.remarks().map_err(unusable)?;
     let begin = Instant::now();
     let trials = NominalTrial::run_all(&robot)?;
     let tried_s = begin.elapsed().as_secs_f64();
