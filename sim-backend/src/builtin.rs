@@ -5,18 +5,12 @@ use shm_schemas::JointSetpoints;
 use shm_schemas::capacity::JOINTS;
 
 use crate::base_motion::BaseMotion;
+use crate::clock::{SUBSTEP_S, SUBSTEPS, TICK_S};
 use crate::hand::Hand;
 use crate::sensed_hand::SensedHand;
 use crate::support::{Ground, Plate};
 use crate::threaded_cap::ThreadedCap;
 use crate::world_object::WorldObject;
-
-/// Length of a tick, s: [`crate::TICK_NS`].
-pub(crate) const TICK_S: f64 = 1e-3;
-/// Substeps per tick. 500 µs is unstable for light objects, 125 µs gives the same results (tactile
-/// design).
-pub(crate) const SUBSTEPS: usize = 4;
-pub(crate) const SUBSTEP_S: f64 = TICK_S / SUBSTEPS as f64;
 
 #[derive(Clone, Debug)]
 pub(crate) struct BuiltIn {

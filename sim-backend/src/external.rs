@@ -5,7 +5,7 @@ use robot_model::{HandModel, HandPose, HandSide, HandVector, RobotModel, RobotVe
 use shm_schemas::JointSetpoints;
 
 use crate::body::Motion;
-use crate::builtin::{SUBSTEPS, TICK_S};
+use crate::clock::{SUBSTEPS, TICK_S};
 use crate::engine::{CapState, Engine, EngineError, EngineScene, PhysicsState, TickInput};
 use crate::hand::{MOVING_RAD_S, TickStart};
 use crate::hand_body::HandBody;

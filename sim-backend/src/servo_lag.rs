@@ -6,7 +6,7 @@
 use robot_model::RobotVector;
 use shm_schemas::JointSetpoints;
 
-use crate::builtin::TICK_S;
+use crate::clock::TICK_S;
 
 #[derive(Clone, Debug)]
 pub(crate) struct ServoLag {

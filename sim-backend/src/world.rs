@@ -4,7 +4,8 @@ use robot_model::{Capsules, HandSide, HandVector, RobotModel};
 use shm_schemas::{JointCommand, JointSetpoints, WorldTruth};
 
 use crate::base_motion::{BaseMotion, BaseMotionError};
-use crate::builtin::{BuiltIn, SUBSTEP_S};
+use crate::builtin::BuiltIn;
+use crate::clock::SUBSTEP_S;
 use crate::electronics::{Electronics, Sensed};
 use crate::engine::{Engine, EngineError};
 use crate::external::External;

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use shm_schemas::{ObjectTruth, Text};
 
 use crate::body::Body;
-use crate::builtin::SUBSTEPS;
+use crate::clock::SUBSTEPS;
 use crate::contact::{Surface, Wrench};
 use crate::hold::{Grip, Hold};
 use crate::object::Object;

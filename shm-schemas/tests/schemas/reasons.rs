@@ -474,7 +474,7 @@ fn reason_without_cause_is_none() {
 
 #[test]
 fn reason_names_the_joint_and_its_unit() {
-    let reason = limit(Cause::FOLLOWING_ERROR, 0.03, 0.02, 7);
+    let reason = Reason::with_limit(Cause::FOLLOWING_ERROR, 0.03, 0.02).with_index(7);
     let label = JointLabel {
         name: "gantry",
         unit: "m",
@@ -483,5 +483,6 @@ fn reason_names_the_joint_and_its_unit() {
         reason.text(reason.joint().map(|_| label)).to_string(),
         "joint gantry is 0.0300 m off its command, allowed 0.0200 m; is it blocked?"
     );
-    assert_eq!(limit(Cause::GRIP_CEILING, 15.5, 15.0, 1).joint(), None);
+    let of_side = Reason::with_limit(Cause::GRIP_CEILING, 15.5, 15.0).with_index(1);
+    assert_eq!(of_side.joint(), None);
 }
