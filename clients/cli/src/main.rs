@@ -71,6 +71,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Eval { .. }
         | Command::Fault { .. }
         | Command::Soak(_)
+        | Command::Assure(_)
         | Command::Plot { .. }
         | Command::Bench { .. }
         | Command::Calibrate { .. }

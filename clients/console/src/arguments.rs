@@ -15,6 +15,7 @@ use shm_schemas::EventKind;
 use values::{event_kind, finite};
 
 mod access;
+mod assures;
 mod benches;
 mod calibrates;
 mod dashboards;
@@ -33,6 +34,7 @@ mod topics;
 mod values;
 
 pub use access::{Access, Right};
+pub use assures::Assure;
 pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoTransport};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrateModel, CalibrationModel, Guide};
 pub use dashboards::{Dashboard, Foxglove};
@@ -184,6 +186,12 @@ pub enum Command {
     /// parameters, further goals. A violation is shrunk to the fewest events and ticks and printed
     /// as the command that repeats it. Exit code 1 after a violation.
     Soak(Soak),
+    /// Show the assurance case: claims about safety, their evidence and its last results
+    ///
+    /// Reads the results that the source tree stores. `--run` collects them again with `atas fault
+    /// run`, `atas soak`, `atas bench stop` and `cargo test`. Exit code 1 if `--check` finds a claim
+    /// without passed evidence, evidence that does not exist or is stale, or another page.
+    Assure(Assure),
     /// Measure this computer: timing, stop, observers
     Bench {
         /// Measurement
@@ -253,6 +261,7 @@ impl Command {
             | Self::Eval { .. }
             | Self::Fault { .. }
             | Self::Soak(_)
+            | Self::Assure(_)
             | Self::Plot { .. }
             | Self::Bench { .. }
             | Self::Calibrate { .. }

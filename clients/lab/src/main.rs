@@ -1,11 +1,12 @@
 //! `atas-lab`: laboratory commands of `atas`, those that need the controller or the simulator.
 //!
 //! ```text
-//!  atas demo|eval|fault|soak|plot|robot|explain|calibrate|bench|record|replay|diff|export ─▶ atas-lab
+//!  atas demo|eval|fault|soak|assure|plot|robot|explain|calibrate|bench|record|replay|diff|export ─▶ atas-lab
 //!   ├─ demo ────▶ runs a robot team, or with atas-demo one robot, and evaluates the result
 //!   ├─ eval ────▶ runs atas-evaluation on all cores
 //!   ├─ fault ───▶ lists and injects faults with atas-faults
 //!   ├─ soak ────▶ runs random tasks with random events with atas-faults
+//!   ├─ assure ──▶ assesses the claims of atas-assurance and runs their evidence
 //!   ├─ plot ────▶ draws recorded runs or an offline run
 //!   ├─ robot ───▶ prints model, workspace and capabilities of a robot
 //!   ├─ explain ─▶ explains the end of a goal, from a recording or a running daemon
@@ -23,6 +24,7 @@
 //!   threads; measured times vary.
 //! * **Not included:** commands for operation; they are in `atas`, which does not link this crate.
 
+mod assure;
 mod bench;
 mod calibrate;
 mod configuration;
@@ -53,6 +55,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Eval { task } => eval::evaluate(task, interrupt, output),
         Command::Fault { action } => fault::fault(action, interrupt, output),
         Command::Soak(arguments) => soak::soak(arguments, interrupt, output),
+        Command::Assure(arguments) => assure::assure(arguments, interrupt, output),
         Command::Plot { offline, recorded } => {
             plot::plot(offline.as_ref(), recorded.as_ref(), output)
         }

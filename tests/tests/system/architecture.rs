@@ -106,6 +106,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "sim-backend",
         ],
     ),
+    ("atas-assurance", &["atas-faults"]),
     (
         "atas-learning",
         &["atas-core", "robot-model", "shm-schemas", "sim-backend"],
@@ -145,6 +146,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
     (
         "atas-lab",
         &[
+            "atas-assurance",
             "atas-process",
             "atas-client",
             "atas-console",

@@ -2,6 +2,7 @@
 
 mod architecture;
 mod arena;
+mod assure;
 mod compatibility;
 mod contributing;
 mod dashboard;

@@ -58,6 +58,7 @@ impl Command {
             | Self::Eval { .. }
             | Self::Fault { .. }
             | Self::Soak(_)
+            | Self::Assure(_)
             | Self::Plot { .. }
             | Self::Robot { .. }
             | Self::Calibrate { .. }
@@ -279,6 +280,7 @@ mod tests {
             "eval screw",
             "plot run.mcap --out run.svg",
             "robot list",
+            "assure --check",
             "replay run.mcap",
             "diff one.mcap other.mcap",
             "export run.mcap --to csv",

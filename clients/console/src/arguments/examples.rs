@@ -254,6 +254,19 @@ const HELPS: &[Help] = &[
         "one object: ticks, violations, ticks_per_s, seed, episodes, failures[{command, violation}]",
     ),
     Help(
+        "assure",
+        &[
+            "atas assure",
+            "atas assure --check",
+            "atas assure --run stop daemon-death",
+            "atas assure --run --missing",
+            "atas assure --run --scale 20 --results results",
+            "atas assure --add faults.json --add soak.json",
+            "atas assure --out clients/guide/src/assurance.md",
+        ],
+        "one object: version, is_shown, goal, extent, strategies[{id, text}], claims[{id, name, strategy, text, context, argument, assumptions[], is_shown, commands[], evidence[{evidence, title, requirement, is_shown, last{tried, passed, worst, bound, version, cores, …}}]}], not_claimed[{fault, reason}], limits[], problems[{subject, text}]",
+    ),
+    Help(
         "calibrate guide",
         &["atas calibrate guide --normal 0.5,1,2 --seconds 2 --out steps.csv"],
         "one object: file, steps",
@@ -530,7 +543,7 @@ const HELPS: &[Help] = &[
 const GROUPS: &[(&str, &[&str])] = &[
     (
         "Demonstrate and evaluate",
-        &["demo", "eval", "fault", "soak", "plot"],
+        &["demo", "eval", "fault", "soak", "assure", "plot"],
     ),
     (
         "Run a task",
