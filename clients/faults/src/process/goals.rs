@@ -6,11 +6,12 @@ use shm_bus::{BusError, GoalClient, PendingGoal};
 use shm_schemas::{GoalRequest, GoalState, GoalUpdate};
 use sim_backend::random::split_mix;
 
-use super::rig::PAUSE;
 use super::{Drill, Effect, Moment, Pace, Rig};
 
 /// Longest time until the daemon answers. Design choice: a busy machine needs some seconds.
 const TIMEOUT: Duration = Duration::from_secs(30);
+/// Time between two polls without a tick.
+const POLL: Duration = Duration::from_micros(200);
 /// Goals of a flood, and open goals of one client.
 const FLOOD: usize = 2_000;
 const OPEN_GOALS: usize = 4;
@@ -54,7 +55,7 @@ fn goal_flood(rig: &mut Rig<'_>) -> anyhow::Result<Effect> {
             rig.advance(1)?;
             ticks += 1;
         } else {
-            std::thread::sleep(PAUSE);
+            std::thread::sleep(POLL);
         }
         let mut accepted = None;
         open.retain_mut(|pending: &mut PendingGoal| match pending.next() {
@@ -174,7 +175,7 @@ pub(crate) fn answer(
         );
         rig.advance(ticks)?;
         if ticks == 0 {
-            std::thread::sleep(Duration::from_micros(200));
+            std::thread::sleep(POLL);
         }
     }
 }
