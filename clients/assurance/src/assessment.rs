@@ -1,14 +1,11 @@
 //! Assessment of the case: results of each claim, and all problems.
 
-use std::path::Path;
-
-use anyhow::Context;
 use serde::Serialize;
 
-use crate::case::{Case, Claim, Extent, Goal, NotClaimed, Strategy};
+use crate::case::{Case, Claim, Goal, NotClaimed, Strategy};
 use crate::evidence::{Evidence, SourceTree};
+use crate::extent::Extent;
 use crate::outcome::Outcome;
-use crate::page::page;
 use crate::results::Results;
 
 /// Case with the last results.
@@ -158,34 +155,6 @@ impl Assessment {
                 });
             }
         }
-    }
-
-    /// Compares the stored page with the generated one. A difference becomes a problem.
-    ///
-    /// # Errors
-    /// The page exists but cannot be read.
-    pub fn compare_page(&mut self, path: &Path) -> anyhow::Result<()> {
-        let stored = match std::fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => {
-                return Err(error).with_context(|| format!("could not read {}", path.display()));
-            }
-        };
-        let generated = page(self);
-        if stored == generated {
-            return Ok(());
-        }
-        let lines = stored.lines().zip(generated.lines());
-        let equal = lines.take_while(|(stored, generated)| stored == generated);
-        let line = equal.count() + 1;
-        let path = path.display();
-        self.problems.push(Problem {
-            subject: "page".to_owned(),
-            text: format!("{path}:{line} is not up to date; run `atas assure --out {path}`"),
-        });
-        self.is_shown = false;
-        Ok(())
     }
 }
 

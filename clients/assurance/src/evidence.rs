@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use atas_faults::{Fault, find};
 
-use crate::case::Extent;
+use crate::extent::Extent;
 
 /// Item of evidence.
 #[derive(Clone, Debug, PartialEq, Eq)]

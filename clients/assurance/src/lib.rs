@@ -19,15 +19,17 @@
 mod assessment;
 mod case;
 mod evidence;
+mod extent;
 mod outcome;
 mod page;
 mod results;
 
 pub use assessment::{AssessedClaim, AssessedEvidence, Assessment, Problem};
-pub use case::{Case, Claim, Extent, NotClaimed, Strategy};
+pub use case::{Case, Claim, NotClaimed, Strategy};
 pub use evidence::{Evidence, SourceTree};
+pub use extent::Extent;
 pub use outcome::{Origin, Outcome, from_report, from_tests};
-pub use page::page;
+pub use page::{compare_page, page};
 pub use results::Results;
 
 /// Folder of the stored results in the source tree.

@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::path::Path;
 
-use crate::assessment::{AssessedClaim, AssessedEvidence, Assessment};
+use anyhow::Context;
+
+use crate::assessment::{AssessedClaim, AssessedEvidence, Assessment, Problem};
 
 /// Widest line of prose and of commands, columns.
 const COLUMNS: usize = 100;
@@ -27,6 +30,34 @@ pub fn page(assessment: &Assessment) -> String {
     }
     not_claimed(&mut page, assessment);
     page
+}
+
+/// Compares the stored page with the generated one. A difference becomes a problem.
+///
+/// # Errors
+/// The page exists but cannot be read.
+pub fn compare_page(assessment: &mut Assessment, path: &Path) -> anyhow::Result<()> {
+    let stored = match std::fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        Err(error) => {
+            return Err(error).with_context(|| format!("could not read {}", path.display()));
+        }
+    };
+    let generated = page(assessment);
+    if stored == generated {
+        return Ok(());
+    }
+    let lines = stored.lines().zip(generated.lines());
+    let equal = lines.take_while(|(stored, generated)| stored == generated);
+    let line = equal.count() + 1;
+    let path = path.display();
+    assessment.problems.push(Problem {
+        subject: "page".to_owned(),
+        text: format!("{path}:{line} is not up to date; run `atas assure --out {path}`"),
+    });
+    assessment.is_shown = false;
+    Ok(())
 }
 
 fn head(page: &mut String, assessment: &Assessment) {
@@ -289,7 +320,7 @@ fn section(page: &mut String, claim: &AssessedClaim) {
         };
         let _ = writeln!(page, "- `{}`: {end}", test.evidence);
     }
-    page.push_str("\n```sh,long\n");
+    page.push_str("\n```text\n");
     for command in &claim.commands {
         page.push_str(&continued(command));
     }

@@ -65,7 +65,7 @@ pub(crate) fn assure(
             .with_context(|| format!("could not write {}", file.display()))?;
     }
     if arguments.check {
-        assessment.compare_page(&tree.root().join(PAGE))?;
+        atas_assurance::compare_page(&mut assessment, &tree.root().join(PAGE))?;
     }
     if output.is_json() {
         output.json(&assessment)?;
