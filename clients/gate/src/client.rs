@@ -38,7 +38,7 @@ const PAUSES: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(
 /// The gate is unreachable or rejects the command; the error names the missing permission.
 pub fn run_through_gate(command: &Command) -> anyhow::Result<()> {
     let (bus, kept) = match command.access() {
-        Access::Caller => return Ok(()),
+        Access::Caller | Access::Recordings => return Ok(()),
         Access::Right(_, bus) => (bus, None),
         Access::Owner(bus, why) => (bus, Some(why)),
     };

@@ -3,7 +3,7 @@
 
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::os::unix::process::ExitStatusExt;
 use std::path::PathBuf;
 use std::process::{Child, Command};
 
@@ -15,10 +15,7 @@ use nix::unistd::{Uid, User};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{FileType, fstat};
 use rustix::net::{RecvFlags, recv};
-use rustix::process::{
-    Pid, PidfdFlags, Signal, geteuid, getppid, kill_process_group, pidfd_open,
-    set_parent_process_death_signal, setsid,
-};
+use rustix::process::{Pid, PidfdFlags, Signal, geteuid, kill_process_group, pidfd_open};
 
 use crate::permissions;
 use crate::server::CONNECTIONS_PER_USER;
@@ -138,22 +135,7 @@ fn command_of(request: Request, streams: [OwnedFd; STREAMS]) -> io::Result<Comma
     if let Some(folder) = std::env::var_os("XDG_RUNTIME_DIR") {
         command.env("XDG_RUNTIME_DIR", folder);
     }
-    let gate = Pid::from_raw(std::process::id().cast_signed());
-    let alone = move || {
-        // A separate session: no controlling terminal, and a process group that signals reach as a
-        // whole.
-        setsid()?;
-        set_parent_process_death_signal(Some(Signal::KILL))?;
-        // A gate that died before this point cannot send the signal.
-        if getppid() == gate {
-            Ok(())
-        } else {
-            Err(io::ErrorKind::BrokenPipe.into())
-        }
-    };
-    // SAFETY: between fork and exec this makes three system calls and neither allocates nor takes a
-    // lock.
-    unsafe { command.pre_exec(alone) };
+    atas_gate::isolate(&mut command);
     Ok(command)
 }
 

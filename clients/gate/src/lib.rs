@@ -31,8 +31,10 @@
 //!   command (Ctrl-Z), because a suspended process could hold a lock of the bus.
 
 mod client;
+mod isolation;
 pub mod message;
 mod missing;
 
 pub use client::run_through_gate;
+pub use isolation::isolate;
 pub use missing::missing;

@@ -95,7 +95,7 @@ impl Request {
         match arguments.command.access() {
             Access::Right(right, _) => Ok(right),
             Access::Owner(_, why) => Err(format!("this command {why}; run it as the bus's user")),
-            Access::Caller => {
+            Access::Caller | Access::Recordings => {
                 Err("this command does not need another user's bus; run it as yourself".into())
             }
         }
