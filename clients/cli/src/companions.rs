@@ -1,5 +1,5 @@
-//! Commands of the companion programs `atas-demo`, `atas-lab` and `atas-live`, which replace this
-//! process with the same arguments.
+//! Commands of the companion programs `atas-demo`, `atas-lab`, `atas-live` and `atas-remote`, which
+//! replace this process with the same arguments.
 //!
 //! The programs are next to this one in a build or installation, otherwise on the PATH.
 
@@ -23,6 +23,7 @@ pub(crate) fn exec_companion(program: Program) -> anyhow::Result<()> {
         Program::Demo => "atas-demo",
         Program::Lab => "atas-lab",
         Program::Live => "atas-live",
+        Program::Remote => "atas-remote",
     };
     let program = path_next_to_this_program(name).unwrap_or_else(|| name.into());
     let error = Command::new(&program)

@@ -1,12 +1,14 @@
 //! `atas`: commands and queries of an operator to a running daemon.
 //!
 //! ```text
-//!  atas_console::arguments ─▶ main ─┬─ atas_gate ──▶ the same command as the user of the bus
+//!  atas_console::arguments ─▶ main ─┬─ --remote ──▶ `atas-remote`: the same command elsewhere
+//!                                   ├─ atas_gate ──▶ the same command as the user of the bus
 //!                                   ├─ goals ─▶ send ─▶ goal, followed to its end
 //!                                   ├─ estop ──────▶ stop, over a separate channel
 //!                                   ├─ status, topic, events, latency, control ─▶ queries
 //!                                   ├─ doctor ─────▶ checks of the computer
-//!                                   └─ companions ─▶ `atas-demo`, `atas-lab`, `atas-live`
+//!                                   ├─ recordings ─▶ files of a folder
+//!                                   └─ companions ─▶ `atas-demo`, `atas-lab`, `atas-live`, …
 //! ```
 //!
 //! * **Inputs:** arguments, `ATAS_BUS`, `NO_COLOR`.
@@ -20,22 +22,26 @@
 mod companions;
 mod control;
 mod doctor;
-mod estop;
 mod events;
 mod goals;
 mod latency;
 mod manual;
+mod recordings;
 mod send;
 mod status;
 mod topic;
 
 use std::process::ExitCode;
 
-use atas_console::arguments::{self, Command, Param};
-use atas_console::{Interrupt, Output};
+use atas_console::arguments::{self, BusArgument, Command, Param, Program};
+use atas_console::{Interrupt, Output, estop};
 
 fn main() -> ExitCode {
-    atas_console::run(|command, interrupt, output| {
+    atas_console::run_any(|arguments, interrupt, output| {
+        if arguments.remote.remote.is_some() {
+            return companions::exec_companion(Program::Remote);
+        }
+        let command = &arguments.command;
         // Returns unless the bus belongs to another user.
         atas_gate::run_through_gate(command)?;
         execute(command, interrupt, output)
@@ -50,7 +56,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         Command::Assemble(arguments) => goals::assemble(arguments, interrupt, output),
         Command::Task(arguments) => goals::task(arguments, interrupt, output),
         Command::Release(arguments) => goals::release(arguments, interrupt, output),
-        Command::Estop(bus) => estop::estop(&bus.bus, output),
+        Command::Estop(BusArgument { bus }) => estop::print_stopped(output, estop::stop(bus)?),
         Command::Cancel(bus) => control::cancel(&bus.bus, output),
         Command::Recover(bus) => control::recover(&bus.bus, output),
         Command::Zero(arguments) => control::zero(arguments, output),
@@ -67,6 +73,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
             output.bytes(&script)
         }
         Command::Man { folder } => manual::write(folder),
+        Command::Recordings { action } => recordings::recordings(action, output),
         Command::Demo { .. }
         | Command::Eval { .. }
         | Command::Fault { .. }
@@ -84,6 +91,7 @@ fn execute(command: &Command, interrupt: &Interrupt, output: &mut Output) -> any
         | Command::Teleop(_)
         | Command::Top(_)
         | Command::Dashboard(_)
+        | Command::Remote { .. }
         | Command::Foxglove(_) => companions::exec_companion(command.program()),
     }
 }

@@ -28,6 +28,7 @@ mod goals;
 mod holds;
 mod plots;
 mod records;
+mod remote;
 mod robots;
 mod teleop;
 mod topics;
@@ -55,6 +56,7 @@ pub use goals::{
 pub use holds::{Disturbances, Gentleness, HoldOptions, SensorEffects};
 pub use plots::{Plot, PlotOffline, PlotRecorded};
 pub use records::{Record, RecordAction};
+pub use remote::{Recordings, RemoteAction, RemoteArgument};
 pub use robots::RobotAction;
 pub use teleop::Teleop;
 pub use topics::Topic;
@@ -73,6 +75,9 @@ pub struct Arguments {
         value_name = "FORMAT"
     )]
     pub format: Format,
+    /// Daemon on another machine
+    #[command(flatten)]
+    pub remote: RemoteArgument,
     /// Command to run
     #[command(subcommand)]
     pub command: Command,
@@ -208,6 +213,12 @@ pub enum Command {
         #[command(flatten)]
         options: Record,
     },
+    /// List and fetch recordings of a folder, or of another machine with --remote
+    Recordings {
+        /// Action
+        #[command(subcommand)]
+        action: Recordings,
+    },
     /// Replay a recording through the controller and compare every command bit by bit
     ///
     /// Exit code 1 if a command differs.
@@ -236,6 +247,12 @@ pub enum Command {
     Foxglove(Foxglove),
     /// Check computer, bus and daemon, and recommend fixes; exit code 1 if a check fails
     Doctor(Doctor),
+    /// Operate a daemon on another machine: server, keys, check
+    Remote {
+        /// Action
+        #[command(subcommand)]
+        action: RemoteAction,
+    },
     /// Print the completion script of a shell
     Completions {
         /// Shell
@@ -272,6 +289,7 @@ impl Command {
             | Self::Explain(_)
             | Self::Export(_) => Program::Lab,
             Self::Demo { .. } => Program::Demo,
+            Self::Remote { .. } => Program::Remote,
             Self::Dashboard(_) | Self::Foxglove(_) | Self::Teleop(_) | Self::Top(_) => {
                 Program::Live
             }
@@ -291,6 +309,8 @@ pub enum Program {
     Lab,
     /// `atas-live`: full-screen terminal, and servers for browser and Foxglove.
     Live,
+    /// `atas-remote`: link to daemons on other machines.
+    Remote,
 }
 
 /// Bus selection.

@@ -1,4 +1,5 @@
-//! `atas estop`: stops the robot over a separate channel that other clients cannot block.
+//! `atas estop`: stops the robot over a separate channel that other clients cannot block. `atas`
+//! and the server for other machines use it.
 //!
 //! It joins no bus, takes no lock and cleans up nothing first ([`shm_bus::stop`]). Without an
 //! answer it also sends a control request.
@@ -6,10 +7,11 @@
 use std::time::{Duration, Instant};
 
 use atas_client::{StopChannel, StopReply, Stopped, request_stop};
-use atas_console::{Exit, ExitError, Output};
 use serde_json::json;
 use shm_bus::{BusError, BusName, Owner};
 use shm_schemas::{ControlOp, StopOutcome};
+
+use crate::{Exit, ExitError, Output};
 
 /// Longest wait for the daemon's answer. Design choice: an answer takes one tick, or 20 ms without
 /// ticks.
@@ -19,13 +21,17 @@ const EXECUTION_TIMEOUT: Duration = Duration::from_secs(1);
 /// Pause between two requests. Each request is a stop and an event of the daemon.
 const RETRY_PAUSE: Duration = Duration::from_millis(100);
 
-/// Stops the robot. Succeeds only after a tick has executed the stop.
-pub(crate) fn estop(bus: &BusName, output: &mut Output) -> anyhow::Result<()> {
+/// Stops the robot and returns the channel of the answer. Succeeds only after a tick has executed
+/// the stop.
+///
+/// # Errors
+/// The stop is not confirmed; the error has an exit code and names the cause.
+pub fn stop(bus: &BusName) -> anyhow::Result<StopChannel> {
     let begin = Instant::now();
     loop {
         let answer = send_stop(bus)?;
         if answer.outcome == StopOutcome::STOPPED {
-            return print_done(output, answer.channel);
+            return Ok(answer.channel);
         }
         if begin.elapsed() >= EXECUTION_TIMEOUT {
             return Err(ExitError::with_code(
@@ -46,7 +52,11 @@ fn send_stop(bus: &BusName) -> anyhow::Result<StopReply> {
     })
 }
 
-fn print_done(output: &mut Output, channel: StopChannel) -> anyhow::Result<()> {
+/// Prints that the robot is stopped.
+///
+/// # Errors
+/// Standard output cannot be written.
+pub fn print_stopped(output: &mut Output, channel: StopChannel) -> anyhow::Result<()> {
     if output.is_json() {
         return output.json(&json!({
             "op": ControlOp::ESTOP.name(),

@@ -8,17 +8,20 @@
 //!   of [`Exit`].
 //! * **Invariants:** a closed output pipe ends a command without an error. The first signal
 //!   requests the end of the work, the second one ends the process.
-//! * **Not included:** the commands themselves.
+//! * **Not included:** the commands themselves, except the stop, which two programs send.
 
 pub mod arguments;
+pub mod estop;
 mod exit;
+mod fetched;
 mod interrupt;
 mod output;
 mod program;
 mod progress;
 
 pub use exit::{Exit, ExitError, exit_of};
+pub use fetched::print_fetched;
 pub use interrupt::Interrupt;
 pub use output::{Format, Output, Rating, modules, no_break, number, table};
-pub use program::run;
+pub use program::{run, run_any};
 pub use progress::Progress;

@@ -132,6 +132,16 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
         &["atas-text-file", "atas-process", "atas-console", "shm-bus"],
     ),
     (
+        "atas-remote",
+        &[
+            "atas-text-file",
+            "atas-client",
+            "atas-console",
+            "atas-gate",
+            "shm-bus",
+        ],
+    ),
+    (
         "atas-cli",
         &[
             "atas-process",

@@ -22,6 +22,7 @@ mod readme;
 mod recorded;
 mod recordings;
 mod reference;
+mod remote;
 mod replay;
 mod restarts;
 mod robots;

@@ -38,6 +38,9 @@ pub enum Access<'a> {
     Caller,
     /// A right on a bus. The command uses neither files nor the network.
     Right(Right, &'a BusName),
+    /// Recordings of a folder: the command runs as the calling user. A server on another machine
+    /// supplies its folder.
+    Recordings,
     /// The user of the bus, because the command also uses files or ports. The text is the reason.
     Owner(&'a BusName, &'static str),
 }
@@ -67,7 +70,9 @@ impl Command {
             | Self::Diff { .. }
             | Self::Export(_)
             | Self::Completions { .. }
-            | Self::Man { .. } => Access::Caller,
+            | Self::Man { .. }
+            | Self::Remote { .. } => Access::Caller,
+            Self::Recordings { .. } => Access::Recordings,
             // The doctor checks the limits of the calling user.
             Self::Doctor(_) => Access::Caller,
             Self::Record { action, options } => match action {
@@ -226,6 +231,7 @@ mod tests {
                 .command;
             let found = match command.access() {
                 Access::Caller => "caller".to_owned(),
+                Access::Recordings => "recordings".to_owned(),
                 Access::Right(right, bus) => format!("{right} on {bus}"),
                 Access::Owner(bus, why) => format!("owner of {bus}: {why}"),
             };
@@ -292,8 +298,13 @@ mod tests {
             "doctor",
             "completions bash",
             "man pages",
+            "remote serve --config remote.toml",
+            "remote keys --out keys",
+            "remote check",
         ] {
             check(line, "caller");
         }
+        check("recordings list", "recordings");
+        check("recordings fetch run.mcap", "recordings");
     }
 }

@@ -532,6 +532,51 @@ const HELPS: &[Help] = &[
          list of action, result, reason, command",
     ),
     Help(
+        "remote",
+        &[
+            "atas remote keys --out keys --host robot.lab --client alice",
+            "atas remote serve --config remote.toml",
+            "atas remote check --remote robot.lab:7843",
+        ],
+        SUBCOMMANDS,
+    ),
+    Help(
+        "remote serve",
+        &["atas remote serve --config remote.toml"],
+        "not available: log lines on standard error",
+    ),
+    Help(
+        "remote keys",
+        &[
+            "atas remote keys --out keys --host robot.lab --host 192.0.2.7 --client alice",
+            "atas remote keys --out keys --client display",
+        ],
+        "one object: files",
+    ),
+    Help(
+        "remote check",
+        &["atas remote check --remote lab --count 1000"],
+        "one object: version, client, right, connect_ms, count, round_trip_ms{p50, p99, max}",
+    ),
+    Help(
+        "recordings",
+        &[
+            "atas recordings list --remote lab",
+            "atas recordings fetch run.mcap --remote lab",
+        ],
+        SUBCOMMANDS,
+    ),
+    Help(
+        "recordings list",
+        &["atas recordings list", "atas recordings list --remote lab"],
+        "one object: recordings[{name, bytes, age_s}]",
+    ),
+    Help(
+        "recordings fetch",
+        &["atas recordings fetch run.mcap --remote lab --out copy.mcap"],
+        "one object: file, bytes",
+    ),
+    Help(
         "completions",
         &["atas completions bash"],
         "not available: shell script",
@@ -572,7 +617,14 @@ const GROUPS: &[(&str, &[&str])] = &[
     ),
     (
         "Use recordings",
-        &["record", "replay", "diff", "explain", "export"],
+        &[
+            "record",
+            "recordings",
+            "replay",
+            "diff",
+            "explain",
+            "export",
+        ],
     ),
     (
         "Set up",
@@ -582,6 +634,7 @@ const GROUPS: &[(&str, &[&str])] = &[
             "calibrate",
             "param",
             "bench",
+            "remote",
             "completions",
             "man",
         ],

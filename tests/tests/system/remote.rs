@@ -1,0 +1,296 @@
+//! Tests of remote operation with real processes: daemon, simulator, server and clients, over
+//! loopback.
+
+mod cut;
+mod fixture;
+mod hostile;
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::Output;
+use std::time::Duration;
+
+use rcgen::{CertificateParams, ExtendedKeyUsagePurpose, Issuer, KeyPair};
+use serde_json::Value;
+use system_tests::lock_exclusive;
+use time::OffsetDateTime;
+
+use fixture::*;
+
+/// A short grasp that waits for its result.
+const GRASP: &str = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 0.05";
+
+fn parts(output: &Output) -> (Option<i32>, String, String) {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (
+        output.status.code(),
+        text(&output.stdout),
+        text(&output.stderr),
+    )
+}
+
+/// Returns the keys of a JSON object, also of nested ones.
+fn keys(value: &Value) -> Vec<String> {
+    let Value::Object(map) = value else {
+        return Vec::new();
+    };
+    map.iter()
+        .flat_map(|(key, value)| [vec![key.clone()], keys(value)].concat())
+        .collect()
+}
+
+#[test]
+fn remote_commands_equal_local_ones() {
+    let _alone = lock_exclusive();
+    let rig = RemoteFixture::new();
+    let same = |line: &str, code: i32| {
+        let (local, remote) = (parts(&rig.local(line)), parts(&rig.run("alice", line)));
+        assert_eq!(local.0, Some(code), "{line}: {local:?}");
+        assert_eq!(local, remote, "{line}");
+    };
+    same("param list", 0);
+    same("param list --format json", 0);
+    same("param get grasp.dr_n", 0);
+    same("param get no.such --format json", 4);
+    same("param set grasp.dr_n 0.06", 0);
+    same("grasp --at 9,9,9 --width 50", 4);
+    same("grasp --at 9,9,9 --width 50 --format json", 4);
+    same("task no-such-task", 4);
+    same("topic echo no-such-topic", 2);
+    same("estop", 0);
+    same("estop --format json", 0);
+    same("cancel", 0);
+    same("recover", 0);
+
+    let fields = |output: &Output| keys(&last_json(output));
+    let line = "status --format json";
+    let (local, remote) = (rig.local(line), rig.run("display", line));
+    assert_eq!(fields(&local), fields(&remote));
+    assert!(fields(&local).contains(&"goal".to_owned()));
+    let line = format!("{GRASP} --format json");
+    let mut ends = Vec::new();
+    for remote in [false, true] {
+        let grasped = if remote {
+            rig.run("alice", &line)
+        } else {
+            rig.local(&line)
+        };
+        assert_eq!(last_json(&grasped)["state"], "succeeded", "{grasped:?}");
+        ends.push((fields(&grasped), parts(&grasped).2));
+        let released = rig.run("alice", "release");
+        assert!(released.status.success(), "{released:?}");
+    }
+    assert_eq!(
+        ends[0], ends[1],
+        "fields of the result, and lines of progress"
+    );
+    same("events --last-goal --kind step --format json", 0);
+    same("explain last --format json", 0);
+}
+
+#[test]
+fn unsuitable_commands_are_refused_by_reason() {
+    let _alone = lock_exclusive();
+    let rig = RemoteFixture::new();
+    rig.check("alice", "top", 2, "needs a terminal");
+    rig.check("alice", "teleop", 2, "needs a terminal");
+    rig.check("alice", "dashboard", 2, "opens a port");
+    rig.check("alice", "record", 2, "reads or writes files");
+    rig.check("alice", "demo grasp", 2, "needs no daemon");
+    rig.check("alice", "status --bus other", 4, "serves bus");
+    let mut unknown = atas("status --remote lab --remote-config");
+    let unknown = unknown.arg(rig.path("lab/alice/remote.toml")).output();
+    let unknown = parts(&unknown.expect("it starts"));
+    assert_eq!(unknown.0, Some(2), "{unknown:?}");
+    assert!(unknown.2.contains("add [servers.lab]"), "{unknown:?}");
+    let without = parts(&atas("status --remote lab:1").output().expect("it starts"));
+    assert_eq!(without.0, Some(7), "{without:?}");
+    assert!(without.2.contains("`atas remote keys`"), "{without:?}");
+}
+
+#[test]
+fn recordings_are_listed_and_fetched() {
+    let _alone = lock_exclusive();
+    let rig = RemoteFixture::new();
+    let tape: Vec<u8> = (0..3_000_000_u32).flat_map(u32::to_le_bytes).collect();
+    fs::write(rig.path("tapes/run.mcap"), &tape).expect("written");
+    fs::write(rig.path("tapes/notes.txt"), "private").expect("written");
+    std::os::unix::fs::symlink("/etc/passwd", rig.path("tapes/link.mcap")).expect("linked");
+    let folder = rig.path("tapes");
+    let local = rig.local(&format!("recordings list --folder {}", folder.display()));
+    let remote = rig.run("display", "recordings list");
+    assert_eq!(parts(&local), parts(&remote));
+    let (_, listed, _) = parts(&remote);
+    assert!(
+        listed.contains("run.mcap") && !listed.contains("notes"),
+        "{listed}"
+    );
+    assert!(!listed.contains("link"), "{listed}");
+
+    let line = "recordings fetch run.mcap --out copy.mcap --format json";
+    let fetched = rig.run("display", line);
+    assert_eq!(last_json(&fetched)["bytes"], tape.len(), "{fetched:?}");
+    assert_eq!(fs::read(rig.path("copy.mcap")).expect("readable"), tape);
+    rig.check("display", line, 1, "copy.mcap: it exists");
+    for name in ["link.mcap", "absent.mcap"] {
+        let line = format!("recordings fetch {name} --out other.mcap");
+        rig.check("display", &line, 7, "could not read recording");
+    }
+    rig.check("pendant", "recordings list", 4, "needs \"observe\"");
+    rig.check(
+        "display",
+        "recordings list --folder /etc",
+        4,
+        "server's configuration",
+    );
+    let left: Vec<_> = fs::read_dir(rig.folder.path())
+        .expect("readable")
+        .map(|entry| entry.expect("an entry").file_name())
+        .filter(|name| name.to_string_lossy().contains("other"))
+        .collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn only_listed_clients_have_their_right() {
+    let _alone = lock_exclusive();
+    let rig = RemoteFixture::new();
+    rig.check("display", "status", 0, "");
+    rig.check(
+        "display",
+        GRASP,
+        4,
+        "right \"observe\", this command needs \"command\"",
+    );
+    rig.check("display", "recover", 4, "needs \"command\"");
+    rig.check(
+        "pendant",
+        "status",
+        4,
+        "right \"stop\", this command needs \"observe\"",
+    );
+    rig.check("pendant", "estop", 0, "");
+    rig.check("display", "estop", 0, "");
+    rig.check("stranger", "status", 4, "does not list client \"stranger\"");
+    rig.check(
+        "stranger",
+        "estop",
+        4,
+        "stop not confirmed: rejected by the server",
+    );
+    let checked = last_json(&rig.run("display", "remote check --count 10 --format json"));
+    assert_eq!(
+        (&checked["client"], &checked["right"]),
+        (&"display".into(), &"observe".into())
+    );
+
+    // A change takes effect with the next connection. Without a valid file, only a stop passes.
+    let file = rig.path("remote.toml");
+    let text = fs::read_to_string(&file).expect("readable");
+    let changed = text.replace("display = 'observe'\n", "");
+    fs::write(&file, changed).expect("written");
+    rig.check("display", "status", 4, "does not list client \"display\"");
+    fs::write(&file, "listen = ").expect("written");
+    rig.check(
+        "alice",
+        "status",
+        4,
+        "until it is corrected, only a stop passes",
+    );
+    rig.check("alice", "estop", 0, "");
+    rig.check("stranger", "estop", 4, "does not list client");
+    let log = rig.server.log();
+    for part in [
+        "display (127.0.0.1",
+        "runs \"atas status\"",
+        "pendant (127.0.0.1",
+        "stops the robot",
+        "was refused: the server's configuration does not list",
+    ] {
+        assert!(log.contains(part), "{part}: {log}");
+    }
+}
+
+#[test]
+fn foreign_certificates_are_refused_on_both_sides() {
+    let _alone = lock_exclusive();
+    let rig = RemoteFixture::new();
+    // Without a certificate.
+    let mut link = rig.raw(None);
+    let refused = std::io::Read::read(&mut link, &mut [0; 64]).expect_err("refused");
+    assert!(
+        refused.to_string().contains("CertificateRequired"),
+        "{refused}"
+    );
+    // A client of another laboratory, with the authority of this server.
+    create_keys(
+        &rig.path("foreign"),
+        &["localhost", "127.0.0.1"],
+        &["alice"],
+    );
+    let swap = |from: &str, to: &str| {
+        fs::copy(rig.path(from), rig.path(to)).expect("copied");
+    };
+    swap("lab/ca.pem", "foreign/alice/ca.pem");
+    fs::rename(rig.path("foreign/alice"), rig.path("lab/intruder")).expect("moved");
+    rig.check("intruder", "status", 4, "does not accept the authority");
+    rig.check("intruder", "estop", 4, "stop not confirmed");
+    // The certificate of the server does not serve as that of a client.
+    fs::create_dir(rig.path("lab/thief")).expect("made");
+    for file in ["ca.pem", "certificate.pem", "key.pem"] {
+        swap(&format!("lab/server/{file}"), &format!("lab/thief/{file}"));
+    }
+    swap("lab/alice/remote.toml", "lab/thief/remote.toml");
+    rig.check("thief", "status", 4, "could not connect");
+    // An expired certificate of this laboratory.
+    issue_expired(&rig.path("lab"), "former");
+    swap("lab/alice/remote.toml", "lab/former/remote.toml");
+    rig.check("former", "status", 4, "has expired");
+    let log = rig.server.log();
+    for part in [
+        "it sent no certificate",
+        "not from the configured authority",
+        "has expired",
+    ] {
+        assert!(log.contains(part), "{part}: {log}");
+    }
+
+    // A client rejects a server of another laboratory, and of another name.
+    swap("foreign/ca.pem", "lab/display/ca.pem");
+    rig.check("display", "status", 4, "not from the configured authority");
+    let port = rig.address.rsplit(':').next().expect("a port");
+    let other = rig
+        .remote_at(&format!("127.0.0.2:{port}"), "alice", "status")
+        .output();
+    assert_ne!(parts(&other.expect("it starts")).0, Some(0));
+    // A key that others can read.
+    let key = rig.path("lab/alice/key.pem");
+    fs::set_permissions(&key, fs::Permissions::from_mode(0o644)).expect("set");
+    rig.check("alice", "status", 7, "chmod 600");
+    rig.check("alice", "estop", 7, "stop not sent");
+}
+
+/// Issues a certificate that has expired, with the authority of a folder.
+fn issue_expired(folder: &Path, name: &str) {
+    let key = fs::read_to_string(folder.join("ca.key")).expect("readable");
+    let mut authority = CertificateParams::new(Vec::<String>::new()).expect("valid");
+    let common = rcgen::DnType::CommonName;
+    authority
+        .distinguished_name
+        .push(common, "ATAS laboratory authority");
+    let issuer = Issuer::new(authority, KeyPair::from_pem(&key).expect("a key"));
+    let mut params = CertificateParams::new(vec![name.to_owned()]).expect("a name");
+    params.extended_key_usages = vec![ExtendedKeyUsagePurpose::ClientAuth];
+    params.not_before = OffsetDateTime::now_utc() - Duration::from_secs(7_200);
+    params.not_after = OffsetDateTime::now_utc() - Duration::from_secs(60);
+    let pair = KeyPair::generate().expect("a key");
+    let certificate = params.signed_by(&pair, &issuer).expect("signed").pem();
+    let own = folder.join(name);
+    fs::create_dir(&own).expect("made");
+    fs::copy(folder.join("ca.pem"), own.join("ca.pem")).expect("copied");
+    fs::write(own.join("certificate.pem"), certificate).expect("written");
+    let key = own.join("key.pem");
+    fs::write(&key, pair.serialize_pem()).expect("written");
+    fs::set_permissions(&key, fs::Permissions::from_mode(0o600)).expect("set");
+}
