@@ -21,8 +21,8 @@ touch "$root"/var/lib/dpkg/{status,available}
 in_root -i "$first"
 check test "$(state)" = "ii  0.1.0-1"
 check grep -q '^atas:' "$root/etc/passwd"
-for file in usr/bin/{atasd,atas,atas-demo,atas-gate,atas-lab,atas-live,atas-robot,atas-sensor,atas-sim,ebts} etc/atas/{atas.toml,sensors,robots,conf.d} \
-    usr/lib/systemd/system/{atasd,atas-gate,atas-sim,atas-record,atas-sensor@,atas-robot@}.service usr/lib/systemd/system/atas-gate.socket usr/lib/sysusers.d/atas.conf \
+for file in usr/bin/{atasd,atas,atas-demo,atas-gate,atas-lab,atas-live,atas-remote,atas-robot,atas-sensor,atas-sim,ebts} etc/atas/{atas.toml,sensors,robots,conf.d} \
+    usr/lib/systemd/system/{atasd,atas-gate,atas-remote,atas-sim,atas-record,atas-sensor@,atas-robot@}.service usr/lib/systemd/system/atas-gate.socket usr/lib/sysusers.d/atas.conf \
     usr/lib/udev/rules.d/60-atas.rules usr/share/man/man1/atas{,-grasp,-sim-run}.1.gz usr/share/man/man8/{atasd,atas-gate}.8.gz \
     usr/include/atas.h; do
     check test -e "$root/$file"

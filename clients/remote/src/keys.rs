@@ -13,7 +13,7 @@ use anyhow::{Context, anyhow, ensure};
 use atas_console::{Exit, ExitError, Output};
 use rcgen::{
     BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
-    KeyUsagePurpose,
+    KeyUsagePurpose, PublicKeyData,
 };
 use serde_json::json;
 use time::{Duration, OffsetDateTime};
@@ -21,8 +21,10 @@ use time::{Duration, OffsetDateTime};
 use crate::permission::{read_private, write_new};
 use crate::server::is_client_name;
 
-/// Name of the authority.
-const AUTHORITY: &str = "ATAS laboratory authority";
+/// Begin of an authority's name. The rest distinguishes the authorities of several laboratories.
+const AUTHORITY: &str = "ATAS laboratory ";
+/// Bytes of the public key in the name.
+const NAME_BYTES: usize = 6;
 /// Folder of the server's files.
 const SERVER: &str = "server";
 /// Start of validity before the present time: clocks differ.
@@ -90,21 +92,21 @@ impl Keys {
         fs::create_dir_all(folder)
             .with_context(|| format!("could not create {}", folder.display()))?;
         let (certificate, key) = (folder.join("ca.pem"), folder.join("ca.key"));
-        let params = authority()?;
         let mut written = Vec::new();
-        let (authority, pair) = if key.exists() {
+        let (authority, params, pair) = if key.exists() {
             let pair = KeyPair::from_pem(&read_private(&key)?);
             let pair = pair.map_err(|error| crate::tls::rejected(&key, &error))?;
             let text = atas_text_file::read(&certificate);
             let text = text.map_err(|error| crate::tls::rejected(&certificate, &error))?;
-            (text, pair)
+            (text, authority_of(&pair)?, pair)
         } else {
             let pair = KeyPair::generate()?;
+            let params = authority_of(&pair)?;
             let text = params.self_signed(&pair)?.pem();
             write_new(&key, &pair.serialize_pem(), true)?;
             write_new(&certificate, &text, false)?;
             written.extend([certificate, key]);
-            (text, pair)
+            (text, params, pair)
         };
         Ok(Self {
             folder: folder.to_owned(),
@@ -158,12 +160,15 @@ impl Keys {
     }
 }
 
-/// Parameters of the authority. Further certificates need the same name.
-fn authority() -> anyhow::Result<CertificateParams> {
+/// Parameters of the authority with this key. Its name follows from the key, so that certificates
+/// of a later call have the same issuer.
+fn authority_of(pair: &KeyPair) -> anyhow::Result<CertificateParams> {
     let mut params = CertificateParams::new(Vec::<String>::new())?;
-    params
-        .distinguished_name
-        .push(DnType::CommonName, AUTHORITY);
+    let key = pair.der_bytes().iter().rev().take(NAME_BYTES);
+    let name = key.fold(AUTHORITY.to_owned(), |name, byte| {
+        name + &format!("{byte:02x}")
+    });
+    params.distinguished_name.push(DnType::CommonName, name);
     params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
     params.key_usages = vec![KeyUsagePurpose::KeyCertSign, KeyUsagePurpose::CrlSign];
     set_validity(&mut params, AUTHORITY_VALIDITY);

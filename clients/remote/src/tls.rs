@@ -156,7 +156,7 @@ fn alert_text(alert: AlertDescription) -> Option<&'static str> {
 /// Formats the reason with which this side rejected a certificate.
 fn certificate_text(why: &CertificateError) -> Option<&'static str> {
     Some(match why {
-        CertificateError::UnknownIssuer => {
+        CertificateError::UnknownIssuer | CertificateError::BadSignature => {
             "its certificate is not from the configured authority; configure the authority that \
              issued it"
         }

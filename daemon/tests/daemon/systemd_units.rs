@@ -16,14 +16,19 @@ const UNIT: &str = include_str!("../../systemd/atasd.service");
 const USERS: &str = include_str!("../../systemd/atas.sysusers.conf");
 const MANUAL: &str = include_str!("../../systemd/atasd.8");
 /// Units with the maximum accepted exposure, in tenths. Sensors and servos use serial ports,
-/// sensors the network as well.
-const UNITS: [(&str, &str, &str); 6] = [
+/// sensors and the server for other machines the network as well.
+const UNITS: [(&str, &str, &str); 7] = [
     ("atasd.service", UNIT, "10"),
     (GATE.0, GATE.1, "10"),
     (
         "atas-record.service",
         include_str!("../../systemd/atas-record.service"),
         "15",
+    ),
+    (
+        REMOTE,
+        include_str!("../../systemd/atas-remote.service"),
+        "20",
     ),
     (
         "atas-robot@.service",
@@ -42,6 +47,7 @@ const UNITS: [(&str, &str, &str); 6] = [
     ),
 ];
 
+const REMOTE: &str = "atas-remote.service";
 const GATE: (&str, &str) = (
     "atas-gate.service",
     include_str!("../../systemd/atas-gate.service"),
@@ -148,8 +154,8 @@ fn units_share_user_and_bus_folder() {
         for line in same {
             assert!(unit.lines().any(|l| l == line), "{name} lacks {line}");
         }
-        // The gate may start before the bus exists.
-        let late = ["atasd.service", GATE.0].contains(&name);
+        // Gate and server may start before or after the bus exists.
+        let late = ["atasd.service", GATE.0, REMOTE].contains(&name);
         let first = late || unit.contains("Before=atasd.service");
         assert!(first, "{name} must start before the daemon");
     }

@@ -1,17 +1,19 @@
-//! Requests over sockets: dashboard, Foxglove viewers, the gate.
+//! Requests over sockets: dashboard, Foxglove viewers, the gate, other machines.
 
 use atas_gate::message::Request;
 use atas_live::requests::{Dashboard, is_admitted};
+use atas_remote::frame::{CLIENT_MAX, Decoder, Kind, encode};
 use foxglove::ws_protocol::client::ClientMessage;
 
 use crate::target::Target;
 
 /// Targets of this file.
-pub(crate) const TARGETS: [Target; 4] = [
+pub(crate) const TARGETS: [Target; 5] = [
     Target::new("dashboard", dashboard, dashboard_seeds),
     Target::new("foxglove-head", foxglove_head, foxglove_head_seeds),
     Target::new("foxglove-message", foxglove_message, foxglove_message_seeds),
     Target::new("gate-request", gate_request, gate_seeds).executions(200),
+    Target::new("remote-frames", remote_frames, remote_seeds),
 ];
 
 fn dashboard(bytes: &[u8]) {
@@ -136,4 +138,33 @@ fn gate_seeds() -> Vec<Vec<u8>> {
     ]
     .map(|request| request.as_bytes().to_vec())
     .to_vec()
+}
+
+/// Frames of a client with a certificate, in pieces of seven bytes: the waiting data stay bounded.
+fn remote_frames(bytes: &[u8]) {
+    let mut decoder = Decoder::new(CLIENT_MAX);
+    for piece in bytes.chunks(7) {
+        assert!(decoder.has_space(), "waiting data beyond one frame");
+        decoder.push(piece);
+        loop {
+            match decoder.next_frame() {
+                Ok(Some(frame)) => {
+                    let _request = atas_remote::Request::parse(&frame.payload);
+                }
+                Ok(None) => break,
+                Err(_) => return,
+            }
+        }
+    }
+}
+
+fn remote_seeds() -> Vec<Vec<u8>> {
+    let run = br#"{"protocol":1,"work":{"run":["status","--format","json"]}}"#;
+    let check = br#"{"protocol":1,"work":"check"}"#;
+    let end = [encode(Kind::Interrupt, &[]), encode(Kind::Alive, &[])].concat();
+    vec![
+        [encode(Kind::Request, run), end].concat(),
+        [encode(Kind::Request, check), encode(Kind::Echo, &[0, 1])].concat(),
+        encode(Kind::Request, &vec![b'['; CLIENT_MAX + 1]),
+    ]
 }

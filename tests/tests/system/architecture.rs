@@ -230,6 +230,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "atas-gate",
             "atas-live",
             "atas-recording",
+            "atas-remote",
             "atas-robots",
             "atas-sensors",
             "atasd",

@@ -27,8 +27,10 @@ pub(crate) struct Config {
     #[serde(default = "default_listen")]
     pub(crate) listen: SocketAddr,
     /// Bus of the daemon.
-    #[serde(default, deserialize_with = "bus_name")]
+    #[serde(skip)]
     pub(crate) bus: BusName,
+    #[serde(rename = "bus")]
+    bus_name: Option<String>,
     certificate: PathBuf,
     key: PathBuf,
     client_ca: PathBuf,
@@ -58,11 +60,6 @@ fn default_silence_s() -> f64 {
     1.0
 }
 
-fn bus_name<'de, D: serde::Deserializer<'de>>(from: D) -> Result<BusName, D::Error> {
-    let name = String::deserialize(from)?;
-    name.parse().map_err(serde::de::Error::custom)
-}
-
 /// Returns true for a name that a certificate can carry as DNS name, in one spelling.
 pub(crate) fn is_client_name(name: &str) -> bool {
     let plain = |c: u8| c.is_ascii_lowercase() || c.is_ascii_digit() || b"-.".contains(&c);
@@ -80,6 +77,11 @@ impl Config {
         let parsed: Result<Self, _> = toml::from_str(&text);
         let mut config = parsed.map_err(|error| rejected(file, &toml_error(&text, &error)))?;
         config.check().map_err(|why| rejected(file, &why))?;
+        let bus = match &config.bus_name {
+            Some(name) => name.parse(),
+            None => BusName::from_env(),
+        };
+        config.bus = bus.map_err(|error| rejected(file, &error))?;
         config.folder = file.parent().unwrap_or(Path::new(".")).to_owned();
         Ok(config)
     }

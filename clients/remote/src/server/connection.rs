@@ -37,20 +37,16 @@ struct Client {
 
 /// Serves a connection to its end.
 pub(super) fn serve(server: &Server, socket: TcpStream, peer: SocketAddr, entry: Entry) {
-    let accepted = Link::accept(socket, &server.tls).and_then(|mut link| {
-        let until = Instant::now() + REQUEST;
-        match link.handshake(until) {
-            Ok(()) => Ok((link, until)),
-            Err(error) => {
-                link.close();
-                Err(error)
-            }
-        }
-    });
-    let (mut link, until) = match accepted {
-        Ok(accepted) => accepted,
+    let mut link = match Link::accept(socket, &server.tls) {
+        Ok(link) => link,
         Err(error) => return tracing::warn!("{peer} was refused: {error}"),
     };
+    let until = Instant::now() + REQUEST;
+    if let Err(error) = link.handshake(until) {
+        tracing::warn!("{peer} was refused: {error}");
+        // The client reads the reason meanwhile.
+        return link.close();
+    }
     let served = converse(server, &mut link, peer, entry, until);
     match served {
         Ok(()) => link.close(),

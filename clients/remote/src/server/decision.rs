@@ -32,6 +32,10 @@ pub(crate) fn decide(
     let matches = matches.map_err(|_| "the command line is invalid".to_owned())?;
     let arguments = Arguments::from_arg_matches(&matches);
     let arguments = arguments.map_err(|_| "the command line is invalid".to_owned())?;
+    let selection = &arguments.remote;
+    if selection.remote.is_some() || selection.remote_config.is_some() {
+        return Err("the server does not connect to other machines".into());
+    }
     if let Some(why) = local_reason(&arguments) {
         return Err(why);
     }
@@ -164,7 +168,14 @@ mod tests {
         check("fly", "invalid");
         check("--help", "invalid");
         check("status --bus other", "serves bus arm, not other");
-        check("status --remote other", "invalid");
+        check(
+            "status --remote other",
+            "does not connect to other machines",
+        );
+        check(
+            "status --remote-config x",
+            "does not connect to other machines",
+        );
         check("top", "terminal");
         check("teleop", "terminal");
         check("record", "reads or writes files");

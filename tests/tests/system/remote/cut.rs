@@ -95,7 +95,7 @@ fn cut_link_holds_attached_goal_within_bound() {
 fn detached_goal_continues_after_a_cut() {
     let _alone = lock_exclusive();
     let rig = RemoteFixture::new();
-    let line = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 100000";
+    let line = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 3600";
     let client = rig
         .remote("alice", line)
         .stdout(Stdio::null())
@@ -142,10 +142,10 @@ fn stops_arrive_while_other_traffic_floods() {
         flood.spawn().expect("it starts")
     })
     .collect();
-    wait_for("all places of this client", || {
-        let (code, _, why) = parts(&rig.run("alice", "status"));
-        (code == Some(4) && why.contains("all connections are in use")).then_some(())
+    wait_for("the floods", || {
+        (rig.server.log().matches(" runs ").count() >= floods.len()).then_some(())
     });
+    rig.check("alice", "status", 4, "all connections are in use");
     for round in 0..100 {
         let (code, out, why) = parts(&rig.run("alice", "estop --format json"));
         assert_eq!(code, Some(0), "stop {round}: {out} {why}");

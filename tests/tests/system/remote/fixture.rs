@@ -95,7 +95,7 @@ impl RemoteFixture {
 
     /// Starts a goal that holds its object, and waits until it runs.
     pub(super) fn start_goal(&self, address: &str) -> Child {
-        let line = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 100000 --attached";
+        let line = "grasp --at 0.32,-0.15,0.0345 --width 50 --hold 3600 --attached";
         let child = self
             .remote_at(address, "alice", line)
             .stdout(Stdio::null())
