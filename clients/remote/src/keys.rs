@@ -19,6 +19,7 @@ use serde_json::json;
 use time::{Duration, OffsetDateTime};
 
 use crate::permission::{read_private, write_new};
+use crate::rejection::rejected;
 use crate::server::is_client_name;
 
 /// Begin of an authority's name. The rest distinguishes the authorities of several laboratories.
@@ -95,9 +96,9 @@ impl Keys {
         let mut written = Vec::new();
         let (authority, params, pair) = if key.exists() {
             let pair = KeyPair::from_pem(&read_private(&key)?);
-            let pair = pair.map_err(|error| crate::tls::rejected(&key, &error))?;
+            let pair = pair.map_err(|error| rejected(&key, &error))?;
             let text = atas_text_file::read(&certificate);
-            let text = text.map_err(|error| crate::tls::rejected(&certificate, &error))?;
+            let text = text.map_err(|error| rejected(&certificate, &error))?;
             (text, authority_of(&pair)?, pair)
         } else {
             let pair = KeyPair::generate()?;

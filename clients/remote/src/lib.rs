@@ -31,6 +31,7 @@ mod keys;
 mod link;
 mod message;
 mod permission;
+mod rejection;
 mod server;
 mod tls;
 

@@ -5,6 +5,8 @@ use atas_console::arguments::Right;
 use serde::{Deserialize, Serialize};
 
 use crate::PROTOCOL;
+use crate::frame::Kind;
+use crate::link::{Link, LinkError};
 
 /// Request of a client: the first frame after the handshake.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -97,6 +99,12 @@ impl Request {
         }
         serde_json::from_slice(payload).map_err(invalid)
     }
+}
+
+/// Sends a reply.
+pub(crate) fn send_reply(link: &mut Link, reply: &Reply) -> Result<(), LinkError> {
+    let bytes = serde_json::to_vec(reply).map_err(std::io::Error::from)?;
+    link.send(Kind::Reply, &bytes)
 }
 
 /// Returns the channel of a stop by its name.

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
-use crate::tls::rejected;
+use crate::rejection::rejected;
 
 /// Permissions of all users except the owner.
 const OTHERS: u32 = 0o077;

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Context;
-use atas_console::{Exit, ExitError};
 use rustls::client::WebPkiServerVerifier;
 use rustls::crypto::{CryptoProvider, ring};
 use rustls::pki_types::pem::PemObject;
@@ -14,6 +13,7 @@ use rustls::{
     AlertDescription, CertificateError, ClientConfig, Error, RootCertStore, ServerConfig, version,
 };
 
+use crate::rejection::rejected;
 use crate::{ALPN, permission};
 
 /// Files of one side.
@@ -92,14 +92,6 @@ fn certificates(file: &Path) -> anyhow::Result<Vec<CertificateDer<'static>>> {
         return Err(rejected(file, &"it contains no certificate in PEM format"));
     }
     Ok(found)
-}
-
-/// Error of a rejected file.
-pub(crate) fn rejected(file: &Path, why: &dyn std::fmt::Display) -> anyhow::Error {
-    ExitError::with_code(
-        Exit::Input,
-        format!("{} was rejected: {why}", file.display()),
-    )
 }
 
 /// Returns the names of the host or person in a certificate.

@@ -10,8 +10,9 @@ use rustls::ClientConfig;
 use rustls::pki_types::ServerName;
 use serde::Deserialize;
 
+use crate::rejection::rejected;
 use crate::server::toml_error;
-use crate::tls::{self, Files, rejected};
+use crate::tls::{self, Files};
 
 /// Configuration; paths are relative to its file.
 #[derive(Debug, Deserialize)]

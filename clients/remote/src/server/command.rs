@@ -11,10 +11,9 @@ use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
 use shm_bus::BusName;
 
 use super::config::Config;
-use super::connection::reply;
 use crate::frame::Kind;
 use crate::link::{Link, LinkError, check_period, wait};
-use crate::message::Reply;
+use crate::message::{Reply, send_reply};
 
 /// Bytes per piece of output.
 const PIECE: usize = 16 << 10;
@@ -29,11 +28,11 @@ pub(super) fn run(link: &mut Link, words: Vec<String>, config: &Config) -> Resul
         Ok(child) => child,
         Err(error) => {
             let reason = format!("could not start `atas` at the server because of: {error}");
-            return reply(link, &Reply::Failed { exit: 1, reason });
+            return send_reply(link, &Reply::Failed { exit: 1, reason });
         }
     };
     let silence_ms = u64::try_from(silence.as_millis()).unwrap_or(u64::MAX);
-    let relayed = reply(link, &Reply::Started { silence_ms })
+    let relayed = send_reply(link, &Reply::Started { silence_ms })
         .and_then(|()| Relay::new(&mut child)?.run(link, silence));
     if relayed.is_err() {
         // For the daemon, the client of the goal dies here. The command may have ended meanwhile.
@@ -41,7 +40,7 @@ pub(super) fn run(link: &mut Link, words: Vec<String>, config: &Config) -> Resul
     }
     let status = child.wait()?;
     relayed?;
-    reply(link, &end(status))?;
+    send_reply(link, &end(status))?;
     finish(link, silence)
 }
 

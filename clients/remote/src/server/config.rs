@@ -9,7 +9,8 @@ use serde::Deserialize;
 use shm_bus::BusName;
 
 use crate::message::ClientRight;
-use crate::tls::{Files, rejected};
+use crate::rejection::rejected;
+use crate::tls::Files;
 
 /// Range of `connections`: a bus has 8 reader slots for events and 16 for the status.
 const CONNECTIONS: std::ops::RangeInclusive<usize> = 1..=16;

@@ -14,12 +14,14 @@ use super::decision::decide;
 use super::{Server, command};
 use crate::frame::Kind;
 use crate::link::{Link, LinkError};
-use crate::message::{ClientRight, Reply, Request, Work};
+use crate::message::{ClientRight, Reply, Request, Work, send_reply};
 use crate::tls;
 
 /// Longest time from the first byte to the complete request. Design choice: several round trips
 /// around the earth, with a lost packet.
 const REQUEST: Duration = Duration::from_secs(5);
+/// Pause between two attempts to get a place for a stop.
+const STOP_POLL: Duration = Duration::from_millis(5);
 /// Longest command text in the log, characters.
 const LOGGED: usize = 200;
 
@@ -72,14 +74,14 @@ fn converse(
         }
     };
     let frame = link.wait_frame(until)?;
-    drop(entry);
     let request = match frame.kind {
         Kind::Request => Request::parse(&frame.payload),
         kind => Err(format!("a frame of kind {kind:?} came before the request")),
     };
     let done = request
         .map_err(|why| (Exit::Refused, why))
-        .and_then(|request| prepare(server, &client, request.work));
+        .and_then(|request| prepare(server, &client, request.work, until));
+    drop(entry);
     match done {
         Err(refusal) => refuse(link, peer, &client.name, refusal),
         Ok((work, _place)) => {
@@ -97,12 +99,7 @@ fn refuse(
 ) -> Result<(), LinkError> {
     tracing::warn!("{name} ({peer}) was refused: {reason}");
     let (exit, reason) = (exit.code(), format!("rejected by the server: {reason}"));
-    reply(link, &Reply::Refused { exit, reason })
-}
-
-pub(super) fn reply(link: &mut Link, reply: &Reply) -> Result<(), LinkError> {
-    let bytes = serde_json::to_vec(reply).map_err(std::io::Error::from)?;
-    link.send(Kind::Reply, &bytes)
+    send_reply(link, &Reply::Refused { exit, reason })
 }
 
 /// Returns the client of the certificate, with its present right.
@@ -144,13 +141,14 @@ fn prepare(
     server: &Server,
     client: &Client,
     work: Work,
-) -> Result<(Permitted, Option<Place>), Refusal> {
+    until: Instant,
+) -> Result<(Permitted, Place), Refusal> {
     let refused = |why: String| (Exit::Refused, why);
     let words = match work {
         Work::Check => {
             let place = server.admission.place(&client.name);
             return place
-                .map(|place| (Permitted::Check, Some(place)))
+                .map(|place| (Permitted::Check, place))
                 .ok_or_else(|| refused(full_text(client)));
         }
         Work::Run(words) => words,
@@ -159,13 +157,25 @@ fn prepare(
         decide(words, &client.config.bus, client.config.recordings()).map_err(refused)?;
     check_right(client, decision.right).map_err(refused)?;
     if decision.right == Right::Stop {
-        // Without a free place the stop is still sent: it is short.
-        let place = server.admission.stop_place();
+        let place = wait_for_stop_place(server, until).map_err(refused)?;
         return Ok((Permitted::Stop, place));
     }
     let place = server.admission.place(&client.name);
     let place = place.ok_or_else(|| refused(full_text(client)))?;
-    Ok((Permitted::Command(decision.arguments), Some(place)))
+    Ok((Permitted::Command(decision.arguments), place))
+}
+
+/// Waits for one of the places for stops: each of them is in use for a moment only.
+fn wait_for_stop_place(server: &Server, until: Instant) -> Result<Place, String> {
+    loop {
+        if let Some(place) = server.admission.stop_place() {
+            return Ok(place);
+        }
+        if Instant::now() >= until {
+            return Err("too many stops are in progress; each of them stops the robot".into());
+        }
+        std::thread::sleep(STOP_POLL);
+    }
 }
 
 fn check_right(client: &Client, needed: Right) -> Result<(), String> {
@@ -215,7 +225,7 @@ impl Permitted {
                         reason: format!("{error:#}"),
                     },
                 };
-                reply(link, &done)
+                send_reply(link, &done)
             }
             Self::Command(words) => command::run(link, words, &client.config),
         }
@@ -229,7 +239,7 @@ fn check(link: &mut Link, client: &Client) -> Result<(), LinkError> {
         client: client.name.clone(),
         right: client.right.right().to_string(),
     };
-    reply(link, &checked)?;
+    send_reply(link, &checked)?;
     let silence = client.config.silence();
     loop {
         match link.wait_frame(Instant::now() + silence) {

@@ -65,7 +65,7 @@ pub(crate) fn local_reason(arguments: &Arguments) -> Option<String> {
             "needs a terminal of the robot's machine; use ssh"
         }
         (_, Access::Right(..) | Access::Recordings) => return None,
-        (_, Access::Caller) => "needs no daemon; run it without --remote",
+        (_, Access::Caller) => "runs on this machine only; omit --remote",
         (_, Access::Owner(_, why)) => {
             return Some(format!(
                 "this command does not run with --remote: it {why}; run it on the robot's machine"
@@ -181,10 +181,10 @@ mod tests {
         check("record", "reads or writes files");
         check("explain last --out why.svg", "reads or writes files");
         check("dashboard", "opens a port");
-        check("demo grasp", "needs no daemon");
-        check("doctor", "needs no daemon");
-        check("explain /etc/shadow", "needs no daemon");
-        check("remote serve --config x", "needs no daemon");
+        check("demo grasp", "runs on this machine only");
+        check("doctor", "runs on this machine only");
+        check("explain /etc/shadow", "runs on this machine only");
+        check("remote serve --config x", "runs on this machine only");
         check(
             "recordings list --folder /etc",
             "in the server's configuration",

@@ -151,6 +151,16 @@ fn stops_arrive_while_other_traffic_floods() {
         assert_eq!(code, Some(0), "stop {round}: {out} {why}");
         assert!(out.contains("\"stopped\""), "stop {round}: {out}");
     }
+    // More at once than there are places for stops.
+    let at_once: Vec<Child> = (0..20)
+        .map(|_| {
+            let mut stop = rig.remote("pendant", "estop");
+            stop.stdout(Stdio::null()).spawn().expect("it starts")
+        })
+        .collect();
+    for mut stop in at_once {
+        assert_eq!(stop.wait().expect("ended").code(), Some(0));
+    }
     for flood in &mut floods {
         assert_eq!(
             flood.try_wait().expect("waitable"),

@@ -60,7 +60,10 @@ fn invalid_requests_are_refused_and_closed() {
     check(&run("\"--help\""), "the command line is invalid");
     let onward = run("\"status\",\"--remote\",\"x\"");
     check(&onward, "does not connect to other machines");
-    check(&run("\"explain\",\"/etc/shadow\""), "needs no daemon");
+    check(
+        &run("\"explain\",\"/etc/shadow\""),
+        "runs on this machine only",
+    );
     check(
         &run("\"record\",\"--out\",\"/tmp/x.mcap\""),
         "reads or writes files",
