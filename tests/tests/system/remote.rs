@@ -88,7 +88,10 @@ fn remote_commands_equal_local_ones() {
             rig.local(&line)
         };
         assert_eq!(last_json(&grasped)["state"], "succeeded", "{grasped:?}");
-        ends.push((fields(&grasped), parts(&grasped).2));
+        // Progress is sampled: a fast goal passes some steps between two lines.
+        let progress = parts(&grasped).2;
+        assert!(progress.contains("grasp: hold"), "{progress}");
+        ends.push(fields(&grasped));
         let released = rig.run("alice", "release");
         assert!(released.status.success(), "{released:?}");
     }
@@ -107,6 +110,7 @@ fn unsuitable_commands_are_refused_by_reason() {
     rig.check("alice", "record", 2, "reads or writes files");
     rig.check("alice", "demo grasp", 2, "runs on this machine only");
     rig.check("alice", "status --bus other", 4, "serves bus");
+    rig.check("alice", "estop --bus other", 4, "stop not confirmed");
     let mut unknown = atas("status --remote lab --remote-config");
     let unknown = unknown.arg(rig.path("lab/alice/remote.toml")).output();
     let unknown = parts(&unknown.expect("it starts"));

@@ -32,11 +32,12 @@ pub(crate) fn run(
     output: &mut Output,
 ) -> anyhow::Result<()> {
     let find = || Target::find(&arguments.remote);
+    let words = || words::without_selection(std::env::args_os().skip(1));
     match &arguments.command {
         Command::Remote {
             action: RemoteAction::Check { count },
         } => return check::check(&find()?, *count, output),
-        Command::Estop(_) => return stop::stop(&arguments.remote, output),
+        Command::Estop(_) => return stop::stop(&arguments.remote, words()?, output),
         Command::Recordings {
             action:
                 Recordings::Fetch {
@@ -52,8 +53,7 @@ pub(crate) fn run(
         return Err(ExitError::with_code(Exit::Usage, why));
     }
     let target = find()?;
-    let words = words::without_selection(std::env::args_os().skip(1))?;
-    let end = relay::run(&target, words, Streams::standard(), interrupt)?;
+    let end = relay::run(&target, words()?, Streams::standard(), interrupt)?;
     exit(&end, &target)
 }
 

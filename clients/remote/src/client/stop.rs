@@ -21,7 +21,11 @@ const REMEDY: &str = "Use the emergency stop of the hardware, or run `atas estop
                       machine";
 
 /// Stops the robot of the server.
-pub(super) fn stop(argument: &RemoteArgument, output: &mut Output) -> anyhow::Result<()> {
+pub(super) fn stop(
+    argument: &RemoteArgument,
+    words: Vec<String>,
+    output: &mut Output,
+) -> anyhow::Result<()> {
     let label = argument.remote.clone().unwrap_or_default();
     let target = Target::find(argument).map_err(|error| {
         let exit = atas_console::exit_of(&error);
@@ -34,7 +38,7 @@ pub(super) fn stop(argument: &RemoteArgument, output: &mut Output) -> anyhow::Re
         .name("stop".into())
         .spawn(move || {
             // The receiver may have given up.
-            let _ = sender.send(attempts(&target, until));
+            let _ = sender.send(attempts(&target, &words, until));
         })?;
     match receiver.recv_timeout(BOUND) {
         Ok(Ok(Reply::Stopped(name))) => match channel(&name) {
@@ -73,9 +77,10 @@ fn not_confirmed(why: &str, exit: Exit) -> anyhow::Error {
 }
 
 /// Sends the stop until there is an answer. A repeated stop has no further effect.
-fn attempts(target: &Target, until: Instant) -> Result<Reply, LinkError> {
+fn attempts(target: &Target, words: &[String], until: Instant) -> Result<Reply, LinkError> {
     loop {
-        let error = match request(target, Work::Run(vec!["estop".into()]), until) {
+        let work = Work::Run(words.to_vec());
+        let error = match request(target, work, until) {
             Ok((_, reply)) => return Ok(reply),
             Err(error) => error,
         };

@@ -185,8 +185,8 @@ mod tests {
         check("connections = 0", "connections is 0, needs 1 to 16");
         check("silence_s = 60.0", "silence_s is 60, needs 0.2 to 10");
         check("silence_s = nan", "silence_s is NaN");
-        check("listen = 'robot'", "listen");
-        check("bus = 'a/b'", "bus");
+        check("listen = 'robot'", "line 4: ");
+        check("bus = 'a/b'", "a/b");
         check("password = 'x'", "password");
         check("clients.Alice = 'command'", "client name \"Alice\"");
         check("clients.alice = 'all'", "all");

@@ -32,11 +32,21 @@ pub(super) struct RemoteFixture {
 }
 
 impl RemoteFixture {
+    /// In virtual time, which stands still without a goal.
     pub(super) fn new() -> Self {
+        Self::start(&["--lockstep"])
+    }
+
+    /// By the clock: the daemon ticks and publishes always.
+    pub(super) fn by_the_clock() -> Self {
+        Self::start(&[])
+    }
+
+    fn start(pace: &[&str]) -> Self {
         let bus = FreshBus::new("remote");
         let folder = tempfile::tempdir().expect("a folder");
         let name = bus.as_str();
-        let on = ["--lockstep", "--bus", name];
+        let on = [pace, &["--bus", name]].concat();
         let simulate = [&["run", "--object", "wood"], &on[..]].concat();
         let simulator = Process::start("atas-sim", &simulate);
         let control = [&["--config", "/dev/null"], &on[..]].concat();
