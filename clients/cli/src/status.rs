@@ -4,11 +4,10 @@ use std::time::{Duration, Instant};
 
 use atas_client::{POLL, Run, Session, Stopped, json, standstill, text};
 use atas_console::{Exit, ExitError, Interrupt, Output, arguments, modules, number, table};
-use atas_core::joints::reason_text;
-use robot_model::RobotFiles;
+use robot_model::{RobotFiles, RobotModel};
 use shm_bus::{BusName, End, Owner, now_ns};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{Hand, Mode, Percentiles, Reason, Status, StatusFlags};
+use shm_schemas::{Hand, JointLabel, Mode, Percentiles, Reason, Status, StatusFlags};
 
 use atas_client::rejections::{self, rejection_texts};
 
@@ -112,10 +111,14 @@ fn joint_reason(reason: &Reason, run: &Run) -> String {
         let files = RobotFiles::find(header.robot.as_str()).ok()?;
         (files.hash() == header.robot_hash).then(|| files.load().ok())?
     };
-    robot().map_or_else(
-        || reason.to_string(),
-        |robot| reason_text(reason, &robot).to_string(),
-    )
+    let robot: Option<RobotModel> = robot();
+    let joint = robot.as_ref().zip(reason.joint());
+    let joint = joint.and_then(|(robot, index)| robot.joint(index));
+    let label = joint.map(|joint| JointLabel {
+        name: joint.name.as_str(),
+        unit: joint.unit(),
+    });
+    reason.text(label).to_string()
 }
 
 fn standstill_text(frozen: Duration) -> String {

@@ -4,9 +4,9 @@ use crate::limits::{FEEDBACK_JUMP_FACTOR, FEEDBACK_MARGIN_RAD, WRITER_SILENT_NS}
 use crate::settings::Intake as Limits;
 use crate::tick::Tick;
 use crate::tick::seconds_between;
-use robot_model::{HandSide, Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
+use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{Cause, JointLabel, JointState, JointStatus, Reason, ReasonText};
+use shm_schemas::{Cause, JointState, JointStatus, Reason};
 
 /// Validates joint states and keeps the newest valid one.
 #[derive(Clone, Debug)]
@@ -251,19 +251,4 @@ impl JointIntake {
         }
         Ok(())
     }
-}
-
-/// Returns the text of a reason with the name and the unit of its joint.
-#[must_use]
-pub fn reason_text<'a>(reason: &Reason, robot: &'a RobotModel) -> ReasonText<'a> {
-    let label = |index: usize| {
-        let owns = |side: &HandSide| robot.joint_range(*side).contains(&index);
-        let side = HandSide::BOTH.into_iter().find(owns)?;
-        let joint = &robot.hand(side).joints()[index - robot.joint_range(side).start];
-        Some(JointLabel {
-            name: joint.name.as_str(),
-            unit: joint.unit(),
-        })
-    };
-    reason.text(reason.joint().and_then(label))
 }

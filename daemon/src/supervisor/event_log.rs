@@ -3,9 +3,8 @@
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use atas_core::joints::reason_text;
-use robot_model::RobotModel;
-use shm_schemas::{Cause, EventKind, GoalState, Hand, Mode, ModuleEvent};
+use robot_model::{Joint, RobotModel};
+use shm_schemas::{Cause, EventKind, GoalState, Hand, JointLabel, Mode, ModuleEvent};
 
 use crate::link::TickRecord;
 
@@ -38,7 +37,8 @@ struct Repeated {
 impl EventLog {
     pub(super) fn write_event(&mut self, event: &ModuleEvent, robot: &RobotModel) {
         let tick = event.tick;
-        let reason = reason_text(&event.reason, robot);
+        let joint = event.reason.joint().and_then(|index| robot.joint(index));
+        let reason = event.reason.text(joint.map(label));
         let (is_given, cause) = (event.reason.is_some(), event.reason.cause);
         match event.kind {
             EventKind::MODE if event.mode == Mode::FAULT => {
@@ -129,6 +129,13 @@ impl EventLog {
                 )
             }
         }
+    }
+}
+
+fn label(joint: &Joint) -> JointLabel<'_> {
+    JointLabel {
+        name: joint.name.as_str(),
+        unit: joint.unit(),
     }
 }
 

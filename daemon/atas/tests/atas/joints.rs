@@ -3,9 +3,8 @@
 use crate::support::JOINTS;
 use crate::support::{EPOCH, MS_NS, home, joints, robot};
 use atas_core::Tick;
-use atas_core::joints::{JointIntake, reason_text};
+use atas_core::joints::JointIntake;
 use atas_core::settings::{Intake as Limits, Settings};
-use robot_model::HandSide;
 use shm_schemas::{Cause, JointState, Reason};
 
 const START_NS: u64 = 1_000 * MS_NS;
@@ -249,21 +248,4 @@ fn valid_commanded_positions_are_accepted() {
     check(false, |s| s.command_epoch = 0);
     check(false, |s| s.commanded_position[4] = f64::NAN);
     check(false, |s| s.commanded_position[4] = 100.0);
-}
-
-#[test]
-fn reason_names_the_joint_of_the_robot() {
-    let robot = robot();
-    let right_first = robot.joint_range(HandSide::Right).start;
-    let reason = Reason::with_limit(Cause::FOLLOWING_ERROR, 0.1, 0.08).with_index(right_first);
-    let text = reason_text(&reason, robot).to_string();
-    let name = &robot.hand(HandSide::Right).joints()[0].name;
-    let expected = format!("joint {name} is 0.1000 rad off its command, allowed 0.0800 rad");
-    assert!(text.starts_with(&expected), "{text}");
-    let beyond = reason.with_index(200);
-    assert!(
-        reason_text(&beyond, robot)
-            .to_string()
-            .starts_with("joint 200 is")
-    );
 }
