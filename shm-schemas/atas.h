@@ -570,11 +570,11 @@ typedef struct atas_joint_state {
     // Number of valid entries in commanded_position: joint_count, or 0 if the robot cannot
     // report them.
     uint32_t commanded_count;
-    // Measured positions, rad.
+    // Measured positions, rad or m.
     double position[32];
-    // Measured velocities, rad/s.
+    // Measured velocities, rad/s or m/s.
     double velocity[32];
-    // Measured efforts, N·m; zero if the drive does not measure them.
+    // Measured efforts, N·m or N; zero if the drive does not measure them.
     double effort[32];
     // Positions held by the servos, rad or m: those of the last executed command, even if it has
     // expired.
@@ -636,9 +636,9 @@ typedef struct atas_joint_command {
     uint32_t mode; // enum atas_mode
     // Number of joints with data, at most JOINTS.
     uint32_t joint_count;
-    // Commanded positions, rad.
+    // Commanded positions, rad or m.
     double position[32];
-    // Velocity feed-forward, rad/s; zero in HOLD.
+    // Velocity feed-forward, rad/s or m/s; zero in HOLD.
     double velocity[32];
     // Force limit F_2 per hand for the held object, N; 0 for an empty hand. The robot only
     // copies it to JointState, so that the limit survives a restart of the daemon.

@@ -27,8 +27,8 @@ payload! {
         pub velocity: [f64; JOINTS],
         /// Measured efforts, N·m or N; zero if the drive does not measure them.
         pub effort: [f64; JOINTS],
-        /// Positions held by the servos, rad or m: those of the last executed command, even if it has
-        /// expired.
+        /// Positions held by the servos, rad or m: those of the last executed command, even if it
+        /// has expired.
         pub commanded_position: [f64; JOINTS],
         /// [`JointCommand::grip_limit_n`] of that command, 0 before the first.
         pub grip_limit_n: [f64; HANDS],

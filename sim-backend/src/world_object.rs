@@ -157,8 +157,8 @@ impl WorldObject {
         self.record_contact(normal_n, up_n / SUBSTEPS as f64);
     }
 
-    /// Records the normal force of a fingertip, and its contribution to the mean upward force of the
-    /// tick, base frame, N.
+    /// Records the normal force of a fingertip, and its contribution to the mean upward force of
+    /// the tick, base frame, N.
     pub(crate) fn record_contact(&mut self, normal_n: f64, up_n: f64) {
         self.touched = true;
         self.hand_up_n += up_n;

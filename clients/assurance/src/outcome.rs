@@ -79,7 +79,8 @@ impl Origin<'_> {
     }
 }
 
-/// Reads the JSON of `atas fault run`, `atas soak` or `atas bench stop`. `items`: those of interest.
+/// Reads the JSON of `atas fault run`, `atas soak` or `atas bench stop`. `items`: those of
+/// interest.
 ///
 /// # Errors
 /// The JSON is of another command, or a field is missing.

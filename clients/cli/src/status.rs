@@ -103,8 +103,8 @@ fn missing_status_text(bus: &BusName) -> String {
     format!("no status from the daemon for one second: {why}")
 }
 
-/// Returns the text of a reason that concerns a joint. It names the joint if the daemon's robot files
-/// can be read.
+/// Returns the text of a reason that concerns a joint. It names the joint if the daemon's robot
+/// files can be read.
 fn joint_reason(reason: &Reason, run: &Run) -> String {
     let robot = || {
         let header = run.header()?;

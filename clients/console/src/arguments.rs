@@ -194,8 +194,8 @@ pub enum Command {
     /// Show the assurance case: claims about safety, their evidence and its last results
     ///
     /// Reads the results that the source tree stores. `--run` collects them again with `atas fault
-    /// run`, `atas soak`, `atas bench stop` and `cargo test`. Exit code 1 if `--check` finds a claim
-    /// without passed evidence, evidence that does not exist or is stale, or another page.
+    /// run`, `atas soak`, `atas bench stop` and `cargo test`. Exit code 1 if `--check` finds a
+    /// claim without passed evidence, evidence that does not exist or is stale, or another page.
     Assure(Assure),
     /// Measure this computer: timing, stop, observers
     Bench {

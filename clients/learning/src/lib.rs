@@ -5,8 +5,8 @@
 //!            (controller without tasks)         └─ ground truth ─▶ reward, end
 //! ```
 //!
-//! * **In:** a robot, a [`Task`], objects, a seed, then one action of [`ACTIONS`] values from −1 to 1 per
-//!   [`STEP_TICKS`] ms.
+//! * **In:** a robot, a [`Task`], objects, a seed, then one action of [`ACTIONS`] values from −1 to
+//!   1 per [`STEP_TICKS`] ms.
 //! * **Out:** an observation of [`observation::Layout::size`] values, a reward, an end.
 //! * **Reproducible:** the same seed and actions give the same bits, alone or in a [`Batch`], on
 //!   any number of threads.

@@ -53,10 +53,15 @@ impl Arbiter {
     /// ```
     /// use atas_core::arbitration::Arbiter;
     /// use atas_core::modules::Proposal;
+    /// use robot_model::PerSide;
     ///
     /// // Both modules are active: the higher closing speed counts, in any order.
-    /// let gentle = Proposal { active: true, closing_m_s: [0.001; 2], ..Proposal::default() };
-    /// let firm = Proposal { active: true, closing_m_s: PerSide::repeat(0.003), ..Proposal::default() };
+    /// let closing = |speed_m_s: f64| Proposal {
+    ///     active: true,
+    ///     closing_m_s: PerSide::repeat(speed_m_s),
+    ///     ..Proposal::default()
+    /// };
+    /// let (gentle, firm) = (closing(0.001), closing(0.003));
     /// let mut arbiters = [Arbiter::default(), Arbiter::default()];
     /// let one = arbiters[0].merge(&[gentle, firm], 1e-3);
     /// let other = arbiters[1].merge(&[firm, gentle], 1e-3);

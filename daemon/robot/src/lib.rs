@@ -16,7 +16,7 @@
 //! ```
 //! # #[cfg(feature = "std")] {
 //! use nalgebra::Vector3;
-//! use robot_model::{GraspPose, HandSide, IkStatus, IkWeights, RobotModel};
+//! use robot_model::{GraspPose, HandSide, IkStatus, IkWeights, PerSide, RobotModel};
 //!
 //! let robot = RobotModel::two_hand_arm()?;
 //! let hand = robot.hand(HandSide::Right);
@@ -26,7 +26,7 @@
 //! let mut q = hand.posture_for(&grasp)?.q;
 //!
 //! // One tick: both fingers close by 2 µm.
-//! grasp.half_opening_m = [0.03 - 2e-6; 2];
+//! grasp.half_opening_m = PerSide::repeat(0.03 - 2e-6);
 //! let pose = hand.forward(&q);
 //! let (jacobian, target) = (hand.jacobian(&pose), grasp.target(hand));
 //! let step = hand.ik_step(&pose, &jacobian, &target, 1e-3, &IkWeights::TICK);

@@ -52,7 +52,7 @@ impl HandTarget {
 /// // A grasp of a 50 mm object; the hand closes along y.
 /// let grasp = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.05), std::f64::consts::FRAC_PI_2, 0.05);
 /// assert!((grasp.closing_axis() - Vector3::y()).norm() < 1e-12);
-/// assert_eq!(grasp.half_opening_m, [0.025; 2]);
+/// assert_eq!(grasp.half_opening_m, [0.025; 2].into());
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

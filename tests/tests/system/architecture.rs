@@ -85,6 +85,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "atas-client",
             "atas-controller-state",
             "atas-core",
+            "atas-meshes",
             "atas-recording",
             "atas-tasks",
             "robot-model",
@@ -149,6 +150,7 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "atas-console",
             "atas-gate",
             "atas-recording",
+            "robot-model",
             "shm-bus",
             "shm-schemas",
         ],
@@ -180,12 +182,14 @@ const DEPENDENCIES: &[(&str, &[&str])] = &[
             "atas-text-file",
             "atas-client",
             "atas-console",
+            "atas-meshes",
             "atas-recording",
             "robot-model",
             "shm-bus",
             "shm-schemas",
         ],
     ),
+    ("atas-meshes", &["robot-model"]),
     ("atas-client", &["atas-process", "shm-bus", "shm-schemas"]),
     (
         "ebts",
@@ -294,10 +298,7 @@ fn packages_have_only_permitted_dependencies() {
     for package in &packages() {
         let name = package.name.as_str();
         let may = allowed.get(name).unwrap_or_else(|| {
-            panic!(
-                "{name} has no entry in ARROWS; add its permitted \
-                dependencies"
-            )
+            panic!("{name} has no entry in DEPENDENCIES; add its permitted dependencies")
         });
         for dependency in &package.dependencies {
             let ours = allowed.contains_key(dependency.name.as_str());

@@ -264,8 +264,8 @@ fn open_without_token(program: &Path, url: &str) -> Browser {
     browser
 }
 
-/// Checks a screen of 1280 x 800 during a grasp: the chart of the working hand is above the fold, the
-/// held object is drawn, and texts of any length leave the buttons in place.
+/// Checks a screen of 1280 x 800 during a grasp: the chart of the working hand is above the fold,
+/// the held object is drawn, and texts of any length leave the buttons in place.
 fn check_layout(browser: &mut Browser) {
     let size = json!({ "width": 1280, "height": 800, "deviceScaleFactor": 1, "mobile": false });
     browser.request("Emulation.setDeviceMetricsOverride", size);

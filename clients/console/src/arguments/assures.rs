@@ -16,8 +16,8 @@ pub struct Assure {
     /// Only evidence that is missing, failed or stale
     #[arg(long, requires = "run")]
     pub missing: bool,
-    /// Store results that `atas fault run`, `atas soak` or `atas bench stop` of this version printed
-    /// on this machine with `--format json`
+    /// Store results that `atas fault run`, `atas soak` or `atas bench stop` of this version
+    /// printed on this machine with `--format json`
     #[arg(long, value_name = "FILE", conflicts_with = "check")]
     pub add: Vec<PathBuf>,
     /// Fail if a claim has no passed evidence, or if the page of the guide differs

@@ -58,8 +58,8 @@ impl Applied {
         largest_n < load.hand_max_n && largest_n < load.crush_n
     }
 
-    /// Returns true if the hand could stop the object although it slides: by kinetic friction, below
-    /// F_2. A load begins faster than a servo closes, so the object slides first.
+    /// Returns true if the hand could stop the object although it slides: by kinetic friction,
+    /// below F_2. A load begins faster than a servo closes, so the object slides first.
     pub(super) fn is_catchable(&self, load: &Load) -> bool {
         self.is_allowed(load) && self.largest_needed_n() / KINETIC_SHARE < load.f2_n
     }

@@ -19,7 +19,8 @@ const ROTATED: [[f64; 2]; 2] = [[0.6, 0.9], [0.5, 0.7]];
 /// Minimum duration of a rotation, s (design choice: longer than one swing).
 const ROTATING_S: f64 = 0.3;
 
-/// Time since the maximum after which the lever no longer rises, s (design choice: the filter time).
+/// Time since the maximum after which the lever no longer rises, s (design choice: the filter
+/// time).
 const PEAK_S: f64 = 0.05;
 
 /// Lever since the start of the lift.

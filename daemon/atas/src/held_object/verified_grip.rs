@@ -1,10 +1,10 @@
 //! Load that the grip holds (not in the paper): the ratio of load to grip force that the contact
 //! has been shown to hold.
 //!
-//! Friction is proportional to the grip force. If a force F_v has held the load L_v, a force F holds
-//! L_v·F/F_v. Lift verification shows such a ratio; so does an object found in the hand. The load is
-//! the net force across the closing axis. Shear between misaligned faces is not part of it. The
-//! force pattern alone can indicate false slip: misaligned faces shear all elements uniformly.
+//! Friction is proportional to the grip force. If a force F_v has held the load L_v, a force F
+//! holds L_v·F/F_v. Lift verification shows such a ratio; so does an object found in the hand. The
+//! load is the net force across the closing axis. Shear between misaligned faces is not part of it.
+//! The force pattern alone can indicate false slip: misaligned faces shear all elements uniformly.
 //! While the grip holds the load, such a pattern is no evidence of slip.
 //!
 //! A load that exceeds this bound accelerates the object; integrated twice, it gives the slide.
@@ -14,8 +14,8 @@ use crate::limits::{GRAVITY_M_S2, NORMAL_MIN_N};
 use crate::perception::Percept;
 use robot_model::PerSide;
 
-/// Filter time constant of the ratio of filtered load to filtered force, s (design choice: suppresses
-/// frame noise).
+/// Filter time constant of the ratio of filtered load to filtered force, s (design choice:
+/// suppresses frame noise).
 const RATIO_FILTER_S: f64 = 0.03;
 /// Permitted multiple of the load that the grip can hold (design choice: covers hand tremor).
 const MARGIN: f64 = 1.05;

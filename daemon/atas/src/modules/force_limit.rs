@@ -4,8 +4,8 @@
 //!
 //! The compared force is the larger of tactile and joint-estimated force. Above `relieve_at`·F_2 of
 //! both, the fingers open slowly and the hand waits; above F_2 if the goal sets the force limit. If
-//! the grip closes without the force that belongs to its opening, it stops closing ([`Drift`](crate::held_object::Drift)). An
-//! object that slips on every side at F_2 is refused.
+//! the grip closes without the force that belongs to its opening, it stops closing
+//! ([`Drift`](crate::held_object::Drift)). An object that slips on every side at F_2 is refused.
 
 use super::{Context, Module, Proposal, Verdict};
 use crate::filter::{Dwell, low_pass};

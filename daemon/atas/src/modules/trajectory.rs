@@ -59,8 +59,9 @@ const CAP_TRAVEL_MAX_M: f64 = 0.008;
 /// Descent of an engaged cap during a turn, m (design choice: half of a fine thread's).
 pub(super) const ENGAGED_DESCENT_M: f64 = 0.0001;
 /// Spiral of places at which a cap is sought to engage: radius of the first one and its growth per
-/// place, m, angle between places, rad, and their number. Design choice: with a thread that captures
-/// a cap within 2 mm, they cover place errors of up to 3.5 mm; a cap stays on its rim meanwhile.
+/// place, m, angle between places, rad, and their number. Design choice: with a thread that
+/// captures a cap within 2 mm, they cover place errors of up to 3.5 mm; a cap stays on its rim
+/// meanwhile.
 const SEARCH_RADIUS_M: f64 = 0.0010;
 const SEARCH_GROWTH_M: f64 = 0.0001;
 const SEARCH_TURN_RAD: f64 = PI / 3.0;

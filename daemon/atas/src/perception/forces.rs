@@ -28,15 +28,15 @@ impl Percept {
         self.sides.iter().map(|side| side.normal_n).sum()
     }
 
-    /// Returns the sum of the tangential forces of the grasp sides, N. It includes the shear between
-    /// misaligned faces.
+    /// Returns the sum of the tangential forces of the grasp sides, N. It includes the shear
+    /// between misaligned faces.
     #[must_use]
     pub fn total_tangential_n(&self) -> f64 {
         self.sides.iter().map(|side| side.tangential_n).sum()
     }
 
-    /// Returns the sum of the forces of the object on all fingertips, base frame, N. Input: measured
-    /// frame of each fingertip.
+    /// Returns the sum of the forces of the object on all fingertips, base frame, N. Input:
+    /// measured frame of each fingertip.
     #[must_use]
     pub fn net_force_n(&self, base_from_tip: &[Transform]) -> Vector3<f64> {
         let fingertips = self.fingertips.iter().zip(base_from_tip);

@@ -25,8 +25,8 @@ impl Noise {
     }
 
     /// Adds a frame of an unloaded fingertip. `change_n2` is the sum of the squared changes of all
-    /// filtered tangential readings of `count` elements, N². `share` is the filter gain; differences
-    /// of filtered white noise have 2·share times its variance.
+    /// filtered tangential readings of `count` elements, N². `share` is the filter gain;
+    /// differences of filtered white noise have 2·share times its variance.
     pub(super) fn update(&mut self, change_n2: f64, count: usize, share: f64, step_s: f64) {
         let continues = core::mem::replace(&mut self.continues, true);
         if continues && share > 0.0 {

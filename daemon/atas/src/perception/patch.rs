@@ -171,7 +171,8 @@ pub(super) struct MostLoaded {
     pub(super) error: f64,
 }
 
-/// Groups with a loaded element. Large: a local variable of the caller, so that no return copies it.
+/// Groups with a loaded element. Large: a local variable of the caller, so that no return copies
+/// it.
 pub(super) type LoadedGroups = ArrayVec<LoadedGroup, { Row::GROUPS }>;
 
 /// Clearly loaded elements of a patch.

@@ -1,5 +1,5 @@
-//! Tests of certificates: without one, of another authority, purpose or name, expired, and of private
-//! keys that others can read.
+//! Tests of certificates: without one, of another authority, purpose or name, expired, and of
+//! private keys that others can read.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;

@@ -153,7 +153,8 @@ impl Writer {
         Ok(())
     }
 
-    /// Writes the frames of an episode as one row group; begins a file when the present one is full.
+    /// Writes the frames of an episode as one row group; begins a file when the present one is
+    /// full.
     fn write_frames(&mut self, columns: &[Column]) -> anyhow::Result<()> {
         let bytes: usize = columns.iter().map(Column::bytes).sum();
         if self.file_bytes > 0 && self.file_bytes + bytes > FILE_MB * 1_000_000 {
