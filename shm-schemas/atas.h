@@ -576,8 +576,8 @@ typedef struct atas_joint_state {
     double velocity[32];
     // Measured efforts, N·m or N; zero if the drive does not measure them.
     double effort[32];
-    // Positions held by the servos, rad or m: those of the last executed command, even if it has
-    // expired.
+    // Positions held by the servos, rad or m: those of the last executed command, even if it
+    // has expired.
     double commanded_position[32];
     // JointCommand::grip_limit_n of that command, 0 before the first.
     double grip_limit_n[2];

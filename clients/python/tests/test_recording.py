@@ -56,8 +56,8 @@ def test_recording_is_read_and_replayed_exactly(programs: Programs, tmp_path: Pa
 def test_exported_data_set_has_the_features_of_a_hand(programs: Programs, tmp_path: Path) -> None:
     file, out = tmp_path / "run.mcap", tmp_path / "set"
     record(programs, file)
-    words = [PROGRAMS / "atas", "export", file, "--to", "lerobot", "--out", out]
-    subprocess.run(words, check=True, capture_output=True)
+    words = ["export", str(file), "--to", "lerobot", "--elements", "--out", str(out)]
+    subprocess.run([str(PROGRAMS / "atas"), *words], check=True, capture_output=True)
     features = json.loads((out / "meta" / "info.json").read_text())["features"]
     hand = HandFeatures(None, "right", "taxels", "pose")
     assert features["observation.state"]["names"] == hand.state_names()
