@@ -154,7 +154,7 @@ fn print(assessment: &Assessment, output: &mut Output) -> anyhow::Result<()> {
     }
     let claims = assessment.claims.iter();
     output.line(format_args!(
-        "{} of {} claims are shown; {} faults are not claimed",
+        "{} of {} claims are shown; faults not claimed: {}",
         claims.filter(|claim| claim.is_shown).count(),
         assessment.claims.len(),
         assessment.not_claimed.len()

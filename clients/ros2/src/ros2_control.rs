@@ -162,14 +162,9 @@ impl Drive {
             return Ok(());
         }
         let command = running.command;
-        let within = self
-            .model
-            .joints()
-            .zip(command.position)
-            .all(|(joint, q)| {
-                q >= joint.lower - LIMIT_MARGIN_RAD
-                    && q <= joint.upper + LIMIT_MARGIN_RAD
-            });
+        let within = self.model.joints().zip(command.position).all(|(joint, q)| {
+            q >= joint.lower - LIMIT_MARGIN_RAD && q <= joint.upper + LIMIT_MARGIN_RAD
+        });
         let accepted = match &mut running.validator {
             Some(validator) if within => validator.accept(&command, now_ns()),
             _ => None,

@@ -72,7 +72,9 @@ impl Scene {
     pub(super) fn commanded(&self, side: HandSide) -> Option<PinchPose> {
         let joints = &self.view.joints;
         let count = (joints.commanded_count as usize).min(joints.commanded_position.len());
-        let commanded = self.robot()?.pinch(side, &joints.commanded_position[..count]);
+        let commanded = self
+            .robot()?
+            .pinch(side, &joints.commanded_position[..count]);
         commanded.or_else(|| self.measured(side))
     }
 
