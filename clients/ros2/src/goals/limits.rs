@@ -21,13 +21,9 @@ pub(super) fn force_n(hand: Hand, scene: &Scene) -> f64 {
         return 0.0;
     };
     let normal_n = &scene.status.hands[index].normal_n;
-    let of_side = |of: usize| {
-        let tips = robot.model.hand(side(hand)).fingertips_of(of);
-        tips.filter_map(|tip| normal_n.get(tip))
-            .map(|n| f64::from(*n))
-            .sum::<f64>()
-    };
-    of_side(0).max(of_side(1))
+    let sides = robot.model.hand(side(hand)).grasp_sides();
+    let sums_n = sides.sums(|tip| normal_n.get(tip).copied().unwrap_or(0.0).into());
+    sums_n.into_iter().fold(0.0, f64::max)
 }
 
 pub(super) fn check_opening(opening_m: f64, hand: Hand, scene: &Scene) -> Result<(), String> {

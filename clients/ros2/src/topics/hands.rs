@@ -1,7 +1,7 @@
 //! State, wrenches and elements of one hand.
 
 use atas_client::{Observer, contact};
-use robot_model::{HandPose, HandSide};
+use robot_model::{GraspSide, HandPose, HandSide};
 use shm_schemas::capacity::FINGERS;
 use shm_schemas::{FingerReport, Hand, HandFrame, JointState, ModuleId};
 
@@ -104,7 +104,7 @@ impl HandTopics {
             .iter()
             .filter(|of| of.in_contact != 0)
             .collect();
-        let sides = [0, 1].map(|side| {
+        let sides = GraspSide::BOTH.map(|side| {
             let mut tips = model.fingertips_of(side).filter(|tip| *tip < fingers);
             tips.any(|tip| hand.fingers[tip].in_contact != 0)
         });
