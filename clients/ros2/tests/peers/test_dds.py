@@ -2,6 +2,7 @@
 
 import math
 import signal
+import statistics
 import struct
 import time
 
@@ -128,7 +129,7 @@ def test_gripper_grasps_by_touch_within_the_force_limit(bench, peer):
     gripper.wait_for_server()
     bench.move_hand(**OBJECT, yaw=math.pi / 2, opening=0.07)
     hand = peer.reader("/atas/right/state", "atas_msgs/msg/HandState")
-    peaks = {}
+    forces, peaks = {}, {}
     # Without a limit, then with one below the force that the controller chooses.
     for limit in (0.0, 0.3):
         read(hand, 0.1)
@@ -138,12 +139,18 @@ def test_gripper_grasps_by_touch_within_the_force_limit(bench, peer):
         assert 0.03 < result.position < 0.06, result
         states, _ = read(hand, 2.0)
         assert states[-1].holds_object
-        peaks[limit] = max(tip.normal_n for state in states for tip in state.fingertips)
-        print(f"gripper, limit {limit} N: {result.position * 1e3:.1f} mm, {peaks[limit]:.2f} N")
+        strongest = [max(tip.normal_n for tip in state.fingertips) for state in states]
+        forces[limit], peaks[limit] = statistics.median(strongest), max(strongest)
+        print(
+            f"gripper, limit {limit} N: {result.position * 1e3:.1f} mm, "
+            f"{forces[limit]:.2f} N, at most {peaks[limit]:.2f} N"
+        )
         status, result = gripper.execute(command=command(0.07))
         assert status == SUCCEEDED and result.reached_goal and not result.stalled, result
         wait(lambda: not read(hand, 0.2)[0][-1].holds_object, 5, "released")
-    assert peaks[0.0] > 0.4 and 0.1 < peaks[0.3] <= 0.3 * 1.1, peaks
+    # The reading of a fingertip has noise of 0.02 N.
+    assert forces[0.0] > 0.4 and 0.1 < forces[0.3] <= 0.3 * 1.05, forces
+    assert peaks[0.3] <= 0.3 + 0.08, peaks
 
 
 def test_parallel_gripper_moves_to_an_opening(peer):

@@ -1,12 +1,15 @@
 """Actions of atas_msgs over DDS: grasp, refusal with cause, cancellation, many goals."""
 
 import math
+import signal
+import statistics
 import time
 
 import pytest
+from bench import PROGRAMS
 from cyclone import ABORTED, CANCELED, SUCCEEDED
 from interfaces import cyclone
-from test_dds import GRIPPER, command, read
+from test_dds import read
 
 POINT = cyclone("geometry_msgs/msg/Point")
 TARGET = cyclone("atas_msgs/msg/ObjectTarget")
@@ -101,33 +104,38 @@ def test_no_goal_and_no_result_of_many_is_lost(peer):
 
 
 def test_first_motion_is_as_early_as_from_the_console(bench, peer):
-    """Time from the call of the client to the first commanded motion of a finger."""
-    gripper = peer.action(*GRIPPER)
-    gripper.wait_for_server()
+    """Time from the call of the client to the first motion of a grasp, by turns over ROS 2 and by
+    the command, which starts a process.
+    """
+    grasp = opened(peer, "grasp", "Grasp")
     joints = peer.reader("/joint_states", "sensor_msgs/msg/JointState")
+    target = {"hand": "left", "object": wood(position=POINT(x=0.32, y=0.15, z=0.0345))}
+    words = ("grasp", "--hand", "left", "--at", "0.32,0.15,0.0345", "--width", "50")
 
-    def delay_s(start):
-        read(joints, 0.3)
-        begin = time.monotonic()
-        start()
-        while time.monotonic() < begin + 3:
+    def delay_s(begin):
+        while time.monotonic() < begin + 5:
             for sample in joints.take(10):
-                moving = max(abs(v) for v in sample.velocity)
-                if moving > 0.01:
+                if max(abs(v) for v in sample.velocity) > 0.01:
                     return time.monotonic() - begin
             time.sleep(0.0005)
         raise AssertionError("no motion")
 
-    over_ros = []
-    for opening in (0.03, 0.06, 0.03, 0.06, 0.03):
-        goal_id = None
-
-        def start(to=opening):
-            nonlocal goal_id
-            goal_id = gripper.send(command=command(to))
-
-        over_ros.append(delay_s(start))
-        assert gripper.result(goal_id)[0] == SUCCEEDED
-        time.sleep(0.5)
-    print("gripper: goal to first motion " + ", ".join(f"{s * 1e3:.0f}" for s in over_ros) + " ms")
-    assert sorted(over_ros)[2] <= 0.05
+    delays = {"ROS 2": [], "console": []}
+    for _ in range(5):
+        bench.wait_for_mode("ready")
+        read(joints, 0.5)
+        begin = time.monotonic()
+        goal_id = grasp.send(lift_m=0.03, hold_s=0.1, **target)
+        delays["ROS 2"].append(delay_s(begin))
+        assert grasp.cancel(goal_id) == 0
+        assert grasp.result(goal_id)[0] == CANCELED
+        bench.wait_for_mode("ready")
+        read(joints, 0.5)
+        begin = time.monotonic()
+        process = bench.start("console", [PROGRAMS / "atas", *words])
+        delays["console"].append(delay_s(begin))
+        bench.kill("console", signal.SIGINT)
+        assert process.returncode != 0, "cancelled"
+    medians = {name: statistics.median(of) for name, of in delays.items()}
+    print("goal to first motion, ms:", {n: [round(s * 1e3) for s in d] for n, d in delays.items()})
+    assert medians["ROS 2"] <= medians["console"] + 0.05
