@@ -12,7 +12,13 @@ from interfaces import cyclone
 from test_dds import read
 
 JOINTS = cyclone("sensor_msgs/msg/JointState")
-FORWARD = "/forward_position_controller/commands"
+CONTROLLERS = {
+    "forward": ("/forward_position_controller/commands", "std_msgs/msg/Float64MultiArray"),
+    "trajectory": (
+        "/joint_trajectory_controller/joint_trajectory",
+        "trajectory_msgs/msg/JointTrajectory",
+    ),
+}
 
 
 def newest(reader):
@@ -56,10 +62,10 @@ def test_daemon_follows_joint_commands_of_one_hand():
 class Controllers(threading.Thread):
     """Stand-in for a controller manager: a forward controller and a joint state broadcaster."""
 
-    def __init__(self, names, position):
+    def __init__(self, controller, names, position):
         super().__init__(daemon=True)
         self.peer = Peer()
-        self.commands = self.peer.reader(FORWARD, "std_msgs/msg/Float64MultiArray")
+        self.commands = self.peer.reader(*CONTROLLERS[controller])
         self.states = self.peer.writer("/joint_states", "sensor_msgs/msg/JointState")
         self.names = names
         self.position = position
@@ -68,9 +74,10 @@ class Controllers(threading.Thread):
     def run(self):
         while not self.ends:
             for sample in self.commands.take(100):
-                if hasattr(sample, "data"):
-                    self.received.append((time.monotonic(), list(sample.data)))
-                    self.position = list(sample.data)
+                positions = self.positions(sample)
+                if positions:
+                    self.received.append((time.monotonic(), positions))
+                    self.position = positions
             if self.publishes:
                 zeros = [0.0] * len(self.names)
                 self.states.write(
@@ -84,18 +91,31 @@ class Controllers(threading.Thread):
             time.sleep(0.01)
 
 
+    def positions(self, sample):
+        """Returns the positions of a command; None for a sample without data."""
+        if hasattr(sample, "data"):
+            return list(sample.data)
+        if not hasattr(sample, "points"):
+            return None
+        (point,) = sample.points
+        assert list(sample.joint_names) == self.names
+        reached_s = point.time_from_start.sec + point.time_from_start.nanosec * 1e-9
+        assert 0.0 < reached_s < 0.1, reached_s
+        return list(point.positions)
+
+
 class Driven(Bench):
     """Daemon with the robot of the controllers, without tactile sensors."""
 
-    def __init__(self, names, position):
+    def __init__(self, controller, names, position):
         Bench.count += 1
         self.bus = f"ros2-{os.getpid()}-{Bench.count}"
         self.environment = {**os.environ, "ATAS_BUS": self.bus}
         self.processes = {}
         self.bridge_arguments = [
-            "--services", "cyclonedds", "--drive", "forward", "--robot", "two-hand-arm",
+            "--services", "cyclonedds", "--drive", controller, "--robot", "two-hand-arm",
         ]  # fmt: skip
-        self.controllers = Controllers(names, position)
+        self.controllers = Controllers(controller, names, position)
         self.controllers.start()
         self.start_bridge()
         self.start_daemon()
@@ -126,8 +146,9 @@ def robot():
         return list(state.name), list(state.position)
 
 
-def test_robot_of_controllers_is_held_by_the_daemon(robot):
-    with Driven(*robot) as bench:
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_robot_of_controllers_is_held_by_the_daemon(robot, controller):
+    with Driven(controller, *robot) as bench:
         of = bench.controllers
         start = list(of.position)
         bench.wait_for_mode("ready", timeout=20)
