@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import subprocess
 import sys
@@ -27,6 +28,8 @@ from atas.policy import (
 )
 from conftest import Programs
 from test_daemon import wait_for
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 RATE_HZ = 20.0
 STEPS = 20
@@ -316,3 +319,13 @@ def test_commands_serve_and_run_a_policy(tmp_path: Path, hand: SimulatedHand) ->
             assert failed.returncode == 1 and failed.stderr.startswith("error: could not connect"), failed
         finally:
             server.terminate()
+
+
+def test_reflex_protects_objects_from_jittered_targets() -> None:
+    options = ["--seeds", "6", "--first-seed", "1", "--rates", "20", "--json"]
+    words = [sys.executable, str(EXAMPLES / "jittered_policy.py"), *options]
+    ran = subprocess.run(words, capture_output=True, text=True, timeout=300, check=True)
+    harmed = {True: 0, False: 0}
+    for one in json.loads(ran.stdout):
+        harmed[one["reflex"]] += one["crushed"] or one["dropped"]
+    assert harmed[True] == 0 and harmed[False] >= 3, harmed
