@@ -4,7 +4,7 @@
 //! several thousand N/m, nanometres matter. A hand in free air only moves its joints.
 
 use nalgebra::{Matrix3, Vector3};
-use robot_model::{Capsules, GraspSide, HandModel, HandPose, HandVector, PerSide};
+use robot_model::{Capsules, GraspSide, HandModel, HandPose, HandVector};
 
 use crate::contact::{Approach, Contact, Wrench};
 use crate::hand_body::HandBody;
@@ -40,11 +40,12 @@ pub(crate) struct Hand {
     pads: Vec<Pad>,
 }
 
-/// Palm and middles of the grasp sides, base frame.
+/// Palm, midpoint between the grasp sides, and vector from the second to the first, base frame, m.
 #[derive(Clone, Debug)]
 pub(crate) struct TickStart {
     base_from_hand: Matrix3<f64>,
-    sides_m: PerSide<Vector3<f64>>,
+    middle_m: Vector3<f64>,
+    across_m: Vector3<f64>,
 }
 
 struct Tip {
@@ -233,19 +234,19 @@ impl TickStart {
     pub(crate) fn from_pose(pose: &HandPose) -> Self {
         Self {
             base_from_hand: pose.base_from_hand().rotation,
-            sides_m: PerSide::from_fn(|side| pose.side_m(side)),
+            middle_m: pose.middle_m(),
+            across_m: pose.across_m(),
         }
     }
 
     /// Returns the grip if fingertips of both grasp sides press; `presses` states it of one.
     pub(crate) fn grip(&self, model: &HandModel, presses: impl Fn(usize) -> bool) -> Option<Grip> {
         let from = |side| model.fingertips_of(side).any(&presses);
-        let tips_m = self.sides_m;
         GraspSide::BOTH.into_iter().all(from).then(|| Grip {
             hand: model.side().index(),
             base_from_hand: self.base_from_hand,
-            middle_m: (tips_m[GraspSide::First] + tips_m[GraspSide::Second]) / 2.0,
-            closing: (tips_m[GraspSide::Second] - tips_m[GraspSide::First]).normalize(),
+            middle_m: self.middle_m,
+            closing: -self.across_m.normalize(),
         })
     }
 }

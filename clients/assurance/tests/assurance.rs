@@ -152,20 +152,22 @@ fn unusable_result_is_a_problem_of_its_claim() {
     );
 }
 
+/// Checks that a changed case with passed evidence has this problem.
+fn check_change(change: fn(&mut Case), subject: &str, words: &str) {
+    let mut case = case();
+    change(&mut case);
+    let results = results(&case, Some);
+    check_problem(&assess(&case, &results), subject, words);
+}
+
 #[test]
 fn unknown_names_are_problems() {
-    let check = |change: fn(&mut Case), subject: &str, words: &str| {
-        let mut case = case();
-        change(&mut case);
-        let results = results(&case, Some);
-        check_problem(&assess(&case, &results), subject, words);
-    };
-    check(
+    check_change(
         |case| case.claims[0].faults.push("F99".to_owned()),
         "G01",
         "the fault F99 does not exist",
     );
-    check(
+    check_change(
         |case| {
             case.claims[0]
                 .tests
@@ -174,7 +176,7 @@ fn unknown_names_are_problems() {
         "G01",
         "tests/tests/system/faults.rs::gone does not exist",
     );
-    check(
+    check_change(
         |case| {
             case.claims[0]
                 .tests
@@ -183,17 +185,17 @@ fn unknown_names_are_problems() {
         "G01",
         "does not exist",
     );
-    check(
+    check_change(
         |case| case.claims[0].strategy = "S9".to_owned(),
         "G01",
         "the strategy S9 is unknown",
     );
-    check(
+    check_change(
         |case| case.claims[1].name = case.claims[0].name.clone(),
         "G02",
         "appears twice",
     );
-    check(
+    check_change(
         |case| case.claims[2].tests.clear(),
         "G03",
         "the claim has no evidence",
@@ -202,23 +204,17 @@ fn unknown_names_are_problems() {
 
 #[test]
 fn each_catalogue_row_is_claimed_or_listed() {
-    let check = |change: fn(&mut Case), subject: &str, words: &str| {
-        let mut case = case();
-        change(&mut case);
-        let results = results(&case, Some);
-        check_problem(&assess(&case, &results), subject, words);
-    };
-    check(
+    check_change(
         |case| case.claims[5].faults.retain(|fault| fault != "F01"),
         "F01",
         "no claim cites the fault",
     );
-    check(
+    check_change(
         |case| case.not_claimed.clear(),
         "F37",
         "no claim cites the fault",
     );
-    check(
+    check_change(
         |case| {
             let reason = "as a test".to_owned();
             let fault = "F01".to_owned();

@@ -1,7 +1,7 @@
 //! Scene: robot data for the page, with links, fingertips and element positions.
 
 use atas_meshes::{Mesh, Meshes};
-use nalgebra::{Isometry3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use robot_model::{
     Form, HandModel, HandSide, Limb, ModelError, Placement, RobotFiles, RobotModel, Shape,
     Skeleton, Transform,
@@ -49,12 +49,7 @@ fn tip_frames(skeleton: &Skeleton, robot: &RobotModel) -> [Vec<Value>; 2] {
         .sides()
         .flat_map(|side| robot.hand(side).reference().iter().copied())
         .collect();
-    let mut base_from_limb: Vec<Isometry3<f64>> = Vec::new();
-    for limb in skeleton.limbs() {
-        let own = isometry(&limb.placed(&reference));
-        let parent = limb.parent.map(|index| base_from_limb[index]);
-        base_from_limb.push(parent.map_or(own, |parent| parent * own));
-    }
+    let base_from_limb = skeleton.base_from_limbs(&reference);
     let frames = |hand: &HandModel| {
         let pose = hand.forward(hand.reference());
         let tips = hand.tip_links().zip(pose.base_from_tip()).enumerate();
@@ -80,14 +75,6 @@ fn tip_frames(skeleton: &Skeleton, robot: &RobotModel) -> [Vec<Value>; 2] {
             Vec::new()
         }
     })
-}
-
-fn isometry(placement: &Placement) -> Isometry3<f64> {
-    let rotation = Quaternion::from_vector(placement.rotation_xyzw.into());
-    Isometry3::from_parts(
-        Translation3::from(Vector3::from(placement.translation_m)),
-        UnitQuaternion::new_normalize(rotation),
-    )
 }
 
 fn pose_of(transform: &Transform) -> Isometry3<f64> {

@@ -12,8 +12,8 @@ mod reduce;
 use std::path::Path;
 
 use mesh_loader::Loader;
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use robot_model::{MeshFile, Placement, RobotFiles, Skeleton};
+use nalgebra::{Point3, Vector3};
+use robot_model::{MeshFile, RobotFiles, Skeleton};
 
 pub use place::find;
 
@@ -81,7 +81,7 @@ fn load(folder: Option<&Path>, file: &MeshFile) -> Result<Mesh, String> {
         ));
     }
     let scene = Loader::default().load(&path).map_err(shown)?;
-    let link_from_mesh = isometry(&file.origin);
+    let link_from_mesh = file.origin.isometry();
     let place = |[x, y, z]: [f32; 3]| {
         let scaled_m =
             Vector3::new(x.into(), y.into(), z.into()).component_mul(&Vector3::from(file.scale));
@@ -131,12 +131,4 @@ fn validate(points_m: &[Point3<f64>], triangles: &[[usize; 3]]) -> Result<(), St
         return Err("a corner is not finite".into());
     }
     Ok(())
-}
-
-fn isometry(placement: &Placement) -> Isometry3<f64> {
-    let rotation = Quaternion::from_vector(placement.rotation_xyzw.into());
-    Isometry3::from_parts(
-        Translation3::from(Vector3::from(placement.translation_m)),
-        UnitQuaternion::new_normalize(rotation),
-    )
 }

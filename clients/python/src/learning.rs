@@ -1,5 +1,8 @@
 //! Learning environments; `atas.environments` adds spaces and wrappers.
 
+use std::sync::{Arc, OnceLock};
+
+use atas_evaluation::drawing::{Links, SceneView};
 use atas_learning::{ACTIONS, End, Outcome, Task};
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayLike2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -46,17 +49,35 @@ fn new_environment(
         .map_err(learning_error)
 }
 
+/// Links of the robot for pictures, loaded by the first one.
+#[derive(Default)]
+struct DrawnLinks(OnceLock<Arc<Links>>);
+
+impl DrawnLinks {
+    fn get(&self, files: &RobotFiles) -> PyResult<Arc<Links>> {
+        match self.0.get() {
+            Some(links) => Ok(Arc::clone(links)),
+            None => {
+                let links = picture::load_links(files)?;
+                Ok(Arc::clone(self.0.get_or_init(|| links)))
+            }
+        }
+    }
+}
+
 /// Draws the current episode of an environment.
 fn render<'py>(
     py: Python<'py>,
     environment: &atas_learning::Environment,
+    links: &DrawnLinks,
     size_px: [u32; 2],
 ) -> PyResult<Picture<'py>> {
     let (scene, position, truth) = environment.state().ok_or_else(|| {
         PyValueError::new_err("could not draw: no episode is running; call reset first")
     })?;
     let robot = environment.robot();
-    let view = picture::view_of(environment.files(), robot, robot.acting_side(), scene)?;
+    let links = links.get(environment.files())?;
+    let view = SceneView::new(links, robot, robot.acting_side(), scene);
     picture::draw(py, &view, position, &truth, size_px)
 }
 
@@ -94,6 +115,7 @@ fn end_of(end: End) -> &'static str {
 #[pyclass(module = "atas")]
 pub(crate) struct Environment {
     environment: atas_learning::Environment,
+    links: DrawnLinks,
 }
 
 impl Environment {
@@ -135,6 +157,7 @@ impl Environment {
     ) -> PyResult<Self> {
         Ok(Self {
             environment: new_environment(task, objects, noise, robot)?,
+            links: DrawnLinks::default(),
         })
     }
 
@@ -145,7 +168,7 @@ impl Environment {
 
     /// Picture of the current episode; see `Simulation.render`.
     fn render<'py>(&self, py: Python<'py>, width: u32, height: u32) -> PyResult<Picture<'py>> {
-        render(py, &self.environment, [width, height])
+        render(py, &self.environment, &self.links, [width, height])
     }
 
     fn __repr__(&self) -> String {
@@ -195,6 +218,7 @@ pub(crate) struct Batch {
     batch: atas_learning::Batch,
     /// Environment of the same kind, without an episode.
     like: atas_learning::Environment,
+    links: DrawnLinks,
 }
 
 type Rows<'py> = Bound<'py, PyArray2<f32>>;
@@ -243,6 +267,7 @@ impl Batch {
         Ok(Self {
             batch: batch.map_err(learning_error)?,
             like,
+            links: DrawnLinks::default(),
         })
     }
 
@@ -265,7 +290,7 @@ impl Batch {
                 self.batch.len()
             ))
         })?;
-        render(py, environment, [width, height])
+        render(py, environment, &self.links, [width, height])
     }
 
     fn __repr__(&self) -> String {

@@ -1,27 +1,23 @@
 //! Pictures of a scene as NumPy arrays.
 
-use atas_evaluation::drawing::SceneView;
+use std::sync::Arc;
+
+use atas_evaluation::drawing::{Links, SceneView};
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use robot_model::{HandSide, RobotFiles, RobotModel};
+use robot_model::RobotFiles;
 use shm_schemas::WorldTruth;
-use sim_backend::Scene;
 
 use crate::compute;
 
 /// Array of uint8 (height, width, 3): red, green, blue.
 pub(crate) type Picture<'py> = Bound<'py, PyArray3<u8>>;
 
-/// Makes the view of a scene.
-pub(crate) fn view_of(
-    files: &RobotFiles,
-    robot: &RobotModel,
-    side: HandSide,
-    scene: &Scene,
-) -> PyResult<SceneView> {
-    let view = SceneView::new(files, robot, side, scene);
-    view.map_err(|why| PyValueError::new_err(why.to_string()))
+/// Loads the links of a robot for its views.
+pub(crate) fn load_links(files: &RobotFiles) -> PyResult<Arc<Links>> {
+    let links = Links::load(files).map_err(|why| PyValueError::new_err(why.to_string()))?;
+    Ok(Arc::new(links))
 }
 
 /// Draws a scene at these joint positions, rad or m.

@@ -108,7 +108,7 @@ impl Simulation {
             robot: files.name.to_string(),
             seed,
         };
-        let view = picture::view_of(&files, &robot, side, &set)?;
+        let view = SceneView::new(picture::load_links(&files)?, &robot, side, &set);
         let run = OfflineRun::new(&robot, &set, seed, settings)
             .map_err(|why| PyValueError::new_err(why.to_string()))?;
         Ok(Self {

@@ -26,12 +26,6 @@ impl GraspSide {
         self as usize
     }
 
-    /// Returns the side of an index in a message; `None` above 1.
-    #[must_use]
-    pub fn from_index(index: usize) -> Option<Self> {
-        Self::BOTH.get(index).copied()
-    }
-
     /// Returns the sign of the side's outward direction along the closing axis: 1 or −1.
     #[must_use]
     pub fn outward(self) -> f64 {

@@ -11,7 +11,7 @@ use std::string::String;
 use std::vec::Vec;
 use std::{format, vec};
 
-use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
 use urdf_rs::{Geometry, Joint, JointType, Link, Pose, Robot, Visual};
 
 use crate::files::RobotFiles;
@@ -161,10 +161,33 @@ impl Skeleton {
         &self.limbs
     }
 
+    /// Returns the pose of each link in the base frame, in the order of [`Skeleton::limbs`].
+    #[must_use]
+    pub fn base_from_limbs(&self, q: &[f64]) -> Vec<Isometry3<f64>> {
+        let mut base_from: Vec<Isometry3<f64>> = Vec::with_capacity(self.limbs.len());
+        for limb in &self.limbs {
+            let own = limb.placed(q).isometry();
+            base_from.push(limb.parent.map_or(own, |parent| base_from[parent] * own));
+        }
+        base_from
+    }
+
     /// Returns the names of the moving joints, in the order of joint vectors.
     #[must_use]
     pub fn joint_names(&self) -> &[String] {
         &self.joint_names
+    }
+}
+
+impl Placement {
+    /// Returns the same pose as an isometry.
+    #[must_use]
+    pub fn isometry(&self) -> Isometry3<f64> {
+        let rotation = Quaternion::from_vector(self.rotation_xyzw.into());
+        Isometry3::from_parts(
+            Translation3::from(Vector3::from(self.translation_m)),
+            UnitQuaternion::new_unchecked(rotation),
+        )
     }
 }
 
@@ -181,16 +204,15 @@ impl Limb {
         let moved = if self.slides {
             Translation3::from(*axis * value).into()
         } else {
-            nalgebra::Isometry3::from_parts(
+            Isometry3::from_parts(
                 Translation3::identity(),
                 UnitQuaternion::from_axis_angle(&axis, value),
             )
         };
-        placement(&(isometry(&self.origin) * moved))
+        placement(&(self.origin.isometry() * moved))
     }
 }
 
-type Isometry = nalgebra::Isometry3<f64>;
 type Open<'a> = (&'a Link, Option<usize>, Option<&'a Joint>);
 
 /// Returns the links that no joint carries.
@@ -216,7 +238,7 @@ fn limb(
     let mut limb = Limb {
         name: link.name.clone(),
         parent,
-        origin: placement(&Isometry::identity()),
+        origin: placement(&Isometry3::identity()),
         axis: [0.0, 0.0, 1.0],
         joint: None,
         ratio: 1.0,
@@ -330,23 +352,15 @@ fn pose(pose: &Pose, what: impl Fn() -> String) -> Result<Placement, ModelProble
         return Err(problem(what(), was, "finite numbers (m, rad)"));
     }
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Ok(placement(&Isometry::from_parts(
+    Ok(placement(&Isometry3::from_parts(
         Translation3::new(x, y, z),
         rotation,
     )))
 }
 
-fn placement(isometry: &Isometry) -> Placement {
+fn placement(isometry: &Isometry3<f64>) -> Placement {
     Placement {
         translation_m: isometry.translation.vector.into(),
         rotation_xyzw: isometry.rotation.coords.into(),
     }
-}
-
-fn isometry(placement: &Placement) -> Isometry {
-    let rotation = nalgebra::Quaternion::from_vector(placement.rotation_xyzw.into());
-    Isometry::from_parts(
-        Translation3::from(Vector3::from(placement.translation_m)),
-        UnitQuaternion::new_unchecked(rotation),
-    )
 }

@@ -1,10 +1,11 @@
 //! Bodies to draw: links of a robot and primitive shapes, split into convex faces.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use atas_meshes::{Mesh, Meshes};
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use robot_model::{Form, ModelError, Placement, RobotFiles, Skeleton};
+use nalgebra::{Isometry3, Point3, Vector3};
+use robot_model::{Form, ModelError, RobotFiles, Skeleton};
 
 use super::mark::{Rgb, rgb_of};
 
@@ -78,44 +79,51 @@ impl Body {
     }
 }
 
-/// Links of a robot with their shapes and meshes.
+/// Links of a robot with their shapes and meshes. The first drawing reads the files of the meshes.
 #[derive(Clone, Debug)]
-pub(super) struct Links {
+pub struct Links {
+    files: RobotFiles,
     skeleton: Skeleton,
-    meshes: Meshes,
+    meshes: OnceLock<Meshes>,
 }
 
 impl Links {
-    pub(super) fn load(files: &RobotFiles) -> Result<Self, ModelError> {
-        let skeleton = files.skeleton()?;
-        let meshes = Meshes::load(files, &skeleton);
-        Ok(Self { skeleton, meshes })
+    /// Loads the links; one value serves all views of a robot.
+    ///
+    /// # Errors
+    /// The URDF is not a tree of links, or a number in it is not finite.
+    pub fn load(files: &RobotFiles) -> Result<Self, ModelError> {
+        Ok(Self {
+            files: files.clone(),
+            skeleton: files.skeleton()?,
+            meshes: OnceLock::new(),
+        })
     }
 
-    /// Returns one sentence for each mesh that is not drawn.
-    pub(super) fn into_remarks(self) -> Vec<String> {
-        self.meshes.remarks
+    /// Returns the meshes, with one sentence for each that is not drawn.
+    pub(super) fn meshes(&self) -> &Meshes {
+        let load = || Meshes::load(&self.files, &self.skeleton);
+        self.meshes.get_or_init(load)
     }
 
     /// Returns the bodies at these joint positions. A line stands for a link without shapes.
     pub(super) fn bodies(&self, q: &[f64]) -> Vec<Body> {
-        let mut base_from: Vec<Isometry3<f64>> = Vec::new();
+        let base_from = self.skeleton.base_from_limbs(q);
         let mut bodies = Vec::new();
-        for (limb, meshes) in self.skeleton.limbs().iter().zip(&self.meshes.links) {
-            let parent = limb
-                .parent
-                .map_or(Isometry3::identity(), |index| base_from[index]);
-            let here = parent * isometry(&limb.placed(q));
-            if limb.parent.is_some() && limb.shapes.is_empty() && meshes.is_empty() {
-                let ends = [parent, here].map(|frame| Point3::from(frame.translation.vector));
-                bodies.push(Body::line(ends));
+        let limbs = self.skeleton.limbs().iter().zip(&base_from);
+        for ((limb, here), meshes) in limbs.zip(&self.meshes().links) {
+            if let Some(parent) = limb.parent
+                && limb.shapes.is_empty()
+                && meshes.is_empty()
+            {
+                let ends = [&base_from[parent], here];
+                bodies.push(Body::line(ends.map(|at| at.translation.vector.into())));
             }
             for shape in &limb.shapes {
-                let at = here * isometry(&shape.origin);
+                let at = here * shape.origin.isometry();
                 bodies.extend(primitive(&at, shape.form, rgb_of(shape.rgba)));
             }
-            bodies.extend(meshes.iter().flat_map(|mesh| faces(&here, mesh)));
-            base_from.push(here);
+            bodies.extend(meshes.iter().flat_map(|mesh| faces(here, mesh)));
         }
         bodies
     }
@@ -198,12 +206,4 @@ fn cylinder(base_from: &Isometry3<f64>, radius_m: f64, half_m: f64, rgb: Rgb) ->
         body(rim(sign * half_m).collect(), Shade::Face(normal))
     };
     vec![body(side, Shade::Plain), end(1.0), end(-1.0)]
-}
-
-fn isometry(placement: &Placement) -> Isometry3<f64> {
-    let rotation = Quaternion::from_vector(placement.rotation_xyzw.into());
-    Isometry3::from_parts(
-        Translation3::from(Vector3::from(placement.translation_m)),
-        UnitQuaternion::new_normalize(rotation),
-    )
 }

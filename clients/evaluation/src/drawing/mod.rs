@@ -21,6 +21,7 @@ mod scene_view;
 mod svg;
 mod view;
 
+pub use bodies::Links;
 pub use mark::Drawing;
 pub use robot_views::robot_views;
 pub use scene_view::{PictureSizeError, SceneView};

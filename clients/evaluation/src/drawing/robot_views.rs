@@ -46,7 +46,7 @@ pub fn robot_views(
         drawing.append_at(drawing.size_px[0], drawn);
     }
     add_legend(&mut drawing);
-    Ok((drawing, links.into_remarks()))
+    Ok((drawing, links.meshes().remarks.clone()))
 }
 
 /// Returns the joint positions of the rest pose: home if the hands reach it, else the reference

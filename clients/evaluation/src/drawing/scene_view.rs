@@ -1,9 +1,10 @@
 //! View of the acting hand and the objects of a scene.
 
 use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use robot_model::{Form, HandSide, ModelError, RobotFiles, RobotModel};
+use robot_model::{Form, HandSide, RobotModel};
 use shm_schemas::{ObjectTruth, WorldTruth};
 use sim_backend::{Scene, Shape};
 
@@ -34,7 +35,7 @@ const PIXELS_MAX: u32 = 4096;
 /// View of a scene from a fixed direction. The table has a grid of 100 mm.
 #[derive(Clone, Debug)]
 pub struct SceneView {
-    links: Links,
+    links: Arc<Links>,
     robot: RobotModel,
     shapes: Vec<Shape>,
     plates: Vec<Body>,
@@ -66,15 +67,8 @@ impl std::fmt::Display for PictureSizeError {
 
 impl SceneView {
     /// Makes a view of a hand and its scene.
-    ///
-    /// # Errors
-    /// The URDF is not a tree of links, or a number in it is not finite.
-    pub fn new(
-        files: &RobotFiles,
-        robot: &RobotModel,
-        side: HandSide,
-        scene: &Scene,
-    ) -> Result<Self, ModelError> {
+    #[must_use]
+    pub fn new(links: Arc<Links>, robot: &RobotModel, side: HandSide, scene: &Scene) -> Self {
         let (from_m, yaw_rad) = scene.grasp_hint(0).map_or_else(
             || (robot.hand(side).home_m().into(), 0.0),
             |hint| (hint.from_m, hint.yaw_rad),
@@ -90,15 +84,15 @@ impl SceneView {
             let size_m = [2.0 * half_x, 2.0 * half_y, plate.height_m];
             primitive(&at, Form::Box { size_m }, PLATE_RGB)
         });
-        Ok(Self {
-            links: Links::load(files)?,
+        Self {
+            links,
             robot: robot.clone(),
             shapes: shapes.collect(),
             plates: plates.collect(),
             view: View::from_direction(facing(yaw_rad), HEIGHT_RAD),
             middle_m: Point3::new(middle(0), middle(1), MIDDLE_M),
             span_m: SPAN_M + apart_m,
-        })
+        }
     }
 
     /// Draws the robot at these joint positions (rad or m) and the objects of the ground truth.
@@ -213,7 +207,8 @@ mod tests {
         let mut world = World::new(&robot, &scene, 1).expect("a world");
         let mut sensed = Sensed::default();
         world.sense(&mut sensed);
-        let view = SceneView::new(&TWO_HAND_ARM, &robot, HandSide::Right, &scene).expect("a view");
+        let links = Arc::new(Links::load(&TWO_HAND_ARM).expect("built-in"));
+        let view = SceneView::new(links, &robot, HandSide::Right, &scene);
         view.draw(&sensed.joints.position, &world.truth(), size_px)
     }
 

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use atas_remote::frame::{Kind, encode};
+use rustix::process::Signal;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::{ClientConfig, ClientConnection, RootCertStore, StreamOwned};
@@ -83,6 +84,15 @@ impl RemoteFixture {
         let mut command = atas(line);
         command.env("ATAS_BUS", self.bus.as_str());
         command.output().expect("it starts")
+    }
+
+    /// Ends the server by a signal; it ends within a second.
+    pub(super) fn end_server(&mut self) {
+        let begin = Instant::now();
+        self.server.signal(Signal::TERM);
+        assert!(self.server.wait().success());
+        let took = begin.elapsed();
+        assert!(took <= Duration::from_secs(1), "{took:?}");
     }
 
     /// Returns a command of a client at the server.
