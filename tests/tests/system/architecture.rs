@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use cargo_metadata::TargetKind;
 use robot_model::RobotModel;
 
 /// Permitted dependencies of each package of the workspace. Dev-dependencies are not restricted.
@@ -309,6 +310,20 @@ fn packages_have_only_permitted_dependencies() {
                 dependency.name
             );
         }
+    }
+}
+
+/// `cargo test` builds the programs of a package only if it has an integration test. The system
+/// tests run programs of other packages.
+#[test]
+fn each_package_with_a_program_has_an_integration_test() {
+    for package in &packages() {
+        let has = |kind: TargetKind| package.targets.iter().any(|t| t.is_kind(kind.clone()));
+        assert!(
+            !has(TargetKind::Bin) || has(TargetKind::Test),
+            "{}: `cargo test --workspace` does not build its programs; add an integration test",
+            package.name
+        );
     }
 }
 
