@@ -52,6 +52,9 @@ pub const FRAME_GAP_MAX: u64 = 10_000;
 /// Decay time constant of a silent element's contribution, s. Design choice: a load that vanishes
 /// faster counts as a drop.
 pub const MASKED_DECAY_S: f64 = 1.0;
+/// Time constant of zero tracking, s. Design choice: a fraction of the shortest free motion, long
+/// against sensor noise.
+pub const ZERO_TRACKING_S: f64 = 0.3;
 /// Silence of a writer after which another may take over, ns. Design choice: 20 frames at 1 kHz.
 pub const WRITER_SILENT_NS: u64 = 20_000_000;
 

@@ -190,6 +190,9 @@ settings! {
         /// Normal force below which contact ends, N. Too small: contact persists after release. Too
         /// large: contact toggles at light touch.
         touch_off_n = 0.03 in 0.0..10000.0;
+        /// Largest rate at which the zero of an untouched fingertip follows its reading, N/s; 0
+        /// keeps the zero. Too small: sensor drift counts as touch. Too large: hides a slow touch.
+        zero_tracking_n_s = 0.1 in 0.0..1.0;
         /// Window W of the tangential force increment dF_t, s. Too small: misses slow load changes.
         /// Too large: reports load changes after they end.
         increment_window_s = 0.1 in 0.005..1.0;

@@ -4,6 +4,7 @@
 use crate::rig::{Rig, goal, object};
 use robot_model::HandSide;
 use shm_schemas::{Cause, GoalKind, GoalState, ObjectTruth};
+use sim_backend::random::trial_seed;
 use sim_backend::{Errors, Scene};
 
 /// Largest slip, m, and rotation, rad, in the hand on success.
@@ -40,6 +41,22 @@ fn crosstalk_drops_no_object() {
             assert!(turn_rad <= TURN_MAX_RAD, "{what}: rotated by {turn_rad}");
         }
     }
+}
+
+/// Regression: the offset of one fingertip counted as touch. The hand probed without the object and
+/// lost it in the lift.
+#[test]
+fn sensor_offset_is_no_touch() {
+    let errors = Errors {
+        bias_n: 0.005,
+        ..Errors::NONE
+    };
+    let seed = trial_seed("heavy-block", 1012);
+    let (state, cause, truth) = grasped("heavy-block", &errors, seed);
+    assert_eq!(
+        (state, cause, truth.dropped),
+        (GoalState::REFUSED, Cause::TOO_HEAVY, 0)
+    );
 }
 
 #[test]

@@ -354,6 +354,16 @@ impl TaskExecutor {
         self.slip_warning = self.check_slip(percept);
     }
 
+    /// Returns true in free motion: a touch is an obstacle.
+    pub(crate) fn moves_freely(&self) -> bool {
+        self.step().modules.contains(ModuleId::CONTACT_GUARD)
+    }
+
+    /// Returns true while the fingers close towards the first touch.
+    pub(crate) fn searches(&self) -> bool {
+        self.step().transition == Transition::AllTouched
+    }
+
     /// Receives the result of lift verification.
     pub fn receive_finding(&mut self, finding: LiftFinding) {
         self.object.receive(finding, self.is_monitored());
@@ -362,7 +372,7 @@ impl TaskExecutor {
     fn step_facts(&self, now: &GraspPose) -> StepFacts {
         let step = self.step();
         StepFacts {
-            searches: step.transition == Transition::AllTouched,
+            searches: self.searches(),
             verifies_lift: step.modules.contains(ModuleId::LIFT_VERIFICATION),
             lowers: self.lowering_m(now).is_some(),
             steadies: matches!(step.transition, Transition::Met(_))

@@ -78,8 +78,8 @@ impl TaskExecutor {
 
     /// Returns true if the fingertips of a teleoperated hand met without an object between them.
     pub(super) fn fingertips_met(&self, now: &GraspPose) -> bool {
-        let searches = self.is_teleoperated() && self.step().transition == Transition::AllTouched;
-        searches
+        self.is_teleoperated()
+            && self.searches()
             && now
                 .half_opening_m
                 .iter()

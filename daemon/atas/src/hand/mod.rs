@@ -112,6 +112,10 @@ impl HandControl {
                 self.perception.update(&checked, slides, settings);
             }
         }
+        if let Some(moves_freely) = self.expects_no_load() {
+            self.perception
+                .track_zero(moves_freely, &settings.perception);
+        }
         self.update_force_limit();
         self.publish_contacts(&before, settings, events);
         if self.intake.warning().is_some() {
@@ -119,6 +123,18 @@ impl HandControl {
                 reason: self.intake.warning(),
                 ..self.event(EventKind::WARNING)
             });
+        }
+    }
+
+    /// Returns `Some` while nothing loads the fingertips until they touch: true in free motion,
+    /// where a touch is an obstacle.
+    fn expects_no_load(&self) -> Option<bool> {
+        match &self.executor {
+            None => Some(false),
+            Some(executor) if executor.moves_freely() => Some(true),
+            // A client may close the fingers more slowly than a sensor drifts.
+            Some(executor) if executor.is_teleoperated() => None,
+            Some(executor) => executor.searches().then_some(false),
         }
     }
 

@@ -7,7 +7,7 @@ use super::motion::{Motion, MotionPercept};
 use super::noise::Noise;
 use super::patch::{ElementAxes, LoadedElements, LoadedGroups, Patch};
 use crate::intake::ValidatedFrame;
-use crate::limits::{FRICTION_FLOOR, MASKED_DECAY_S};
+use crate::limits::{FRICTION_FLOOR, MASKED_DECAY_S, ZERO_TRACKING_S};
 use crate::settings::{Perception, Settings};
 use nalgebra::Vector3;
 
@@ -190,6 +190,28 @@ impl FingertipPerception {
         }
         self.slow_n = Rows::default();
         self.noise.pause();
+    }
+
+    /// Moves the zero of an untouched fingertip towards its readings, at a limited rate: a touch
+    /// loads it faster than its sensor drifts.
+    pub(super) fn track_zero(&mut self, count: usize, step_s: f64, settings: &Perception) {
+        let [normals_n, ..] = &self.filtered_n;
+        let share = step_s / (ZERO_TRACKING_S + step_s);
+        let change_n = share * normals_n.sum(count).abs();
+        let most_n = settings.zero_tracking_n_s * step_s;
+        let limited = if change_n > most_n {
+            most_n / change_n
+        } else {
+            1.0
+        };
+        let share = Lanes::splat(share * limited);
+        for (bias_n, filtered_n) in self.bias_n.iter_mut().zip(&mut self.filtered_n) {
+            for group in Row::groups(count) {
+                let moved_n = filtered_n.group(group) * share;
+                *bias_n.group_mut(group) += moved_n;
+                *filtered_n.group_mut(group) -= moved_n;
+            }
+        }
     }
 
     /// Gain of the first filter.

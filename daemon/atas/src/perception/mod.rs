@@ -28,7 +28,7 @@ pub use yield_detection::{PressMaxima, YieldDetector, YieldRule};
 
 use crate::intake::ValidatedFrame;
 use crate::sensor_setup::HandSensorSetup;
-use crate::settings::Settings;
+use crate::settings::{self, Settings};
 use patch::ElementAxes;
 use robot_model::{GraspSide, HandModel, PerSide};
 use shm_schemas::capacity::FINGERS;
@@ -121,6 +121,19 @@ impl Perception {
     #[must_use]
     pub fn percept(&self) -> &Percept {
         &self.percept
+    }
+
+    /// Moves the zero of the fingertips towards the readings of the newest frames: of those without
+    /// contact, or of all if the hand moves freely.
+    pub fn track_zero(&mut self, moves_freely: bool, settings: &settings::Perception) {
+        for (finger, percept) in self.fingertips[..self.count]
+            .iter_mut()
+            .zip(&self.percept.fingertips)
+        {
+            if moves_freely || !percept.in_contact {
+                finger.track_zero(self.axes.count, self.percept.step_s, settings);
+            }
+        }
     }
 
     /// Zeroes the filtered readings of all elements.

@@ -254,6 +254,52 @@ fn bias_zeroes_the_present_reading() {
     assert!((measured.normal_n - 1.0).abs() < 1e-2, "{measured:?}");
 }
 
+/// Force on an untouched fingertip, N, that loads it for a time, s: the remaining reading, N.
+#[test]
+fn zero_follows_drift_but_not_a_touch() {
+    for (what, force_n, force_n_s, time_s, remains_n) in [
+        ("offset", 0.05, 0.0, 2.0, 0.0..0.002),
+        ("slow drift", 0.0, 0.05, 20.0, 0.0..0.02),
+        ("touch of a sponge", 0.0, 0.6, 0.1, 0.05..0.06),
+        ("touch of a rigid block", 0.0, 10.0, 0.01, 0.09..0.1),
+        ("pull", -0.05, 0.0, 2.0, -0.002..0.0),
+    ] {
+        let mut skin = Skin::unfiltered();
+        let ticks = (time_s * 1e3) as u32;
+        for tick in 0..ticks {
+            let normal_n = force_n + force_n_s * f64::from(tick) * 1e-3;
+            skin.hold(1, Vector3::z() * -normal_n);
+            skin.perception.track_zero(true, &skin.settings.perception);
+        }
+        let last_n = force_n + force_n_s * f64::from(ticks) * 1e-3;
+        let read_n = skin.hold(1, Vector3::z() * -last_n).normal_n;
+        let around = remains_n.start - 1e-9..remains_n.end + 1e-9;
+        assert!(around.contains(&read_n), "{what}: {read_n} N");
+    }
+}
+
+#[test]
+fn zero_stays_in_contact_and_at_rate_0() {
+    let pressed = Vector3::z() * -0.5;
+    for (rate_n_s, moves_freely, read_n) in [(0.1, false, 0.5), (0.1, true, 0.4), (0.0, true, 0.5)]
+    {
+        let mut skin = Skin::unfiltered();
+        skin.settings
+            .set("perception.zero_tracking_n_s", rate_n_s)
+            .unwrap();
+        for _ in 0..1000 {
+            skin.hold(1, pressed);
+            skin.perception
+                .track_zero(moves_freely, &skin.settings.perception);
+        }
+        let normal_n = skin.hold(1, pressed).normal_n;
+        assert!(
+            (normal_n - read_n).abs() < 0.005,
+            "{rate_n_s} N/s: {normal_n} N"
+        );
+    }
+}
+
 /// Force at 2 N/s: the increment over the 100 ms window is 0.2 N, from a fast and from a slow
 /// sensor.
 #[test]
