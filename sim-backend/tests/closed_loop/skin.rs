@@ -5,7 +5,8 @@ use std::cell::RefCell;
 use crate::rig::{Rig, goal, object};
 use robot_model::HandSide;
 use shm_schemas::{Cause, GoalKind, HandFrame, Mode};
-use sim_backend::Scene;
+use sim_backend::random::trial_seed;
+use sim_backend::{DriftModel, Scene};
 
 /// Ticks from the fault to the evaluation: longer than the goal of a hold.
 const WATCHED: u64 = 20_000;
@@ -104,6 +105,29 @@ fn zero_drift_without_torques_harms_no_object() {
                 "{case}"
             );
         }
+    }
+}
+
+/// Regression: the grip closed by the force that a falling zero hid, until a paper box was crushed.
+/// A rising zero opened the grip of a bottle, which needs nearly F_2, to F_2 by its reading.
+#[test]
+fn zero_drift_from_the_start_without_torques_harms_no_object() {
+    for (name, number, rate_n_s) in [("paper-box", 1002, -0.05), ("bottle", 1007, 0.05)] {
+        let seed = trial_seed(name, number);
+        let mut scene = Scene::grasp(object(name), HandSide::Right).varied(seed);
+        scene.sensor_model.drift = Some(DriftModel {
+            rate_n_s: [rate_n_s, 0.0, 0.0],
+            limit_n: 3.0,
+            from_s: 0.0,
+        });
+        let mut rig = Rig::seeded(&scene, seed);
+        rig.is_torque_missing = true;
+        rig.begin(&goal(GoalKind::GRASP, &scene, HandSide::Right));
+        rig.ticks(3 * WATCHED);
+        let object = rig.object();
+        let case = format!("{name}, {rate_n_s} N/s: {:?}, {object:?}", rig.warnings);
+        assert_eq!((object.dropped, object.crushed), (0, 0), "{case}");
+        assert!(object.lifted_m > 0.01, "{case}");
     }
 }
 

@@ -23,8 +23,8 @@ const FINGER_COMPLIANCE: f64 = 4.0;
 /// times creep and hysteresis of 5 %).
 const REPORTED_SHARE: f64 = 0.3;
 const REPORTED_MIN_N: f64 = 0.1;
-/// Excess that does not count for F_2: share of the verified force, and minimum in N (design
-/// choice: a support that pushes a heavy block up adds a tenth).
+/// Excess that does not count for F_2 while the object is set down: share of the verified force, and
+/// minimum in N (design choice: a support that pushes a heavy block up adds a tenth).
 const EXCESSIVE_SHARE: f64 = 0.1;
 const EXCESSIVE_MIN_N: f64 = 0.1;
 /// Missing force beyond which the grip no longer closes: share of the verified force, and minimum
@@ -40,7 +40,8 @@ pub struct Drift {
     pub force_n: f64,
     /// The drift is beyond creep and hysteresis.
     pub is_reported: bool,
-    /// The measured force is beyond what a load or a support adds at the same opening.
+    /// The measured force is beyond what a support adds at the same opening. In the air nothing
+    /// does: fingers that do not close crush nothing.
     is_excessive: bool,
     /// The true force may be twice the verified one; further closing may crush the object.
     pub stops_closing: bool,
@@ -53,35 +54,42 @@ impl Drift {
         if self.is_excessive { self.force_n } else { 0.0 }
     }
 
+    /// Returns the force that only the drift reports, N, once it is beyond creep and hysteresis;
+    /// negative if the drift hides force.
+    pub(super) fn reported_n(&self) -> f64 {
+        if self.is_reported { self.force_n } else { 0.0 }
+    }
+
     /// Estimates the drift of a verified grip; `object_m_n` is the compliance of the object, m/N.
-    pub(super) fn estimate(grip: &VerifiedGrip, skin: &Compression, object_m_n: f64) -> Self {
+    /// `lowers`: the hand sets the object down.
+    pub(super) fn estimate(
+        grip: &VerifiedGrip,
+        skin: &Compression,
+        object_m_n: f64,
+        lowers: bool,
+    ) -> Self {
         let sides = grip.normal_n.iter().zip(&grip.verified_normal_n);
         let sides = sides.map(|(normal_n, verified_n)| {
-            Self::of_side(*normal_n, *verified_n, grip.closed_m, skin, object_m_n)
+            if *verified_n <= 0.0 {
+                return Self::default();
+            }
+            let force_n =
+                force_beyond_opening_n((*normal_n, *verified_n), grip.closed_m, skin, object_m_n);
+            Self::of_side(force_n, *verified_n, lowers)
         });
         sides.reduce(Self::agreed).unwrap_or_default()
     }
 
-    fn of_side(
-        normal_n: f64,
-        verified_n: f64,
-        closed_m: f64,
-        skin: &Compression,
-        object_m_n: f64,
-    ) -> Self {
-        if verified_n <= 0.0 {
-            return Self::default();
-        }
-        let skin_m_n = skin.compliance_m_n(verified_n);
-        let small_n = closed_m / (2.0 * FINGER_COMPLIANCE * skin_m_n + object_m_n);
-        let large_n = closed_m / (2.0 * skin_m_n);
-        let change_n = normal_n - verified_n;
-        let allowed_n = change_n.max(small_n.min(large_n)).min(small_n.max(large_n));
-        let force_n = change_n - allowed_n;
+    fn of_side(force_n: f64, verified_n: f64, lowers: bool) -> Self {
+        let by_support_n = if lowers {
+            EXCESSIVE_SHARE * verified_n + EXCESSIVE_MIN_N
+        } else {
+            0.0
+        };
         Self {
             force_n,
             is_reported: force_n.abs() > REPORTED_SHARE * verified_n + REPORTED_MIN_N,
-            is_excessive: force_n > EXCESSIVE_SHARE * verified_n + EXCESSIVE_MIN_N,
+            is_excessive: force_n > by_support_n,
             stops_closing: -force_n > BOUND_SHARE * verified_n + BOUND_MIN_N,
         }
     }
@@ -106,6 +114,20 @@ impl Drift {
     }
 }
 
+/// Returns the part of the force change since the verification that the opening does not allow, N.
+fn force_beyond_opening_n(
+    (normal_n, verified_n): (f64, f64),
+    closed_m: f64,
+    skin: &Compression,
+    object_m_n: f64,
+) -> f64 {
+    let skin_m_n = skin.compliance_m_n(verified_n);
+    let small_n = closed_m / (2.0 * FINGER_COMPLIANCE * skin_m_n + object_m_n);
+    let large_n = closed_m / (2.0 * skin_m_n);
+    let change_n = normal_n - verified_n;
+    change_n - change_n.max(small_n.min(large_n)).min(small_n.max(large_n))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,7 +144,7 @@ mod tests {
             verified_normal_n: [1.0; 2].into(),
             closed_m: closed_mm * 1e-3,
         };
-        let drift = Drift::estimate(&grip, &Skin::DOME_41.compression, 0.0);
+        let drift = Drift::estimate(&grip, &Skin::DOME_41.compression, 0.0, false);
         (drift.force_n, drift.is_reported, drift.stops_closing)
     }
 

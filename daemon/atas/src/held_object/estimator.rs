@@ -117,7 +117,7 @@ impl HeldObjectEstimator {
         let net_n = percept.net_force_n(hand.base_from_tip);
         self.update_swing(hand.carry_scale, step_s);
         self.update_support(hand.pose, gap_m, step, settings);
-        self.update_grip(percept, &net_n, hand, settings);
+        self.update_grip(percept, &net_n, hand, step.lowers, settings);
         self.update_drop(percept);
         if step.is_monitored && self.is_carried() && !self.is_found {
             self.update_in_hand(percept);
@@ -169,13 +169,15 @@ impl HeldObjectEstimator {
         percept: &Percept,
         net_n: &Vector3<f64>,
         hand: &HandMotion<'_>,
+        lowers: bool,
         settings: &Settings,
     ) {
         let object = &mut self.object;
         object.down_n = -net_n.z;
         let across_n = across_axis_n(net_n, &hand.closing_axis);
         let opening_m = hand.pose.half_opening_m.iter().sum();
-        object.grip = self.verification.update(percept, across_n, opening_m);
+        let load = (across_n, object.drift.reported_n());
+        object.grip = self.verification.update(percept, load, opening_m);
         let lifts = object.carried_m > 0.0 && !object.suspended;
         let forces_n = (percept.total_normal_n(), object.down_n);
         let without_response = self
@@ -184,7 +186,7 @@ impl HeldObjectEstimator {
         object.load_is_held = self.verification.is_held() || without_response;
         let object_m_n = settings.grasp.compression_m / object.thresholds.f2_n;
         object.drift = object.grip.map_or(Drift::default(), |grip| {
-            Drift::estimate(&grip, &hand.compression, object_m_n)
+            Drift::estimate(&grip, &hand.compression, object_m_n, lowers)
         });
         let drifts = self.is_gripped && object.drift.is_reported;
         self.drifting.update(drifts, percept.step_s);
@@ -205,9 +207,9 @@ impl HeldObjectEstimator {
         if self.object.carried_m <= 0.0 || percept.step_s <= 0.0 {
             return;
         }
-        self.lever.update(percept);
+        let HeldObject { down_n, drops, .. } = self.object;
+        self.lever.update(percept, down_n);
         if self.is_verified {
-            let HeldObject { down_n, drops, .. } = self.object;
             self.weight.update(down_n, drops, percept.step_s);
         }
     }

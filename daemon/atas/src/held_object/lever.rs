@@ -13,6 +13,9 @@ const FILTER_S: f64 = 0.05;
 const LIGHT_LOAD_N: f64 = 0.3;
 /// Minimum total load for a lever estimate, N (design choice: several times the sensor noise).
 const LOAD_MIN_N: f64 = 0.05;
+/// Vertical load, as a share of the grip force, below which the moment shows how the object stands
+/// and how the faces are misaligned, not its lever (design choice: a tenth of a usual load).
+const LOAD_SHARE_MIN: f64 = 0.03;
 /// Pairs of minimum torsion ratio and maximum remaining lever share of a rotated object (design
 /// choice, measured with centres of mass up to 5 mm off-centre).
 const ROTATED: [[f64; 2]; 2] = [[0.6, 0.9], [0.5, 0.7]];
@@ -40,10 +43,11 @@ pub(super) struct Lever {
 }
 
 impl Lever {
-    /// Adds the frames of one tick.
-    pub(super) fn update(&mut self, percept: &Percept) {
+    /// Adds the frames of one tick, with the vertical load on the hand, N.
+    pub(super) fn update(&mut self, percept: &Percept, down_n: f64) {
         let load_n = percept.total_tangential_n();
-        if load_n < LOAD_MIN_N {
+        let least_n = LOAD_SHARE_MIN * percept.total_normal_n();
+        if load_n < LOAD_MIN_N || down_n < least_n {
             return;
         }
         let filter_s = FILTER_S * (1.0 + LIGHT_LOAD_N / load_n);
@@ -90,5 +94,36 @@ impl Lever {
 
     fn reason(&self) -> Reason {
         Reason::with_limit(Cause::TURNED_IN_HAND, self.now_m, self.max_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::perception::ContactPercept;
+
+    /// Regression: a block gripped by misaligned fingertips was put back four times and grasped
+    /// ever farther from its centre, because the moment of the standing block counted as its lever.
+    #[test]
+    fn moment_of_a_standing_object_is_no_lever() {
+        let side = |moment_n_m| ContactPercept {
+            normal_n: 4.0,
+            tangential_n: 0.4,
+            moment_n_m,
+            ..ContactPercept::default()
+        };
+        let percept = Percept {
+            sides: [side(0.002), side(-0.002)].into(),
+            step_s: 1e-3,
+            ..Percept::default()
+        };
+        for (down_n, lever_m) in [(0.1, 0.0), (0.8, 0.005)] {
+            let mut lever = Lever::default();
+            for _ in 0..1000 {
+                lever.update(&percept, down_n);
+            }
+            let found_m = lever.max_m();
+            assert!((found_m - lever_m).abs() < 1e-4, "{down_n} N: {found_m} m");
+        }
     }
 }
