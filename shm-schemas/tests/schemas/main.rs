@@ -5,6 +5,7 @@ mod dome;
 mod header;
 mod layout;
 mod named_layouts;
+mod reason_texts;
 mod reasons;
 mod seal;
 mod services;
