@@ -12,8 +12,8 @@ use atas_core::{Controller, Inputs, Outputs, Stage, Tick};
 use robot_model::HandSide;
 use shm_schemas::capacity::{HANDS, JOINTS};
 use shm_schemas::{
-    Cause, EventKind, GoalState, GoalUpdate, HandReport, JointCommand, Mode, ModuleEvent, Reason,
-    Stamp, Status, Text, TickReport,
+    EventKind, GoalState, GoalUpdate, HandReport, JointCommand, Mode, ModuleEvent, Reason, Stamp,
+    Status, Text, TickReport,
 };
 
 /// Validity of a command after a panic in the first tick, ns. After a later one it is that of the
@@ -95,7 +95,7 @@ impl PanicGuard {
     pub fn status(&self, now_ns: u64) -> Status {
         let (mode, reason) = match self.failure {
             None => self.controller.mode(),
-            Some(_) => (Mode::FAULT, Reason::new(Cause::MODULE_PANICKED)),
+            Some(_) => (Mode::FAULT, Reason::ModulePanicked),
         };
         let goal = self.controller.goal();
         Status {
@@ -104,13 +104,13 @@ impl PanicGuard {
                 ..Stamp::default()
             },
             mode,
-            reason,
+            reason: reason.into(),
             goal_id: goal.map_or(0, |g| g.request.goal_id),
             goal_kind: goal.map_or_else(Default::default, |g| g.request.kind),
             goal_state: goal.map_or_else(Default::default, |g| self.goal_state(g.state)),
             step: Text::new(self.controller.step_name()),
             task: goal.map_or_else(Default::default, |g| g.request.task),
-            goal_reason: goal.map_or_else(Default::default, |g| self.goal_reason(g)),
+            goal_reason: goal.map_or_else(Default::default, |g| self.goal_reason(g).into()),
             hands: HandSide::BOTH.map(|side| self.controller.hand_status(side)),
             joints: self.controller.joint_status(),
             ..Status::default()
@@ -128,7 +128,7 @@ impl PanicGuard {
 
     fn goal_reason(&self, goal: &ActiveGoal) -> Reason {
         if self.failure.is_some() && !goal.state.is_final() {
-            Reason::new(Cause::MODULE_PANICKED)
+            Reason::ModulePanicked
         } else {
             goal.reason
         }
@@ -178,7 +178,7 @@ impl LastOutputs {
 
 impl Failure {
     fn new(last: &LastOutputs, tick: Tick) -> Self {
-        let reason = Reason::new(Cause::MODULE_PANICKED);
+        let reason = Reason::ModulePanicked.into();
         let stamp = |sequence| Stamp {
             sequence,
             captured_ns: tick.now_ns,

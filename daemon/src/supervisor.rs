@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 
 use atas_core::OperatorRequest;
 use shm_bus::{Bus, BusError, now_ns};
-use shm_schemas::{Cause, Reason};
+use shm_schemas::Reason;
 
 use crate::link::{Notification, SupervisorSide};
 use controls::ControlService;
@@ -206,9 +206,7 @@ impl Supervisor {
         self.manager.stopping();
         self.resting_ticks = 0;
         // The queue of stops has room: no other source stops in every tick.
-        let _ticket = self
-            .link
-            .request(OperatorRequest::Stop(Reason::new(Cause::SHUTDOWN)));
+        let _ticket = self.link.request(OperatorRequest::Stop(Reason::Shutdown));
         Instant::now() + STOP_TIMEOUT
     }
 }

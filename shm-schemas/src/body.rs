@@ -27,7 +27,7 @@ pub struct Body {
     pub joint: usize,
 }
 
-/// Two bodies, encoded as the index of a [`crate::Reason`]; index 0 means none.
+/// Two bodies, encoded as the index of a [`crate::ReasonRecord`]; index 0 means none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BodyPair(pub [Body; 2]);
 
@@ -41,9 +41,9 @@ impl BodyPair {
     /// assert_eq!(pair.index(), 5);
     /// ```
     #[must_use]
-    pub fn index(self) -> usize {
+    pub fn index(self) -> u32 {
         let [first, second] = self.0.map(|body| body.hand << 4 | body.joint & 0xf);
-        1 + (first << 8 | second)
+        u32::try_from(1 + (first << 8 | second)).unwrap_or(u32::MAX)
     }
 
     /// Decodes the pair of an index.

@@ -4,8 +4,8 @@
 //! array types, which therefore match the compiled layout.
 
 use crate::schema::{CodeType, PayloadType};
-use crate::{arena, base, control, event, frame, goal, joints, module, reason, record, sensor_bit};
-use crate::{stamp, status, stop, swarm, target, tick, truth, view};
+use crate::{arena, base, cause, control, event, frame, goal, joints, module, reason_record};
+use crate::{record, sensor_bit, stamp, status, stop, swarm, target, tick, truth, view};
 
 /// Every code.
 pub const CODES: &[&CodeType] = &[
@@ -21,7 +21,7 @@ pub const CODES: &[&CodeType] = &[
     &stop::StopOutcome::CODE,
     &event::EventKind::CODE,
     &module::ModuleId::CODE,
-    &reason::Cause::CODE,
+    &cause::Cause::CODE,
     &record::OrderKind::CODE,
     &sensor_bit::SensorBit::CODE,
     &base::Light::CODE,
@@ -37,7 +37,7 @@ pub const PAYLOADS: &[&PayloadType] = &[
     &joints::JointCommand::PAYLOAD,
     &goal::GoalRequest::PAYLOAD,
     &goal::GraspFigures::PAYLOAD,
-    &reason::Reason::PAYLOAD,
+    &reason_record::ReasonRecord::PAYLOAD,
     &goal::GoalUpdate::PAYLOAD,
     &target::GraspTarget::PAYLOAD,
     &control::ControlRequest::PAYLOAD,

@@ -4,7 +4,7 @@ use crate::code::code;
 use crate::joints::Mode;
 use crate::module::ModuleId;
 use crate::payload::payload;
-use crate::reason::Reason;
+use crate::reason_record::ReasonRecord;
 use crate::stamp::{Hand, Stamp};
 use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
@@ -58,7 +58,7 @@ payload! {
         /// Threshold of that value, SI units.
         pub threshold: f64,
         /// Reason of a mode change, goal change or warning.
-        pub reason: Reason,
+        pub reason: ReasonRecord,
         /// Name, if applicable.
         pub text: Text<16>,
     }

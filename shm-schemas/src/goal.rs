@@ -3,7 +3,7 @@
 use crate::capacity::FINGERS;
 use crate::code::code;
 use crate::payload::payload;
-use crate::reason::Reason;
+use crate::reason_record::ReasonRecord;
 use crate::stamp::{Hand, Stamp};
 use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
@@ -146,8 +146,8 @@ payload! {
 }
 
 impl GoalRequest {
-    /// Names of [`GoalRequest::values`], in order. A [`Reason`] about a goal refers to them by
-    /// index.
+    /// Names of [`GoalRequest::values`], in order. [`crate::GoalField`] is the index of a
+    /// name.
     pub const VALUE_NAMES: [&'static str; 14] = [
         "from x",
         "from y",
@@ -226,7 +226,7 @@ payload! {
         /// Fraction done, 0 to 1.
         pub progress: f32,
         /// Reason of a rejection, refusal, failure or hold.
-        pub reason: Reason,
+        pub reason: ReasonRecord,
         /// Name of the task step, for example `lift`. If the task is unknown: the requested task
         /// name.
         pub step: Text<16>,

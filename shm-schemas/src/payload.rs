@@ -60,7 +60,7 @@ macro_rules! payload {
 
             /// Schema of the payload for other languages.
             pub const PAYLOAD: $crate::schema::PayloadType = $crate::schema::PayloadType {
-                name: stringify!($name),
+                name: $crate::schema::base_name($wire),
                 wire: $wire,
                 doc: &[$($doc),*],
                 size: core::mem::size_of::<$name>(),

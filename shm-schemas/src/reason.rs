@@ -1,216 +1,351 @@
-//! Reasons for a rejection, a hold or a stop. [`Reason`] prints as one sentence with value and
-//! limit.
+//! Reasons for a rejection, a hold or a stop, as typed values. [`ReasonRecord`] is their wire form.
+//!
+//! A new reason is one row of the table below, with its text, and a [`Cause`].
 
-use crate::code::code;
+use crate::body::BodyPair;
+use crate::cause::Cause;
+use crate::fields::{GoalField, TargetField};
+use crate::goal::GoalKind;
+use crate::joints::Mode;
 use crate::module::ModuleId;
-use crate::payload::payload;
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+use crate::reason_parts::{
+    Joints, collision_text, goal_text, mm, ms, number, silence_text, unreachable_text,
+};
+use crate::reason_record::ReasonRecord;
+use crate::stamp::Hand;
+use crate::wire_value::WireValue;
+use core::fmt::{self, Formatter};
 
-code! {
-    /// Cause of a rejection, a hold or a stop.
-    Cause as "atas.Cause.v1" {
-        /// No cause.
-        NONE = 0, "none";
-        /// A value of the goal is not finite.
-        NOT_FINITE = 1, "not-finite";
-        /// A value of the goal is out of its range.
-        OUT_OF_RANGE = 2, "out-of-range";
-        /// The position is outside the workspace.
-        UNREACHABLE = 3, "unreachable";
-        /// The goal's kind, hand or policy is unknown.
-        UNKNOWN_GOAL = 4, "unknown-goal";
-        /// Another goal is active.
-        BUSY = 5, "busy";
-        /// The daemon is not in mode READY.
-        NOT_READY = 6, "not-ready";
-        /// The hand still holds an object.
-        HAND_FULL = 7, "hand-full";
-        /// The hand has no tactile sensor.
-        NO_SENSOR = 8, "no-sensor";
-        /// The clearance between the two arms would be too small.
-        ARMS_COLLIDE = 9, "arms-collide";
-        /// The hand closed without contact.
-        NOTHING_TOUCHED = 10, "nothing-touched";
-        /// The object needs more force than the configured maximum (`grasp.f2_max_n`).
-        TOO_HEAVY = 11, "too-heavy";
-        /// The hand no longer feels the object, or no longer its load.
-        LOST_OBJECT = 12, "lost-object";
-        /// The object slips although the grip force has reached its limit.
-        OUT_OF_FORCE = 13, "out-of-force";
-        /// A step exceeded its time limit.
-        TIMED_OUT = 14, "timed-out";
-        /// The client cancelled.
-        CANCELLED = 15, "cancelled";
-        /// The client of an attached goal disconnected.
-        CLIENT_GONE = 16, "client-gone";
-        /// No support was detected at the place position; the hand has lifted the object again.
-        NO_SUPPORT = 17, "no-support";
-        /// A fingertip touched an obstacle during free motion; the hand has moved back.
-        OBSTRUCTED = 18, "obstructed";
-        /// The goal names a task that is not configured.
-        UNKNOWN_TASK = 19, "unknown-task";
-        /// Tactile frames have stopped arriving.
-        FRAMES_STOPPED = 20, "frames-stopped";
-        /// The time stamp of a frame is too old.
-        FRAME_STALE = 21, "frame-stale";
-        /// The time stamp of a frame is in the future.
-        FRAME_FUTURE = 22, "frame-future";
-        /// Too many consecutive frames were lost.
-        FRAMES_LOST = 23, "frames-lost";
-        /// A frame failed its checksum.
-        FRAME_CORRUPT = 24, "frame-corrupt";
-        /// A frame comes from a writer other than the pinned one, or uses another layout.
-        FRAME_FOREIGN = 25, "frame-foreign";
-        /// Too many elements are invalid.
-        ELEMENTS_INVALID = 26, "elements-invalid";
-        /// The readings are constant although the frame counter advances.
-        FRAMES_FROZEN = 27, "frames-frozen";
-        /// The sensor process restarted during a task.
-        SENSOR_RESTARTED = 28, "sensor-restarted";
-        /// A held object slides between the fingertips.
-        SLIDING = 29, "sliding";
-        /// Joint states have stopped arriving.
-        JOINTS_STOPPED = 30, "joints-stopped";
-        /// A joint state is not finite, out of range or jumps.
-        JOINTS_INVALID = 31, "joints-invalid";
-        /// A joint does not follow its command.
-        FOLLOWING_ERROR = 32, "following-error";
-        /// A command is not finite.
-        COMMAND_NOT_FINITE = 33, "command-not-finite";
-        /// The step between two commands is too large.
-        COMMAND_STEP = 34, "command-step";
-        /// A grip force exceeds its limit.
-        GRIP_CEILING = 35, "grip-ceiling";
-        /// The robot process restarted.
-        ROBOT_RESTARTED = 36, "robot-restarted";
-        /// The force reported for a fingertip exceeds the largest force that a hand can exert.
-        FORCE_IMPLAUSIBLE = 37, "force-implausible";
-        /// The request is not allowed now: the robot moves, or the hand is not empty.
-        NOT_NOW = 38, "not-now";
-        /// The daemon runs in sense-only mode and commands no robot.
-        SENSE_ONLY = 39, "sense-only";
-        /// A module panicked.
-        MODULE_PANICKED = 40, "module-panicked";
-        /// The control loop stalled.
-        LOOP_STALLED = 41, "loop-stalled";
-        /// An operator stopped the robot with `atas estop`.
-        ESTOP = 42, "estop";
-        /// The daemon is shutting down.
-        SHUTDOWN = 43, "shutdown";
-        /// The supervisor, which serves requests and reports, does not respond.
-        SUPERVISOR_SILENT = 44, "supervisor-silent";
-        /// Some elements of a fingertip report a constant value although frames arrive; they are
-        /// masked.
-        ELEMENT_STUCK = 45, "element-stuck";
-        /// The tactile force of a hand disagrees with its joint-estimated force.
-        FORCE_AGAINST_JOINTS = 46, "force-against-joints";
-        /// The tactile force of a grip does not match its opening: the zero of a sensor drifts.
-        FORCE_AGAINST_OPENING = 47, "force-against-opening";
-        /// The object needs more force than its stiffness allows (`grasp.compression_m`).
-        TOO_SOFT = 50, "too-soft";
-        /// The daemon found the hand gripping an object at start; it keeps and monitors the grip.
-        GRIP_FOUND = 51, "grip-found";
-        /// The object rotated about the closing axis while held.
-        TURNED_IN_HAND = 52, "turned-in-hand";
-        /// The object slipped between the fingertips and was held again.
-        SLIPPED_IN_HAND = 53, "slipped-in-hand";
-        /// The object needs more force than the goal allows ([`crate::GoalRequest`]).
-        ABOVE_MAX_FORCE = 54, "above-max-force";
-        /// The paths of the task, or their combinations for both hands, are too long to be checked.
-        TASK_TOO_LONG = 60, "task-too-long";
-        /// The robot has no such hand.
-        NO_HAND = 61, "no-hand";
-        /// The hand cannot turn a cap because its fingertips cannot pass each other.
-        CANNOT_TURN = 62, "cannot-turn";
-        /// The robot file of the hand has no workspace, which teleoperation requires.
-        NO_WORKSPACE = 63, "no-workspace";
-        /// The hand holds no object, which the task requires.
-        HAND_EMPTY = 64, "hand-empty";
-        /// At this width the fingertips would be too misaligned for tactile sensing.
-        FINGERTIPS_MISALIGNED = 65, "fingertips-misaligned";
-        /// The target stream of the client has ended or pauses; the hand stops and keeps its grip.
-        TARGETS_STOPPED = 70, "targets-stopped";
-        /// A target failed its checksum.
-        TARGET_CORRUPT = 71, "target-corrupt";
-        /// A target comes from a writer other than the one that opened the stream.
-        TARGET_FOREIGN = 72, "target-foreign";
-        /// A target is out of order, predates its goal, is stamped in the future, or has expired.
-        TARGET_STALE = 73, "target-stale";
-        /// A target names a hand outside its goal, or an unknown grip command.
-        TARGET_UNKNOWN = 74, "target-unknown";
-        /// A value of a target is not finite.
-        TARGET_NOT_FINITE = 75, "target-not-finite";
-        /// A value of a target is out of its range.
-        TARGET_OUT_OF_RANGE = 76, "target-out-of-range";
-        /// An arm crosses the middle plane, which both arms must avoid during teleoperation.
-        ACROSS_THE_MIDDLE = 77, "across-the-middle";
-    }
+/// Declares [`Reason`], its conversions and its texts from one table: variant, cause on the wire,
+/// values with their places in the [`ReasonRecord`], and text. `if` separates variants that share a
+/// cause.
+macro_rules! reasons {
+    (|$joints:ident| $($variant:ident = $cause:ident $(if $condition:ident)?
+        $({ $($field:ident: $type:ty = $place:ident),* $(,)? })?
+        => $text:literal $(, $shown:expr)*;)*) => {
+        /// Reason for a rejection, a hold or a stop. Prints as one sentence with value and limit.
+        ///
+        /// Each variant has the values that its [`Cause`] needs. Names give the unit; a `value` or
+        /// `limit` without unit is in the SI unit of its field or joint. `module` is the module
+        /// that reports the reason, or [`ModuleId::NONE`].
+        ///
+        /// ```
+        /// use shm_schemas::{Cause, GoalField, Reason, ReasonRecord};
+        ///
+        /// let reason = Reason::Unreachable { field: GoalField::FROM_X, value: 0.55, limit: 0.40 };
+        /// assert!(reason.to_string().contains("from x is 0.5500 m, the limit is 0.4000 m"));
+        ///
+        /// let record = ReasonRecord::from(reason);
+        /// assert_eq!((record.cause, record.value, record.index), (Cause::UNREACHABLE, 0.55, 0));
+        /// assert_eq!(Reason::from(record), reason);
+        /// ```
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[cfg_attr(feature = "serde", serde(from = "ReasonRecord", into = "ReasonRecord"))]
+        pub enum Reason {
+            /// No reason.
+            #[default]
+            None,
+            $(
+                #[doc = concat!("Reason with the cause [`Cause::", stringify!($cause), "`].")]
+                $variant $({ $(
+                    #[doc = concat!("Stored in [`ReasonRecord::", stringify!($place), "`].")]
+                    $field: $type,
+                )* })?,
+            )*
+            /// Reason with a cause that this version does not know, as received.
+            Unknown(ReasonRecord),
+        }
+
+        impl From<Reason> for ReasonRecord {
+            fn from(reason: Reason) -> Self {
+                match reason {
+                    Reason::None => Self::default(),
+                    $(Reason::$variant $({ $($field),* })? => Self {
+                        cause: Cause::$cause,
+                        $($($place: $field.to_wire(),)*)?
+                        ..Self::default()
+                    },)*
+                    Reason::Unknown(record) => record,
+                }
+            }
+        }
+
+        impl From<ReasonRecord> for Reason {
+            /// Drops values that the cause does not use. Never fails: an unknown cause becomes
+            /// [`Reason::Unknown`].
+            fn from(record: ReasonRecord) -> Self {
+                match record.cause {
+                    Cause::NONE => Self::None,
+                    $(Cause::$cause $(if $condition(&record))? => Self::$variant $({
+                        $($field: WireValue::from_wire(record.$place),)*
+                    })?,)*
+                    _ => Self::Unknown(record),
+                }
+            }
+        }
+
+        impl Reason {
+            /// Writes the text without the module.
+            #[allow(unused_variables, reason = "a text may leave out a value")]
+            pub(crate) fn write(self, $joints: Joints<'_>, f: &mut Formatter<'_>) -> fmt::Result {
+                match self {
+                    Self::None => f.write_str("nothing to report"),
+                    $(Self::$variant $({ $($field),* })? => write!(f, $text $(, $shown)*),)*
+                    Self::Unknown(ReasonRecord { cause, value, limit, .. }) => {
+                        write!(f, "{cause}: value {value}, limit {limit}")
+                    }
+                }
+            }
+        }
+    };
 }
 
-payload! {
-    /// A cause with its module, value and limit.
-    Reason as "atas.Reason.v1" {
-        /// The cause.
-        pub cause: Cause,
-        /// The module that reports it; [`ModuleId::NONE`] outside the modules.
-        pub module: ModuleId,
-        /// Value that violates the limit, in the unit that [`Reason`]'s `Display` prints.
-        pub value: f64,
-        /// The violated limit.
-        pub limit: f64,
-        /// Index of the field, joint, fingertip or hand; the meaning depends on the cause.
-        pub index: u32,
-        /// Written as zero.
-        pub pad: u32,
-    }
+reasons! { |joints|
+    NotFinite = NOT_FINITE { field: GoalField = index } =>
+        "{field} of the goal is not finite; send finite numbers";
+    OutOfRange = OUT_OF_RANGE {
+        field: GoalField = index, value: f64 = value, limit: f64 = limit,
+    } =>
+        "{field} of the goal is {}, the limit is {}; choose a value within it",
+        field.with_unit(value), field.with_unit(limit);
+    NoPosture = UNREACHABLE if is_posture_error {
+        place: GoalField = index, error_m: f64 = value,
+    } =>
+        "no arm posture for the place {:?} with this yaw, width and lift: the fingertips stay \
+         {:.1} mm off; move the place or turn the closing axis", place.place(), mm(error_m);
+    Unreachable = UNREACHABLE {
+        field: GoalField = index, value: f64 = value, limit: f64 = limit,
+    } =>
+        "{}", unreachable_text(field, value, limit);
+    UnknownGoal = UNKNOWN_GOAL { field: u32 = index, code: u32 = value } =>
+        "field {field} of the goal has the unknown code {code}; update the client";
+    Busy = BUSY { active: Option<GoalKind> = value } =>
+        "{} is active; wait for it or cancel it", goal_text(active);
+    NotReady = NOT_READY { mode: Mode = value } =>
+        "the daemon is in mode {mode}, needs ready; see `atas status`";
+    HandFull = HAND_FULL { hand: Hand = index } =>
+        "the {hand} hand still holds an object; release it first with `atas release --hand {hand}`";
+    NoSensor = NO_SENSOR { hand: Hand = index } =>
+        "the {hand} hand has no tactile sensor in the configuration; use the other hand";
+    ArmsCollide = ARMS_COLLIDE {
+        bodies: Option<BodyPair> = index, gap_m: f64 = value, limit_m: f64 = limit,
+    } =>
+        "{}", collision_text(bodies, gap_m, limit_m);
+    NothingTouched = NOTHING_TOUCHED {
+        width_m: f64 = value, limit_m: f64 = limit, module: ModuleId = module,
+    } =>
+        "closed to {:.1} mm and touched nothing; is the object there?", mm(width_m);
+    TooHeavy = TOO_HEAVY {
+        force_n: f64 = value, limit_n: f64 = limit, module: ModuleId = module,
+    } =>
+        "object too heavy: not held with {force_n:.2} N, the limit is {limit_n:.2} N \
+         (`grasp.f2_max_n`)";
+    LostObject = LOST_OBJECT { force_n: f64 = value, limit_n: f64 = limit } =>
+        "the hand no longer feels the object: force {force_n:.2} N, needs {limit_n:.2} N";
+    OutOfForce = OUT_OF_FORCE {
+        force_n: f64 = value, limit_n: f64 = limit, module: ModuleId = module,
+    } =>
+        "still slipping at {force_n:.2} N, the force limit F_2 is {limit_n:.2} N: the load is too \
+         high";
+    TimedOut = TIMED_OUT { elapsed_s: f64 = value, limit_s: f64 = limit } =>
+        "took {elapsed_s:.1} s, allowed {limit_s:.1} s";
+    Cancelled = CANCELLED => "cancelled by the client";
+    ClientGone = CLIENT_GONE => "the client of this attached goal disconnected";
+    NoSupport = NO_SUPPORT {
+        height_m: f64 = value, expected_m: f64 = limit, module: ModuleId = module,
+    } =>
+        "no support found down to {:.1} mm, expected at {:.1} mm; the hand keeps the object",
+        mm(height_m), mm(expected_m);
+    Obstructed = OBSTRUCTED {
+        fingertip: usize = index, force_n: f64 = value, limit_n: f64 = limit,
+        module: ModuleId = module,
+    } =>
+        "finger {} touched an obstacle at {force_n:.2} N, the limit is {limit_n:.2} N; clear the \
+         path or grasp nearer to the object's top", number(fingertip);
+    UnknownTask = UNKNOWN_TASK =>
+        "the daemon's configuration has no task of this name; `atasd --check-config` lists the \
+         configured tasks";
+    FramesStopped = FRAMES_STOPPED {
+        hand: Hand = index, age_ns: Option<f64> = value, limit_ns: f64 = limit,
+    } =>
+        "no tactile frame of hand {hand} {}; is the sensor process running?",
+        silence_text(age_ns, limit_ns);
+    FrameStale = FRAME_STALE { hand: Hand = index, age_ns: f64 = value, limit_ns: f64 = limit } =>
+        "the newest frame of hand {hand} is {:.1} ms old, allowed {:.1} ms",
+        ms(age_ns), ms(limit_ns);
+    FrameFuture = FRAME_FUTURE {
+        hand: Hand = index, ahead_ns: f64 = value, limit_ns: f64 = limit,
+    } =>
+        "a frame of hand {hand} is stamped {:.1} ms ahead, allowed {:.1} ms; use CLOCK_MONOTONIC \
+         of this machine", ms(ahead_ns), ms(limit_ns);
+    FramesLost = FRAMES_LOST { hand: Hand = index, lost: u64 = value, limit: f64 = limit } =>
+        "{lost} frames of hand {hand} lost in a row, allowed {limit}";
+    FrameCorrupt = FRAME_CORRUPT { hand: Hand = index, corrupt: u64 = value } =>
+        "{corrupt} frames of hand {hand} failed their checksum";
+    FrameForeign = FRAME_FOREIGN { hand: Hand = index } =>
+        "a frame of hand {hand} comes from another writer or follows another layout than \
+         configured";
+    ElementsInvalid = ELEMENTS_INVALID {
+        hand: Hand = index, share: f64 = value, limit: f64 = limit,
+    } =>
+        "{:.0} % of the elements of hand {hand} are invalid, allowed {:.0} %",
+        share * 100.0, limit * 100.0;
+    FramesFrozen = FRAMES_FROZEN {
+        hand: Hand = index, identical: u32 = value, limit: f64 = limit,
+    } =>
+        "the readings of hand {hand} have not changed for {identical} frames, allowed {limit}";
+    SensorRestarted = SENSOR_RESTARTED { hand: Hand = index } =>
+        "the sensor process of hand {hand} restarted";
+    Sliding = SLIDING { slip_s: f64 = value, limit_s: f64 = limit } =>
+        "the object has been sliding between the fingertips for {slip_s:.2} s, allowed \
+         {limit_s:.2} s";
+    JointsStopped = JOINTS_STOPPED { age_ns: Option<f64> = value, limit_ns: f64 = limit } =>
+        "no joint state {}; is the robot process running?", silence_text(age_ns, limit_ns);
+    JointsInvalid = JOINTS_INVALID {
+        joint: usize = index, position: f64 = value, last: f64 = limit,
+    } =>
+        "joint {} reports {}, last valid position {}",
+        joints.name(joint), joints.with_unit(position), joints.with_unit(last);
+    FollowingError = FOLLOWING_ERROR {
+        joint: usize = index, error: f64 = value, limit: f64 = limit,
+    } =>
+        "joint {} is {} off its command, allowed {}; is it blocked?",
+        joints.name(joint), joints.with_unit(error), joints.with_unit(limit);
+    CommandNotFinite = COMMAND_NOT_FINITE { joint: usize = index } =>
+        "the command for joint {} was not finite", joints.name(joint);
+    CommandStep = COMMAND_STEP { joint: usize = index, step: f64 = value, limit: f64 = limit } =>
+        "the command for joint {} jumped by {}, allowed {}",
+        joints.name(joint), joints.with_unit(step), joints.with_unit(limit);
+    GripCeiling = GRIP_CEILING {
+        side: usize = index, force_n: f64 = value, limit_n: f64 = limit,
+    } =>
+        "grip force {force_n:.2} N of grasp side {} exceeds its limit {limit_n:.2} N", number(side);
+    RobotRestarted = ROBOT_RESTARTED =>
+        "the robot process restarted; the goal has ended, the hands keep their grip";
+    ForceImplausible = FORCE_IMPLAUSIBLE {
+        hand: Hand = index, force_n: f64 = value, limit_n: f64 = limit,
+    } =>
+        "a fingertip of the {hand} hand reports {force_n:.2} N, the plausible maximum is \
+         {limit_n:.2} N; check the sensor, or zero it with an empty hand (`atas zero`)";
+    NotNow = NOT_NOW =>
+        "not now: zeroing needs mode ready and an empty hand, a change of `[safety]` needs a \
+         stopped robot (`atas estop`)";
+    SenseOnly = SENSE_ONLY =>
+        "sense-only mode: the daemon commands no robot because robot.joints_required is false";
+    ModulePanicked = MODULE_PANICKED => "a module panicked; restart the daemon and report this";
+    LoopStalled = LOOP_STALLED { stalled_ns: f64 = value, limit_ns: f64 = limit } =>
+        "the loop stood still for {:.1} ms, allowed {:.1} ms", ms(stalled_ns), ms(limit_ns);
+    Estop = ESTOP => "stopped by `atas estop`; `atas recover` re-arms";
+    Shutdown = SHUTDOWN => "the daemon is shutting down";
+    SupervisorSilent = SUPERVISOR_SILENT { silent_s: f64 = value, limit_s: f64 = limit } =>
+        "the daemon's supervisor has not responded for {silent_s:.1} s, allowed {limit_s:.1} s";
+    ElementStuck = ELEMENT_STUCK {
+        hand: Hand = index, fingertip: usize = limit, element: u32 = value,
+    } =>
+        "element {element} of finger {} of the {hand} hand is stuck: its reading is constant; it \
+         is masked until the reading changes", number(fingertip);
+    ForceAgainstJoints = FORCE_AGAINST_JOINTS {
+        hand: Hand = index, tactile_n: f64 = value, joint_estimated_n: f64 = limit,
+    } =>
+        "tactile force {tactile_n:.2} N and joint-estimated force {joint_estimated_n:.2} N of the \
+         {hand} hand disagree; does the zero drift? The hand keeps its grip; take the object, then \
+         `atas estop`, `atas recover`, `atas zero`";
+    ForceAgainstOpening = FORCE_AGAINST_OPENING {
+        hand: Hand = index, force_n: f64 = value, lift_force_n: f64 = limit,
+    } =>
+        "the {hand} hand reports a grip force of {force_n:.2} N, after {lift_force_n:.2} N at the \
+         lift; its opening does not explain the difference; does the zero drift? Take the object, \
+         then `atas zero`";
+    TooSoft = TOO_SOFT { force_n: f64 = value, limit_n: f64 = limit, module: ModuleId = module } =>
+        "object too heavy for its stiffness: not held with {force_n:.2} N, the limit F_2 is \
+         {limit_n:.2} N";
+    GripFound = GRIP_FOUND { hand: Hand = index, force_n: f64 = value, limit_n: f64 = limit } =>
+        "the {hand} hand was gripping with {force_n:.2} N when the daemon started; it keeps its \
+         grip with up to {limit_n:.2} N; `atas release --hand {hand}` opens it";
+    TurnedInHand = TURNED_IN_HAND { lever_m: f64 = value, lever_before_m: f64 = limit } =>
+        "the object turned in the hand: lever arm of its weight {:.1} mm, before {:.1} mm; grasp \
+         nearer to its centre of mass", mm(lever_m), mm(lever_before_m);
+    SlippedInHand = SLIPPED_IN_HAND { slip_m: f64 = value, limit_m: f64 = limit } =>
+        "the object slipped in the hand by about {:.1} mm, allowed {:.1} mm; the hand keeps its \
+         grip", mm(slip_m), mm(limit_m);
+    AboveMaxForce = ABOVE_MAX_FORCE {
+        force_n: f64 = value, limit_n: f64 = limit, module: ModuleId = module,
+    } =>
+        "object not held with {force_n:.2} N, the goal allows {limit_n:.2} N (`--max-force`)";
+    TaskTooLong = TASK_TOO_LONG { postures: u32 = value, limit: u32 = limit } =>
+        "the paths of the task are too long to check: more than {limit} postures; add meeting \
+         points of the hands, or split the task";
+    NoHand = NO_HAND { hand: Hand = index } => "the robot has no {hand} hand; use the other one";
+    CannotTurn = CANNOT_TURN { hand: Hand = index } =>
+        "the {hand} hand cannot turn a cap: its fingertips cannot pass each other; `atas robot \
+         list` shows what each robot can do";
+    NoWorkspace = NO_WORKSPACE { hand: Hand = index } =>
+        "teleoperation of the {hand} hand needs a workspace in its robot file; `atas robot check` \
+         prints one";
+    HandEmpty = HAND_EMPTY { hand: Hand = index } =>
+        "the {hand} hand holds no object; grasp one first with `atas grasp`";
+    FingertipsMisaligned = FINGERTIPS_MISALIGNED {
+        place: GoalField = index, error_rad: f64 = value, limit_rad: f64 = limit,
+    } =>
+        "at the place {:?} with this width a fingertip would be misaligned by {:.1}°, the limit is \
+         {:.1}°; grasp at another object width, see `atas robot check`",
+        place.place(), error_rad.to_degrees(), limit_rad.to_degrees();
+    TargetsStopped = TARGETS_STOPPED { hand: Hand = index } =>
+        "the last target of the {hand} hand has expired; the hand stops and keeps its grip until \
+         the next one";
+    TargetCorrupt = TARGET_CORRUPT => "a target failed its checksum; compute the checksum last";
+    TargetForeign = TARGET_FOREIGN =>
+        "a target comes from a writer other than the client of the goal; send the writer epoch of \
+         the goal request";
+    TargetStale = TARGET_STALE { late_ns: f64 = value } =>
+        "a target came {:.1} ms too late, or out of order; stamp it with CLOCK_MONOTONIC, increase \
+         its sequence, and set valid_until_ns in the future", ms(late_ns);
+    TargetUnknown = TARGET_UNKNOWN { code: u32 = value } =>
+        "a target names a hand or a grip command ({code}) that its goal does not have; check the \
+         goal's kind and hand";
+    TargetNotFinite = TARGET_NOT_FINITE { field: TargetField = index } =>
+        "{field} of a target is not finite; send finite numbers";
+    TargetOutOfRange = TARGET_OUT_OF_RANGE {
+        field: TargetField = index, value: f64 = value, limit: f64 = limit,
+    } =>
+        "{field} of a target is {}, the limit is {}; the hand keeps its previous target",
+        field.with_unit(value), field.with_unit(limit);
+    AcrossTheMiddle = ACROSS_THE_MIDDLE {
+        hand: Hand = index, gap_m: f64 = value, limit_m: f64 = limit,
+    } =>
+        "the {hand} arm comes within {:.1} mm of the middle plane, needs {:.1} mm during \
+         teleoperation; move it home with `atas release --hand {hand}`", mm(gap_m), mm(limit_m);
+}
+
+/// Without a limit, no single value is wrong: the arm has no posture for all of them together. A
+/// yaw always has a limit, which may be zero.
+fn is_posture_error(record: &ReasonRecord) -> bool {
+    record.limit == 0.0 && !GoalField(record.index).is_yaw()
 }
 
 impl Reason {
-    /// Creates a reason without value and limit.
-    #[must_use]
-    pub fn new(cause: Cause) -> Self {
-        Self {
-            cause,
-            ..Self::default()
-        }
-    }
-
-    /// Creates a reason with a value and the limit that it violates.
-    ///
-    /// ```
-    /// use shm_schemas::{Cause, Reason};
-    ///
-    /// let reason = Reason::with_limit(Cause::UNREACHABLE, 0.55, 0.40).with_index(0);
-    /// assert!(reason.to_string().contains("from x is 0.5500 m, the limit is 0.4000 m"));
-    /// ```
-    #[must_use]
-    pub fn with_limit(cause: Cause, value: f64, limit: f64) -> Self {
-        Self {
-            cause,
-            value,
-            limit,
-            ..Self::default()
-        }
-    }
-
-    /// Returns the reason, attributed to a module.
-    #[must_use]
-    pub fn with_module(self, module: ModuleId) -> Self {
-        Self { module, ..self }
-    }
-
-    /// Returns the reason with the index of a joint, fingertip, hand or field.
-    #[must_use]
-    pub fn with_index(self, index: usize) -> Self {
-        Self {
-            index: u32::try_from(index).unwrap_or(u32::MAX),
-            ..self
-        }
-    }
-
-    /// Returns true if the cause is not [`Cause::NONE`].
+    /// Returns true unless there is no reason.
     #[must_use]
     pub fn is_some(&self) -> bool {
-        self.cause != Cause::NONE
+        !matches!(self, Self::None)
+    }
+
+    /// Returns the code of the reason on the wire.
+    #[must_use]
+    pub fn cause(&self) -> Cause {
+        ReasonRecord::from(*self).cause
+    }
+
+    /// Returns the index of the joint that the reason concerns, if it concerns one.
+    #[must_use]
+    pub fn joint(&self) -> Option<usize> {
+        match *self {
+            Self::JointsInvalid { joint, .. }
+            | Self::FollowingError { joint, .. }
+            | Self::CommandNotFinite { joint }
+            | Self::CommandStep { joint, .. } => Some(joint),
+            _ => None,
+        }
     }
 }

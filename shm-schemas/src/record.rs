@@ -11,7 +11,7 @@ use crate::frame::HandFrame;
 use crate::goal::GoalRequest;
 use crate::joints::{JointCommand, JointState};
 use crate::payload::payload;
-use crate::reason::Reason;
+use crate::reason_record::ReasonRecord;
 use crate::sensor_bit::SensorBit;
 use crate::stamp::Stamp;
 use crate::target::GraspTarget;
@@ -141,7 +141,7 @@ payload! {
         /// position, m.
         pub value: f64,
         /// Reason of a stop or hold.
-        pub reason: Reason,
+        pub reason: ReasonRecord,
         /// Goal to start.
         pub goal: GoalRequest,
         /// Task of that goal, as configured at that time.

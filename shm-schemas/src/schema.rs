@@ -27,7 +27,7 @@ pub enum Type {
 /// Payload: `#[repr(C)]`, little-endian, without gaps.
 #[derive(Debug, PartialEq)]
 pub struct PayloadType {
-    /// Name in this crate.
+    /// Name in other languages: the versioned name without `atas.` and version.
     pub name: &'static str,
     /// Versioned name on the bus.
     pub wire: &'static str,
@@ -78,6 +78,16 @@ pub struct CodeValue {
     pub text: &'static str,
     /// Description, line by line.
     pub doc: &'static [&'static str],
+}
+
+/// Returns the part of a versioned name between `atas.` and the version.
+pub(crate) const fn base_name(wire: &str) -> &str {
+    let (_, name) = wire.split_at("atas.".len());
+    let mut end = name.len();
+    while name.as_bytes()[end - 1] != b'.' {
+        end -= 1;
+    }
+    name.split_at(end - 1).0
 }
 
 /// Types that can be part of a payload.

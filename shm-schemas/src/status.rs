@@ -4,7 +4,7 @@ use crate::capacity::{FINGERS, HANDS};
 use crate::goal::{GoalKind, GoalState};
 use crate::joints::Mode;
 use crate::payload::payload;
-use crate::reason::Reason;
+use crate::reason_record::ReasonRecord;
 use crate::stamp::{Hand, Stamp};
 use crate::text::Text;
 use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
@@ -121,7 +121,7 @@ payload! {
         /// Tick rate, Hz.
         pub rate_hz: u32,
         /// Reason of the mode HOLD, SAFE_STOP or FAULT.
-        pub reason: Reason,
+        pub reason: ReasonRecord,
         /// Executed ticks.
         pub ticks: u64,
         /// Missed ticks: their time had passed before they could begin.
@@ -145,7 +145,7 @@ payload! {
         /// Name of a user-defined task, else empty.
         pub task: Text<32>,
         /// Reason, if the goal ended without success.
-        pub goal_reason: Reason,
+        pub goal_reason: ReasonRecord,
         /// Wake-up delay of the ticks.
         pub wake: Percentiles,
         /// Age of the newest frame at the tick.

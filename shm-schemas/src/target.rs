@@ -51,8 +51,8 @@ payload! {
 crate::crc::sealed!(GraspTarget);
 
 impl GraspTarget {
-    /// Names of [`GraspTarget::values`], in order. A [`crate::Reason`] about a target refers to
-    /// them by index.
+    /// Names of [`GraspTarget::values`], in order. [`crate::TargetField`] is the index of
+    /// a name.
     pub const VALUE_NAMES: [&'static str; 5] = ["x", "y", "z", "yaw", "opening"];
 
     /// Returns all numbers of the target, in the order of [`GraspTarget::VALUE_NAMES`], SI units.

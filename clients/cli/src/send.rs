@@ -142,14 +142,14 @@ mod tests {
     use atas_console::exit_of;
 
     use super::*;
-    use shm_schemas::{Cause, GoalUpdate, Hand, ModuleId, Reason, Text};
+    use shm_schemas::{GoalField, GoalUpdate, Hand, ModuleId, Reason, Text};
 
     fn update(state: GoalState, step: &str, reason: Reason) -> GoalUpdate {
         GoalUpdate {
             goal_id: 7,
             state,
             step: Text::new(step),
-            reason,
+            reason: reason.into(),
             ..GoalUpdate::default()
         }
     }
@@ -174,9 +174,12 @@ mod tests {
                 (expected.to_owned(), Exit::Refused)
             );
         };
-        let running = |step| (GoalState::RUNNING, step, Reason::default());
-        let heavy =
-            Reason::with_limit(Cause::TOO_HEAVY, 8.0, 8.0).with_module(ModuleId::FORCE_LIMIT);
+        let running = |step| (GoalState::RUNNING, step, Reason::None);
+        let heavy = Reason::TooHeavy {
+            force_n: 8.0,
+            limit_n: 8.0,
+            module: ModuleId::FORCE_LIMIT,
+        };
         check(
             &[
                 running("lift"),
@@ -187,14 +190,18 @@ mod tests {
             "lift: object too heavy: not held with 8.00 N, the limit is 8.00 N (`grasp.f2_max_n`) (module 3, force limit)",
         );
         check(
-            &[(GoalState::REJECTED, "", Reason::new(Cause::BUSY))],
+            &[(GoalState::REJECTED, "", Reason::Busy { active: None })],
             "another goal is active; wait for it or cancel it",
         );
         check(
             &[(
                 GoalState::REJECTED,
                 "",
-                Reason::with_limit(Cause::UNREACHABLE, 0.9, 0.4).with_index(0),
+                Reason::Unreachable {
+                    field: GoalField::FROM_X,
+                    value: 0.9,
+                    limit: 0.4,
+                },
             )],
             "goal out of reach: from x is 0.9000 m, the limit is 0.4000 m; use at most 0.4000 m",
         );
@@ -204,8 +211,11 @@ mod tests {
                 (
                     GoalState::FAILED,
                     "approach",
-                    Reason::with_limit(Cause::NOTHING_TOUCHED, 0.026, 0.026)
-                        .with_module(ModuleId::FIRST_TOUCH),
+                    Reason::NothingTouched {
+                        width_m: 0.026,
+                        limit_m: 0.026,
+                        module: ModuleId::FIRST_TOUCH,
+                    },
                 ),
             ],
             "approach: closed to 26.0 mm and touched nothing; is the object there? (module 1, first touch)",
@@ -216,7 +226,10 @@ mod tests {
                 (
                     GoalState::FAILED,
                     "open",
-                    Reason::with_limit(Cause::TIMED_OUT, 10.0, 10.0),
+                    Reason::TimedOut {
+                        elapsed_s: 10.0,
+                        limit_s: 10.0,
+                    },
                 ),
             ],
             "open: took 10.0 s, allowed 10.0 s",
@@ -235,7 +248,10 @@ mod tests {
             let mut end = update(
                 state,
                 "screw",
-                Reason::with_limit(Cause::TIMED_OUT, 9.0, 9.0),
+                Reason::TimedOut {
+                    elapsed_s: 9.0,
+                    limit_s: 9.0,
+                },
             );
             end.figures.normal_n = [normal_n; 4];
             progress.add(&end);
@@ -254,7 +270,7 @@ mod tests {
 
     #[test]
     fn cancelled_goal_describes_the_hand() {
-        let cancelled = |step| [(GoalState::CANCELLED, step, Reason::new(Cause::CANCELLED))];
+        let cancelled = |step| [(GoalState::CANCELLED, step, Reason::Cancelled)];
         let check = |step, why, expected: &str, exit| {
             let end = failure_of(&cancelled(step), Some(why));
             assert_eq!(end, (expected.to_owned(), exit));

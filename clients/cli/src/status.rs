@@ -7,7 +7,7 @@ use atas_console::{Exit, ExitError, Interrupt, Output, arguments, modules, numbe
 use robot_model::{RobotFiles, RobotModel};
 use shm_bus::{BusName, End, Owner, now_ns};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{Hand, JointLabel, Mode, Percentiles, Reason, Status, StatusFlags};
+use shm_schemas::{Hand, JointLabel, Mode, Percentiles, Reason, ReasonRecord, Status, StatusFlags};
 
 use atas_client::rejections::{self, rejection_texts};
 
@@ -105,14 +105,14 @@ fn missing_status_text(bus: &BusName) -> String {
 
 /// Returns the text of a reason that concerns a joint. It names the joint if the daemon's robot
 /// files can be read.
-fn joint_reason(reason: &Reason, run: &Run) -> String {
+fn joint_reason(reason: &ReasonRecord, run: &Run) -> String {
     let robot = || {
         let header = run.header()?;
         let files = RobotFiles::find(header.robot.as_str()).ok()?;
         (files.hash() == header.robot_hash).then(|| files.load().ok())?
     };
     let robot: Option<RobotModel> = robot();
-    let joint = robot.as_ref().zip(reason.joint());
+    let joint = robot.as_ref().zip(Reason::from(*reason).joint());
     let joint = joint.and_then(|(robot, index)| robot.joint(index));
     let label = joint.map(|joint| JointLabel {
         name: joint.name.as_str(),
@@ -139,7 +139,7 @@ fn heading([before, status]: [&Status; 2], run: &Run) -> String {
         uptime(status),
     )];
     lines.push(if status.reason.is_some() {
-        let why = match status.reason.joint() {
+        let why = match Reason::from(status.reason).joint() {
             Some(_) => joint_reason(&status.reason, run),
             None => rejections::mode_reason([before, status]),
         };
@@ -273,7 +273,7 @@ fn forces(force_n: &[f32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, GoalKind, GoalState, Stamp, Text};
+    use shm_schemas::{GoalKind, GoalState, Stamp, Text};
 
     fn heading_of(status: &Status) -> String {
         heading([status, status], &Run::default())
@@ -287,7 +287,11 @@ mod tests {
             goal_state: GoalState::FAILED,
             task: Text::new("polish"),
             step: Text::new("press"),
-            goal_reason: Reason::with_limit(Cause::TIMED_OUT, 9.0, 9.0),
+            goal_reason: Reason::TimedOut {
+                elapsed_s: 9.0,
+                limit_s: 9.0,
+            }
+            .into(),
             ..Status::default()
         };
         let expected = "goal polish failed, step press: took 9.0 s, allowed 9.0 s";
@@ -338,7 +342,12 @@ mod tests {
     fn perception_only_is_shown_without_frames() {
         let status = Status {
             flags: StatusFlags::SENSE_ONLY,
-            reason: Reason::with_limit(Cause::FRAMES_STOPPED, f64::INFINITY, 5e6),
+            reason: Reason::FramesStopped {
+                hand: Hand::LEFT,
+                age_ns: None,
+                limit_ns: 5e6,
+            }
+            .into(),
             ..Status::default()
         };
         let reported = heading_of(&status);

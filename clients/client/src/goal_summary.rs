@@ -1,6 +1,6 @@
 //! Goal summary: steps and decisive moments of a goal, from its events.
 
-use shm_schemas::{EventKind, GoalState, Hand, ModuleEvent, ModuleId, Reason};
+use shm_schemas::{EventKind, GoalState, Hand, ModuleEvent, ModuleId, ReasonRecord};
 
 use crate::text;
 
@@ -25,7 +25,7 @@ pub struct GoalSummary {
     /// Final state; the newest one if the goal has not ended.
     pub state: String,
     /// Reason of an end without success.
-    pub reason: Reason,
+    pub reason: ReasonRecord,
     /// Time of the first and the last event, ns.
     pub span_ns: [u64; 2],
     /// Steps of the hands, in order.
@@ -115,7 +115,7 @@ pub fn summarise(events: &[ModuleEvent]) -> Option<GoalSummary> {
     let end = goals.clone().rfind(is_final).or_else(|| goals.next_back());
     Some(GoalSummary {
         state: end.map_or("running".to_owned(), |end| end.text.to_string()),
-        reason: end.map_or(Reason::default(), |end| end.reason),
+        reason: end.map_or_else(ReasonRecord::default, |end| end.reason),
         span_ns: [first.stamp.captured_ns, last.stamp.captured_ns],
         steps: steps(events, last.stamp.captured_ns),
         moments: moments(events),
@@ -186,7 +186,7 @@ fn decides(event: &ModuleEvent) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, Stamp, Text};
+    use shm_schemas::{Reason, Stamp, Text};
 
     fn at(ms: u64, kind: EventKind, text: &str) -> ModuleEvent {
         ModuleEvent {
@@ -208,6 +208,11 @@ mod tests {
             module,
             ..at(ms, EventKind::MODULE_ON, "")
         };
+        let too_heavy = Reason::TooHeavy {
+            force_n: 18.4,
+            limit_n: 8.0,
+            module: ModuleId::FORCE_LIMIT,
+        };
         let events = [
             at(1, EventKind::GOAL, "running"),
             at(2, EventKind::GOAL, "failed"),
@@ -219,7 +224,7 @@ mod tests {
             on(50, ModuleId::SLIP),
             on(60, ModuleId::SLIP),
             ModuleEvent {
-                reason: Reason::with_limit(Cause::TOO_HEAVY, 18.4, 8.0),
+                reason: too_heavy.into(),
                 ..at(70, EventKind::GOAL, "failed")
             },
             at(80, EventKind::MODE, ""),
@@ -232,8 +237,8 @@ mod tests {
         let goal = all[1];
         let account = summarise(goal).expect("told");
         assert_eq!(
-            (account.state.as_str(), account.reason.value),
-            ("failed", 18.4)
+            (account.state.as_str(), Reason::from(account.reason)),
+            ("failed", too_heavy)
         );
         let steps: Vec<_> = account
             .steps

@@ -129,7 +129,7 @@ impl GoalProgress {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, Reason};
+    use shm_schemas::Reason;
 
     fn progress_of(updates: &[(GoalState, &str, f32)]) -> GoalProgress {
         let mut progress = GoalProgress::default();
@@ -138,7 +138,7 @@ mod tests {
                 goal_id: 7,
                 state: *state,
                 step: Text::new(step),
-                reason: Reason::new(Cause::CANCELLED),
+                reason: Reason::Cancelled.into(),
                 figures: GraspFigures {
                     normal_n: [*normal_n; 4],
                     ..GraspFigures::default()

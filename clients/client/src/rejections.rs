@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::{POLL, Session, layouts};
 use shm_bus::{BusError, Subscriber};
-use shm_schemas::{Cause, Hand, HandFrame, HandStatus, Status, service};
+use shm_schemas::{Hand, HandFrame, HandStatus, Reason, Status, service};
 
 /// Longest wait for a frame. Design choice: three periods of the slowest sensor, 30 Hz.
 const FRAME: Duration = Duration::from_millis(100);
@@ -26,8 +26,7 @@ pub fn await_rejections(
     status: &mut Status,
 ) -> Result<(), BusError> {
     let (before, begin) = (*status, Instant::now());
-    let is_missed = |status: &Status| status.reason.cause == Cause::FRAMES_STOPPED;
-    while is_missed(status)
+    while silent_hand(status).is_some()
         && rejecting_hand([&before, status]).is_none()
         && begin.elapsed() < FRAME
     {
@@ -56,13 +55,21 @@ pub fn mode_reason(looks: [&Status; 2]) -> String {
 /// Returns the hand whose missing frames cause the mode although frames arrive. Either no frame was
 /// ever valid, or the number of rejected frames has increased since the earlier status.
 fn rejecting_hand([before, now]: [&Status; 2]) -> Option<(Hand, &HandStatus)> {
-    let index = now.reason.index as usize;
-    let (hand, sensor) = (Hand::BOTH.get(index)?, now.hands.get(index)?);
+    let hand = silent_hand(now)?;
+    let index = hand.index()?;
+    let sensor = &now.hands[index];
     let rises =
         before.pid == now.pid && rejected_frames(sensor) > rejected_frames(&before.hands[index]);
     let ever = sensor.frames == 0 && rejected_frames(sensor) > 0;
-    let is_missed = now.reason.cause == Cause::FRAMES_STOPPED;
-    (is_missed && (rises || ever)).then_some((*hand, sensor))
+    (rises || ever).then_some((hand, sensor))
+}
+
+/// Returns the hand whose missing frames cause the mode.
+fn silent_hand(status: &Status) -> Option<Hand> {
+    match Reason::from(status.reason) {
+        Reason::FramesStopped { hand, .. } => Some(hand),
+        _ => None,
+    }
 }
 
 /// Returns the causes of rejected frames with their counts.
@@ -155,21 +162,26 @@ fn layout_name(hash: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Layout, Reason};
+    use shm_schemas::Layout;
 
     #[test]
     fn rejected_frames_are_not_reported_as_missing() {
-        let look = |value_ns: f64, sensor: HandStatus| {
+        let look = |age_ns: Option<f64>, sensor: HandStatus| {
             let mut status = Status {
-                reason: Reason::with_limit(Cause::FRAMES_STOPPED, value_ns, 5e6).with_index(1),
+                reason: Reason::FramesStopped {
+                    hand: Hand::RIGHT,
+                    age_ns,
+                    limit_ns: 5e6,
+                }
+                .into(),
                 ..Status::default()
             };
             status.hands[1] = sensor;
             status
         };
         let check = |before: HandStatus, now: HandStatus, expected: &str| {
-            let value_ns = if now.frames == 0 { f64::INFINITY } else { 6e6 };
-            let looks = [before, now].map(|sensor| look(value_ns, sensor));
+            let age_ns = (now.frames > 0).then_some(6e6);
+            let looks = [before, now].map(|sensor| look(age_ns, sensor));
             assert_eq!(mode_reason([&looks[0], &looks[1]]), expected, "{now:?}");
         };
         let none = HandStatus::default();
@@ -209,13 +221,10 @@ mod tests {
             &format!("{refused}3 for timestamp, 1 for order, 2 for layout or writer"),
         );
         let stopped = Status {
-            reason: Reason::new(Cause::ESTOP),
-            ..look(6e6, corrupt(7, none))
+            reason: Reason::Estop.into(),
+            ..look(Some(6e6), corrupt(7, none))
         };
-        assert_eq!(
-            mode_reason([&stopped; 2]),
-            Reason::new(Cause::ESTOP).to_string()
-        );
+        assert_eq!(mode_reason([&stopped; 2]), Reason::Estop.to_string());
     }
 
     #[test]

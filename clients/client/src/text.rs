@@ -143,7 +143,7 @@ fn number(value: f32, digits: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, Hand, Mode, Reason, Text};
+    use shm_schemas::{Hand, Mode, Reason, Text};
 
     fn right(kind: EventKind) -> ModuleEvent {
         ModuleEvent {
@@ -190,7 +190,7 @@ mod tests {
         check(
             ModuleEvent {
                 mode: Mode::SAFE_STOP,
-                reason: Reason::new(Cause::ESTOP),
+                reason: Reason::Estop.into(),
                 ..right(EventKind::MODE)
             },
             "       mode safe-stop: stopped by `atas estop`; `atas recover` re-arms",

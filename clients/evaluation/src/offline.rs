@@ -293,9 +293,9 @@ impl OfflineRun {
         frame_filter: &mut dyn FnMut(&mut HandFrame),
         watch: &mut impl FnMut(&Outputs, &World),
     ) -> GoalUpdate {
-        let ended = |state, reason| GoalUpdate {
+        let ended = |state, reason: Reason| GoalUpdate {
             state,
-            reason,
+            reason: reason.into(),
             ..GoalUpdate::default()
         };
         let mut order = match self.request(goal) {
@@ -313,7 +313,10 @@ impl OfflineRun {
                 break;
             }
         }
-        let reason = Reason::with_limit(shm_schemas::Cause::TIMED_OUT, limit_s, limit_s);
+        let reason = Reason::TimedOut {
+            elapsed_s: limit_s,
+            limit_s,
+        };
         ended(GoalState::FAILED, reason)
     }
 

@@ -6,7 +6,7 @@ use atas_evaluation::offline::OfflineRun;
 use atas_faults::joint_bounds;
 use atas_judge::{Allowance, Judge, Promise};
 use robot_model::{HandSide, RobotModel};
-use shm_schemas::{Cause, GoalState, GoalUpdate, Mode, ObjectTruth, Reason};
+use shm_schemas::{GoalState, GoalUpdate, Mode, ObjectTruth, Reason};
 use sim_backend::faults::FaultPipeline;
 use sim_backend::{Object, Scene, TICK_NS};
 
@@ -108,12 +108,15 @@ fn interrupted_grasp_passes_the_judge() {
     for name in ROBOTS {
         let mut judged = Judged::grasping(name);
         judged.ticks(300);
-        let hold = OperatorRequest::Hold(Reason::new(Cause::SUPERVISOR_SILENT));
+        let hold = OperatorRequest::Hold(Reason::SupervisorSilent {
+            silent_s: 0.0,
+            limit_s: 0.0,
+        });
         judged.request(&hold, &[Mode::HOLD]);
         judged.judge.promise(Promise::reach(&[Mode::RUN], 25));
         assert!(judged.run_until(is_lifted), "{name}: {:?}", judged.end);
         judged.judge.expect_grip_kept(0).expect("a lifted object");
-        let stop = OperatorRequest::Stop(Reason::new(Cause::ESTOP));
+        let stop = OperatorRequest::Stop(Reason::Estop);
         judged.request(&stop, &[Mode::SAFE_STOP]);
         judged.ticks(500);
         judged.judge.recover_requested();
@@ -139,7 +142,7 @@ fn recovery_during_motion_passes_the_judge() {
                 judged.run.inject(FaultPipeline::new(&[fault], 1));
                 judged.ticks(60);
             }
-            let stop = OperatorRequest::Stop(Reason::new(Cause::ESTOP));
+            let stop = OperatorRequest::Stop(Reason::Estop);
             judged.request(&stop, &[Mode::SAFE_STOP]);
             judged.ticks(pause);
             judged.judge.recover_requested();

@@ -11,7 +11,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 use shm_schemas::catalogue::{CODES, PAYLOADS};
 use shm_schemas::schema::{PayloadType, Type};
-use shm_schemas::{Payload, Reason};
+use shm_schemas::{Payload, ReasonRecord};
 use zerocopy::FromBytes;
 
 /// A payload as an array element.
@@ -135,10 +135,10 @@ pub(crate) fn codes() -> Vec<(&'static str, String, Vec<Value>)> {
 #[pyfunction]
 pub(crate) fn reason(reason: &Bound<'_, PyAny>) -> PyResult<String> {
     let bytes: Vec<u8> = reason.call_method0("tobytes")?.extract()?;
-    let read = Reason::read_from_bytes(&bytes).map_err(|_| {
+    let read = ReasonRecord::read_from_bytes(&bytes).map_err(|_| {
         PyValueError::new_err(format!(
             "invalid reason: {} bytes needed, {} given",
-            size_of::<Reason>(),
+            size_of::<ReasonRecord>(),
             bytes.len()
         ))
     })?;

@@ -15,6 +15,7 @@ use crate::limits::{
 };
 use crate::modules::{PoseCommand, Proposal, Verdict};
 use robot_model::{GraspSide, PerSide};
+use shm_schemas::ReasonRecord;
 
 /// Merged command for one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,13 +167,16 @@ fn tie_breaker(verdict: &Verdict) -> [u64; 5] {
     match verdict {
         Verdict::None | Verdict::Done => [0; 5],
         Verdict::Stiffness(fit) => [fit.confidence.to_bits(), fit.object_n_m.to_bits(), 0, 0, 0],
-        Verdict::Refuse(reason) => [
-            reason.cause.0.into(),
-            reason.module.0.into(),
-            reason.value.to_bits(),
-            reason.limit.to_bits(),
-            reason.index.into(),
-        ],
+        Verdict::Refuse(reason) => {
+            let record = ReasonRecord::from(*reason);
+            [
+                record.cause.0.into(),
+                record.module.0.into(),
+                record.value.to_bits(),
+                record.limit.to_bits(),
+                record.index.into(),
+            ]
+        }
     }
 }
 

@@ -73,13 +73,13 @@ impl Controller {
             targets: TargetIntake::new(robot),
             tick: Tick::default(),
             stall_detector: StallDetector::new(wiring.tick_s),
-            stall: Reason::default(),
-            requested_hold: Reason::default(),
+            stall: Reason::None,
+            requested_hold: Reason::None,
             // One period per tick: a late tick causes no jump, a missed one is not made up.
             step_s: wiring.tick_s,
             checks_for_grip: false,
             recovers: false,
-            gate_refusal: Reason::default(),
+            gate_refusal: Reason::None,
             last_warning: Cause::NONE,
             outputs: Outputs {
                 command: JointCommand::default(),
@@ -215,7 +215,7 @@ impl Controller {
             .stall_detector
             .begin(tick, self.settings.safety.stall_s);
         self.tick = tick;
-        self.requested_hold = Reason::default();
+        self.requested_hold = Reason::None;
         self.outputs.events.begin(tick);
         self.outputs.goal_update = None;
     }
@@ -225,17 +225,17 @@ impl Controller {
             None => {}
             Some(OperatorRequest::Start(goal)) => self.start(goal),
             Some(OperatorRequest::Cancel { goal_id }) => {
-                self.end_goal(*goal_id, false, Cause::CANCELLED)
+                self.end_goal(*goal_id, false, Reason::Cancelled)
             }
             Some(OperatorRequest::ClientDisconnected { goal_id }) => {
-                self.end_goal(*goal_id, true, Cause::CLIENT_GONE)
+                self.end_goal(*goal_id, true, Reason::ClientGone)
             }
             Some(OperatorRequest::Stop(reason)) => self.stop(*reason),
             Some(OperatorRequest::Hold(reason)) => self.requested_hold = *reason,
             Some(OperatorRequest::Recover) => self.recover(),
             Some(OperatorRequest::SetParameter { index, value }) => match PARAMETERS.get(*index) {
                 Some(parameter) if parameter.is_safety() && !self.is_motion_disabled() => {
-                    self.warn(Reason::new(Cause::NOT_NOW));
+                    self.warn(Reason::NotNow);
                 }
                 Some(parameter) => {
                     // The supervisor checked the value; an invalid one has no effect.
@@ -248,7 +248,7 @@ impl Controller {
                 let is_ready = self.mode.mode() == Mode::READY;
                 match self.hands.get_mut(*hand) {
                     Some(hand) if is_ready && !hand.is_busy() => hand.bias(),
-                    _ => self.warn(Reason::new(Cause::NOT_NOW)),
+                    _ => self.warn(Reason::NotNow),
                 }
             }
         }
@@ -307,15 +307,17 @@ impl Controller {
             hand.adopt(HandVector::from_slice(&self.gate.requested()[range]));
         }
         let finding = self.gate.refusal();
-        self.gate_refusal = Reason::default();
-        match finding.cause {
-            Cause::NONE => {}
-            Cause::FOLLOWING_ERROR => self.stop(finding),
-            Cause::COMMAND_NOT_FINITE | Cause::COMMAND_STEP => self.gate_refusal = finding,
-            cause if cause == self.last_warning => {}
+        self.gate_refusal = Reason::None;
+        match finding {
+            Reason::None => {}
+            Reason::FollowingError { .. } => self.stop(finding),
+            Reason::CommandNotFinite { .. } | Reason::CommandStep { .. } => {
+                self.gate_refusal = finding;
+            }
+            _ if finding.cause() == self.last_warning => {}
             _ => self.warn(finding),
         }
-        self.last_warning = finding.cause;
+        self.last_warning = finding.cause();
     }
 
     fn is_motion_disabled(&self) -> bool {
@@ -325,7 +327,7 @@ impl Controller {
     fn warn(&mut self, reason: Reason) {
         self.outputs.events.push(ModuleEvent {
             kind: EventKind::WARNING,
-            reason,
+            reason: reason.into(),
             ..ModuleEvent::default()
         });
     }

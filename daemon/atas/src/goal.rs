@@ -5,7 +5,7 @@
 
 use crate::tasks::{self, Task, TaskRequirements};
 use robot_model::HandSide;
-use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, GoalState, Reason};
+use shm_schemas::{GoalKind, GoalPolicy, GoalRequest, GoalState, Reason};
 
 /// Goal that can be started.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,15 +33,13 @@ impl Goal {
     /// # Ok::<(), shm_schemas::Reason>(())
     /// ```
     pub fn resolve(request: &GoalRequest, own: &[Task]) -> Result<Self, Reason> {
-        let unknown = |index: usize, code: u32| {
-            Reason::with_limit(Cause::UNKNOWN_GOAL, f64::from(code), 0.0).with_index(index)
-        };
+        let unknown = |field: u32, code: u32| Reason::UnknownGoal { field, code };
         let task = match request.kind {
             GoalKind::CUSTOM => own
                 .iter()
                 .find(|task| task.name == request.task.as_str())
                 .or_else(|| tasks::by_name(request.task.as_str()))
-                .ok_or(Reason::new(Cause::UNKNOWN_TASK))?,
+                .ok_or(Reason::UnknownTask)?,
             kind => tasks::for_kind(kind).ok_or(unknown(0, kind.0))?,
         };
         if !request.policy.is_known() {
@@ -153,7 +151,7 @@ impl ActiveGoal {
             side: goal.side,
             both_hands: goal.requirements.both_hands,
             state: GoalState::ACCEPTED,
-            reason: Reason::default(),
+            reason: Reason::None,
             paused_s: 0.0,
         }
     }

@@ -6,7 +6,7 @@ use crate::tick::Tick;
 use crate::tick::seconds_between;
 use robot_model::{Joint, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{Cause, JointState, JointStatus, Reason};
+use shm_schemas::{JointState, JointStatus, Reason};
 
 /// Validates joint states and keeps the newest valid one.
 #[derive(Clone, Debug)]
@@ -48,14 +48,14 @@ impl JointIntake {
             newest: None,
             latest_sequence: 0,
             restarted: false,
-            fault: Reason::default(),
+            fault: Reason::None,
             status: JointStatus::default(),
         }
     }
 
     /// Processes a new state, if any.
     pub fn update(&mut self, state: Option<&JointState>, tick: Tick, limits: &Limits) {
-        self.fault = Reason::default();
+        self.fault = Reason::None;
         self.restarted = false;
         let Some(state) = state else { return };
         self.latest_sequence = state.stamp.sequence;
@@ -161,15 +161,18 @@ impl JointIntake {
     #[must_use]
     pub fn hold_reason(&self, tick: Tick, limits: &Limits) -> Reason {
         if !self.required {
-            return Reason::default();
+            return Reason::None;
         }
-        let age_s = self.newest.map_or(f64::INFINITY, |n| {
-            seconds_between(n.captured_ns, tick.now_ns)
-        });
-        if age_s > limits.hold_age_s {
-            Reason::with_limit(Cause::JOINTS_STOPPED, age_s * 1e9, limits.hold_age_s * 1e9)
+        let age_s = self
+            .newest
+            .map(|n| seconds_between(n.captured_ns, tick.now_ns));
+        if age_s.is_none_or(|age_s| age_s > limits.hold_age_s) {
+            Reason::JointsStopped {
+                age_ns: age_s.map(|age_s| age_s * 1e9),
+                limit_ns: limits.hold_age_s * 1e9,
+            }
         } else {
-            Reason::default()
+            Reason::None
         }
     }
 
@@ -189,14 +192,15 @@ impl JointIntake {
     /// rejected without a fault; they show as age.
     fn admit(&self, state: &JointState, tick: Tick, limits: &Limits) -> Result<u64, Reason> {
         if !state.is_intact() {
-            return Err(Reason::default());
+            return Err(Reason::None);
         }
         if state.joint_count as usize != self.joint_count {
-            return Err(Reason::with_limit(
-                Cause::JOINTS_INVALID,
-                f64::from(state.joint_count),
-                self.joint_count as f64,
-            ));
+            // No cause names a wrong number of joints.
+            return Err(Reason::JointsInvalid {
+                joint: 0,
+                position: f64::from(state.joint_count),
+                last: self.joint_count as f64,
+            });
         }
         let positions = &state.position[..self.joint_count];
         // False for NaN, so a NaN is out of range.
@@ -210,13 +214,15 @@ impl JointIntake {
             .zip(positions)
             .position(|j| !believable(j))
         {
-            let last = self.newest.map_or(0.0, |n| n.position[joint]);
-            let reason = Reason::with_limit(Cause::JOINTS_INVALID, positions[joint], last);
-            return Err(reason.with_index(joint));
+            return Err(Reason::JointsInvalid {
+                joint,
+                position: positions[joint],
+                last: self.newest.map_or(0.0, |n| n.position[joint]),
+            });
         }
         let age_s = seconds_between(state.stamp.captured_ns, tick.now_ns);
         if age_s > limits.reject_age_s || -age_s > limits.future_s {
-            return Err(Reason::default());
+            return Err(Reason::None);
         }
         let Some(newest) = self.newest else {
             return Ok(0);
@@ -224,17 +230,13 @@ impl JointIntake {
         // Another writer or a restarted counter is accepted only after silence.
         let silent = tick.now_ns.saturating_sub(newest.received_ns) >= WRITER_SILENT_NS;
         if newest.epoch != state.stamp.writer_epoch {
-            return if silent {
-                Ok(0)
-            } else {
-                Err(Reason::default())
-            };
+            return if silent { Ok(0) } else { Err(Reason::None) };
         }
         // Wrapping: a counter overflow is not a gap.
         let ahead = state.stamp.sequence.wrapping_sub(newest.sequence);
         let rises = (1..=u64::MAX / 2).contains(&ahead);
         if (!rises && !silent) || state.stamp.captured_ns <= newest.captured_ns {
-            return Err(Reason::default());
+            return Err(Reason::None);
         }
         self.check_jump(state, &newest)?;
         Ok(if rises { ahead - 1 } else { 0 })
@@ -243,10 +245,14 @@ impl JointIntake {
     fn check_jump(&self, state: &JointState, newest: &Newest) -> Result<(), Reason> {
         let elapsed_s = seconds_between(newest.captured_ns, state.stamp.captured_ns);
         for joint in 0..self.joint_count {
-            let (now, last) = (state.position[joint], newest.position[joint]);
+            let (position, last) = (state.position[joint], newest.position[joint]);
             let allowed = FEEDBACK_JUMP_FACTOR * self.joints[joint].velocity_max * elapsed_s;
-            if (now - last).abs() > allowed {
-                return Err(Reason::with_limit(Cause::JOINTS_INVALID, now, last).with_index(joint));
+            if (position - last).abs() > allowed {
+                return Err(Reason::JointsInvalid {
+                    joint,
+                    position,
+                    last,
+                });
             }
         }
         Ok(())

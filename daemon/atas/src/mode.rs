@@ -18,17 +18,17 @@
 //! missing, at least `REARM_LATE_S`: a single late frame on a busy machine pauses a goal briefly.
 
 use crate::limits::{REARM_LATE_S, REARM_S};
-use shm_schemas::{Cause, Mode, Reason};
+use shm_schemas::{Mode, Reason};
 
 /// Mode and its reason.
 ///
 /// ```
 /// use atas_core::ModeMachine;
-/// use shm_schemas::{Cause, Mode, Reason};
+/// use shm_schemas::{Mode, Reason};
 ///
 /// let mut machine = ModeMachine::default();
 /// assert_eq!(machine.mode(), Mode::INIT);
-/// machine.stop(Reason::new(Cause::ESTOP));
+/// machine.stop(Reason::Estop);
 /// assert_eq!(machine.mode(), Mode::SAFE_STOP);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ impl Default for ModeMachine {
     fn default() -> Self {
         Self {
             mode: Mode::INIT,
-            reason: Reason::default(),
+            reason: Reason::None,
             fault_free_ticks: 0,
             fault_ticks: 0,
             rearms_fully: true,
@@ -77,20 +77,17 @@ impl ModeMachine {
             }
             self.fault_free_ticks = 0;
             self.fault_ticks = self.fault_ticks.saturating_add(1);
-            self.rearms_fully |= !is_late_data(hold_reason.cause);
+            self.rearms_fully |= !is_late_data(hold_reason);
         } else {
             self.fault_free_ticks = self.fault_free_ticks.saturating_add(1);
         }
         match self.mode {
             Mode::INIT if hold_reason.is_some() => self.reason = hold_reason,
             Mode::READY | Mode::RUN if hold_reason.is_some() => self.enter(Mode::HOLD, hold_reason),
-            Mode::READY if has_goal => self.enter(Mode::RUN, Reason::default()),
-            Mode::RUN if !has_goal => self.enter(Mode::READY, Reason::default()),
+            Mode::READY if has_goal => self.enter(Mode::RUN, Reason::None),
+            Mode::RUN if !has_goal => self.enter(Mode::READY, Reason::None),
             Mode::INIT | Mode::HOLD if self.is_rearmed(step_s) => {
-                self.enter(
-                    if has_goal { Mode::RUN } else { Mode::READY },
-                    Reason::default(),
-                );
+                self.enter(if has_goal { Mode::RUN } else { Mode::READY }, Reason::None);
             }
             _ => {}
         }
@@ -134,9 +131,12 @@ impl ModeMachine {
 }
 
 /// Returns true if correct data arrived too late, or not at all.
-fn is_late_data(cause: Cause) -> bool {
+fn is_late_data(reason: Reason) -> bool {
     matches!(
-        cause,
-        Cause::FRAMES_STOPPED | Cause::FRAME_STALE | Cause::FRAMES_LOST | Cause::JOINTS_STOPPED
+        reason,
+        Reason::FramesStopped { .. }
+            | Reason::FrameStale { .. }
+            | Reason::FramesLost { .. }
+            | Reason::JointsStopped { .. }
     )
 }

@@ -146,11 +146,11 @@ pub fn write_request(order: Option<&OperatorRequest>) -> OrderRecord {
             OrderKind::CLIENT_GONE
         }
         Some(OperatorRequest::Stop(reason)) => {
-            record.reason = *reason;
+            record.reason = (*reason).into();
             OrderKind::STOP
         }
         Some(OperatorRequest::Hold(reason)) => {
-            record.reason = *reason;
+            record.reason = (*reason).into();
             OrderKind::HOLD
         }
         Some(OperatorRequest::Recover) => OrderKind::RECOVER,
@@ -187,8 +187,8 @@ pub fn read_request(record: &OrderRecord) -> Result<Option<OperatorRequest>, Rec
         OrderKind::START => OperatorRequest::Start(read_goal(record)?),
         OrderKind::CANCEL => OperatorRequest::Cancel { goal_id },
         OrderKind::CLIENT_GONE => OperatorRequest::ClientDisconnected { goal_id },
-        OrderKind::STOP => OperatorRequest::Stop(record.reason),
-        OrderKind::HOLD => OperatorRequest::Hold(record.reason),
+        OrderKind::STOP => OperatorRequest::Stop(record.reason.into()),
+        OrderKind::HOLD => OperatorRequest::Hold(record.reason.into()),
         OrderKind::RECOVER => OperatorRequest::Recover,
         OrderKind::SET_PARAMETER => OperatorRequest::SetParameter {
             index,
@@ -285,7 +285,7 @@ fn read_hand(record: &HandWiringRecord) -> Result<HandSensorSetup, RecordError> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, GoalKind, GoalRequest, Hand, Reason};
+    use shm_schemas::{GoalKind, GoalRequest, Hand, Reason};
 
     #[test]
     fn every_request_survives_a_round_trip() {
@@ -306,11 +306,11 @@ mod tests {
             Some(OperatorRequest::Start(goal(GoalKind::ASSEMBLE))),
             Some(OperatorRequest::Cancel { goal_id: 5 }),
             Some(OperatorRequest::ClientDisconnected { goal_id: 6 }),
-            Some(OperatorRequest::Stop(Reason::with_limit(
-                Cause::ESTOP,
-                1.0,
-                2.0,
-            ))),
+            Some(OperatorRequest::Stop(Reason::Estop)),
+            Some(OperatorRequest::Hold(Reason::SupervisorSilent {
+                silent_s: 1.0,
+                limit_s: 2.0,
+            })),
             Some(OperatorRequest::Recover),
             Some(OperatorRequest::SetParameter {
                 index: 7,

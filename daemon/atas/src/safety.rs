@@ -12,7 +12,7 @@ use crate::tick::Tick;
 use crate::tick::nanoseconds;
 use robot_model::{GraspSide, HandSide, Joint, PerSide, ROBOT_JOINTS_MAX, RobotModel, RobotVector};
 use shm_schemas::capacity::{HANDS, JOINTS};
-use shm_schemas::{Cause, JointCommand, Mode, Reason, Stamp};
+use shm_schemas::{JointCommand, Mode, Reason, Stamp};
 
 /// Unchecked commands of both hands.
 pub type RawCommand = [HandCommand; HANDS];
@@ -74,7 +74,7 @@ impl Gate {
             sequence: 0,
             writer_epoch,
             following_error_ticks: 0,
-            refusal: Reason::default(),
+            refusal: Reason::None,
         }
     }
 
@@ -142,13 +142,10 @@ impl Gate {
         grips: &[Grip; HANDS],
         ctx: &GateContext<'_>,
     ) -> SafeCommand {
-        self.refusal = Reason::default();
+        self.refusal = Reason::None;
         let mut request = self.flatten(raw);
         if let Some(joint) = request.iter().position(|q| !q.is_finite()) {
-            self.refuse(
-                Reason::new(Cause::COMMAND_NOT_FINITE).with_index(joint),
-                &mut request,
-            );
+            self.refuse(Reason::CommandNotFinite { joint }, &mut request);
         }
         if ctx.mode != Mode::RUN {
             request = self.position;
@@ -198,8 +195,11 @@ impl Gate {
                     let is_held = limb.arm || (limb.drives[side] && !opens);
                     if limb.hand == hand && is_held && request != commanded {
                         *request = *commanded;
-                        self.refusal = Reason::with_limit(Cause::GRIP_CEILING, normal_n, ceiling_n)
-                            .with_index(side.index());
+                        self.refusal = Reason::GripCeiling {
+                            side: side.index(),
+                            force_n: normal_n,
+                            limit_n: ceiling_n,
+                        };
                     }
                 }
             }
@@ -215,9 +215,8 @@ impl Gate {
             let lag = (position - self.position[joint]).abs() - self.lag_max(joint);
             let step = if lag > step { lag } else { step };
             if step > allowed {
-                let reason =
-                    Reason::with_limit(Cause::COMMAND_STEP, step, allowed).with_index(joint);
-                return self.refuse(reason, request);
+                let limit = allowed;
+                return self.refuse(Reason::CommandStep { joint, step, limit }, request);
             }
         }
     }
@@ -280,8 +279,10 @@ impl Gate {
             let error = (self.position[joint] - measured[joint]).abs();
             let allowed = settings.following_floor_rad * self.joints[joint].radian()
                 + settings.following_per_speed_s * self.velocity[joint].abs();
-            (error > allowed).then(|| {
-                Reason::with_limit(Cause::FOLLOWING_ERROR, error, allowed).with_index(joint)
+            (error > allowed).then_some(Reason::FollowingError {
+                joint,
+                error,
+                limit: allowed,
             })
         });
         self.following_error_ticks =

@@ -3,7 +3,7 @@
 //! prototype; *stiffness*, N/m, is the paper's *hardness*.
 
 use crate::settings::Grasp;
-use shm_schemas::Cause;
+use shm_schemas::{ModuleId, Reason};
 
 /// Largest F_1/F_2, so that Modules 1 and 3 never contradict each other.
 const F1_BELOW_F2: f64 = 0.8;
@@ -107,13 +107,27 @@ impl Thresholds {
         }
     }
 
-    /// Returns the refusal cause if an object needs more than F_2.
+    /// Returns the reason to refuse an object that needs more than F_2, found by a module at this
+    /// force, N.
     #[must_use]
-    pub fn refusal_cause(&self) -> Cause {
+    pub fn refusal(&self, force_n: f64, module: ModuleId) -> Reason {
+        let limit_n = self.f2_n;
         match self.source {
-            ForceLimitSource::Hand => Cause::TOO_HEAVY,
-            ForceLimitSource::Object => Cause::TOO_SOFT,
-            ForceLimitSource::Goal => Cause::ABOVE_MAX_FORCE,
+            ForceLimitSource::Hand => Reason::TooHeavy {
+                force_n,
+                limit_n,
+                module,
+            },
+            ForceLimitSource::Object => Reason::TooSoft {
+                force_n,
+                limit_n,
+                module,
+            },
+            ForceLimitSource::Goal => Reason::AboveMaxForce {
+                force_n,
+                limit_n,
+                module,
+            },
         }
     }
 

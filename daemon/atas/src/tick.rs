@@ -1,7 +1,7 @@
 //! Tick time and stall detection. The core never reads a clock.
 
 use crate::limits::STALL_PERIODS;
-use shm_schemas::{Cause, Reason};
+use shm_schemas::Reason;
 
 /// One tick of the control loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -62,9 +62,12 @@ impl StallDetector {
         self.gap_s = still_s;
         let allowed_s = allowed_s.max(STALL_PERIODS * self.step_s);
         if still_s > allowed_s {
-            Reason::with_limit(Cause::LOOP_STALLED, still_s * 1e9, allowed_s * 1e9)
+            Reason::LoopStalled {
+                stalled_ns: still_s * 1e9,
+                limit_ns: allowed_s * 1e9,
+            }
         } else {
-            Reason::default()
+            Reason::None
         }
     }
 }

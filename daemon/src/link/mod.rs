@@ -154,7 +154,7 @@ pub fn link(records: bool, signal: Arc<stop::Signal>) -> (RealtimeSide, Supervis
 mod tests {
     use super::*;
     use atas_core::OperatorRequest;
-    use shm_schemas::{Cause, GoalState, ModuleEvent, Reason};
+    use shm_schemas::{GoalState, ModuleEvent, Reason};
 
     use super::tick::SUPERVISOR_TIMEOUT_NS;
 
@@ -169,7 +169,7 @@ mod tests {
             .filter(|_| supervisor.request(OperatorRequest::Recover).is_some())
             .count();
         assert_eq!(queued, REQUESTS);
-        let stop = OperatorRequest::Stop(Reason::new(Cause::SHUTDOWN));
+        let stop = OperatorRequest::Stop(Reason::Shutdown);
         let ticket = supervisor.request(stop);
         assert!(ticket.is_some());
         let taken = tick.take_request(true).expect("the stop");
@@ -186,10 +186,7 @@ mod tests {
         let number = signal.raise();
         assert!(tick.has_requests());
         let taken = tick.take_request(true).expect("the stop");
-        assert_eq!(
-            taken.request,
-            OperatorRequest::Stop(Reason::new(Cause::ESTOP))
-        );
+        assert_eq!(taken.request, OperatorRequest::Stop(Reason::Estop));
         // Without a published command it stays pending, before all other requests.
         tick.confirm_stop(false);
         assert!(!signal.is_taken(number));
@@ -296,14 +293,14 @@ mod tests {
     #[test]
     fn silent_supervisor_causes_hold() {
         let (tick, supervisor) = sides();
-        let silent_at = |ns| tick.supervisor_timeout(ns).cause;
-        assert_eq!(silent_at(u64::MAX), Cause::NONE, "before its first round");
+        let silent_at = |ns| tick.supervisor_timeout(ns);
+        assert_eq!(silent_at(u64::MAX), Reason::None, "before its first round");
         supervisor.report_alive(1_000);
-        assert_eq!(silent_at(1_000 + SUPERVISOR_TIMEOUT_NS), Cause::NONE);
-        assert_eq!(
+        assert_eq!(silent_at(1_000 + SUPERVISOR_TIMEOUT_NS), Reason::None);
+        assert!(matches!(
             silent_at(1_001 + SUPERVISOR_TIMEOUT_NS),
-            Cause::SUPERVISOR_SILENT
-        );
-        assert_eq!(silent_at(0), Cause::NONE, "time before the last round");
+            Reason::SupervisorSilent { .. }
+        ));
+        assert_eq!(silent_at(0), Reason::None, "time before the last round");
     }
 }

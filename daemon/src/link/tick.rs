@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use atas_core::OperatorRequest;
 use rtrb::{Consumer, Producer};
 use shm_bus::stop;
-use shm_schemas::{Cause, GoalUpdate, ModuleEvent, Reason, Status, View};
+use shm_schemas::{GoalUpdate, ModuleEvent, Reason, Status, View};
 
 use super::{NOTIFICATIONS_RESERVED, Notification, Shared, TickRecord, Ticketed};
 use crate::input_log::LogWriter;
@@ -39,7 +39,7 @@ impl RealtimeSide {
     pub fn take_request(&mut self, settling: bool) -> Option<Ticketed> {
         self.signalled_stop = self.signal.pending();
         if self.signalled_stop.is_some() {
-            let order = OperatorRequest::Stop(Reason::new(Cause::ESTOP));
+            let order = OperatorRequest::Stop(Reason::Estop);
             return Some(Ticketed {
                 ticket: 0,
                 request: order,
@@ -86,14 +86,13 @@ impl RealtimeSide {
         let supervised_ns = self.shared.supervisor_alive_ns.load(Ordering::Relaxed);
         let silent_ns = now_ns.saturating_sub(supervised_ns);
         if supervised_ns == 0 || silent_ns <= SUPERVISOR_TIMEOUT_NS {
-            return Reason::default();
+            return Reason::None;
         }
         let s = |ns: u64| ns as f64 * 1e-9;
-        Reason::with_limit(
-            Cause::SUPERVISOR_SILENT,
-            s(silent_ns),
-            s(SUPERVISOR_TIMEOUT_NS),
-        )
+        Reason::SupervisorSilent {
+            silent_s: s(silent_ns),
+            limit_s: s(SUPERVISOR_TIMEOUT_NS),
+        }
     }
 
     /// Returns true if there is room to record another tick, or if recording is off.

@@ -16,7 +16,7 @@ use atas_core::tasks::Task;
 use atas_core::{Goal, SensorSetup, Settings};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use robot_model::{RobotModel, RobotVector};
-use shm_schemas::{Cause, GoalRequest, Reason};
+use shm_schemas::{GoalRequest, Reason};
 
 use super::SupervisorState;
 
@@ -97,7 +97,7 @@ impl Job {
         }));
         CheckResult {
             request: self.request,
-            goal: checked.unwrap_or(Err(Reason::new(Cause::MODULE_PANICKED))),
+            goal: checked.unwrap_or(Err(Reason::ModulePanicked)),
             commanded_position: self.commanded_position,
         }
     }

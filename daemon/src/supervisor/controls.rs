@@ -6,7 +6,7 @@ use atas_core::OperatorRequest;
 use atas_core::settings::{PARAMETERS, Parameter, present_name};
 use shm_bus::{Bus, BusError, ControlCall, ControlServer, now_ns};
 use shm_schemas::{
-    Cause, ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp,
+    ControlOp, ControlOutcome, ControlReply, ControlRequest, Hand, Mode, Reason, Stamp,
     StatusFlags, Text,
 };
 
@@ -117,7 +117,7 @@ fn answer(
     link: &mut SupervisorSide,
 ) -> Answer {
     let ordered = match request.op {
-        ControlOp::ESTOP => queue_request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)), link),
+        ControlOp::ESTOP => queue_request(OperatorRequest::Stop(Reason::Estop), link),
         ControlOp::RECOVER => recover(state, link),
         ControlOp::PARAM_GET => return Answer::Now(get(request, state)),
         ControlOp::PARAM_LIST => return Answer::Now(list(request, state)),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use robot_model::{Joint, RobotModel};
-use shm_schemas::{Cause, EventKind, GoalState, Hand, JointLabel, Mode, ModuleEvent};
+use shm_schemas::{Cause, EventKind, GoalState, Hand, JointLabel, Mode, ModuleEvent, Reason};
 
 use crate::link::TickRecord;
 
@@ -37,15 +37,15 @@ struct Repeated {
 impl EventLog {
     pub(super) fn write_event(&mut self, event: &ModuleEvent, robot: &RobotModel) {
         let tick = event.tick;
-        let joint = event.reason.joint().and_then(|index| robot.joint(index));
+        let given = Reason::from(event.reason);
+        let joint = given.joint().and_then(|index| robot.joint(index));
         let reason = event.reason.text(joint.map(label));
-        let (is_given, cause) = (event.reason.is_some(), event.reason.cause);
         match event.kind {
             EventKind::MODE if event.mode == Mode::FAULT => {
                 let panic = crate::panics::take_message().unwrap_or_default();
                 tracing::error!(tick, mode = %event.mode, panic, "{reason}");
             }
-            EventKind::MODE if cause == Cause::SHUTDOWN => {
+            EventKind::MODE if given == Reason::Shutdown => {
                 tracing::info!(tick, mode = %event.mode, "{reason}");
             }
             EventKind::MODE if matches!(event.mode, Mode::HOLD | Mode::SAFE_STOP) => {
@@ -54,14 +54,15 @@ impl EventLog {
             EventKind::MODE => tracing::info!(tick, mode = %event.mode, "mode"),
             EventKind::GOAL => {
                 let state = GoalState(event.value as u32);
-                if is_given {
+                if given.is_some() {
                     tracing::info!(tick, hand = %event.hand, "goal {state}: {reason}");
                 } else {
                     tracing::info!(tick, hand = %event.hand, "goal {state}");
                 }
             }
             EventKind::WARNING => {
-                if let Some(suppressed) = self.take_suppressed(Topic::Hand(event.hand, cause)) {
+                let topic = Topic::Hand(event.hand, event.reason.cause);
+                if let Some(suppressed) = self.take_suppressed(topic) {
                     tracing::warn!(tick, suppressed, "{reason}");
                 }
             }

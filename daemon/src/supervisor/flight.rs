@@ -16,7 +16,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use std::{fs, io, thread};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
-use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, TickReport};
+use shm_schemas::{EventKind, Mode, ModuleEvent, Reason, TickReport};
 
 /// Number of saved ticks before a fault.
 const TICKS: usize = 256;
@@ -90,7 +90,7 @@ impl FlightRecorder {
 fn is_fault(event: &ModuleEvent) -> bool {
     event.kind == EventKind::MODE
         && matches!(event.mode, Mode::HOLD | Mode::SAFE_STOP | Mode::FAULT)
-        && event.reason.cause != Cause::SHUTDOWN
+        && Reason::from(event.reason) != Reason::Shutdown
 }
 
 fn write_all(folder: &Path, flights: &Receiver<FlightRecord>) {
@@ -134,7 +134,6 @@ fn remove_oldest(folder: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::Reason;
     use tempfile::TempDir;
 
     fn fault(tick: u64) -> ModuleEvent {
@@ -142,7 +141,11 @@ mod tests {
             tick,
             kind: EventKind::MODE,
             mode: Mode::HOLD,
-            reason: Reason::with_limit(Cause::LOOP_STALLED, 3e7, 2e7),
+            reason: Reason::LoopStalled {
+                stalled_ns: 3e7,
+                limit_ns: 2e7,
+            }
+            .into(),
             ..ModuleEvent::default()
         }
     }
@@ -228,7 +231,7 @@ mod tests {
         );
         check(
             ModuleEvent {
-                reason: Reason::new(Cause::SHUTDOWN),
+                reason: Reason::Shutdown.into(),
                 ..fault(0)
             },
             false,

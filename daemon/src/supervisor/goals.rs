@@ -3,7 +3,7 @@
 use atas_core::OperatorRequest;
 use robot_model::RobotVector;
 use shm_bus::{ActiveGoal, Bus, GoalServer, now_ns};
-use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
+use shm_schemas::{GoalKind, GoalRequest, GoalState, GoalUpdate, Reason, Stamp, Text};
 
 use super::checker::{CheckResult, Checker};
 use super::{OpenError, SupervisorState};
@@ -66,7 +66,7 @@ impl GoalService {
                 // No check could make the goal executable, and its first finding would hide the
                 // cause.
                 Ok(Some(client)) if !state.sensor_setup.joints_required => {
-                    reject(&client, Reason::new(Cause::SENSE_ONLY), state);
+                    reject(&client, Reason::SenseOnly, state);
                 }
                 Ok(Some(client)) => match busy {
                     Some(reason) => reject(&client, reason, state),
@@ -93,7 +93,9 @@ impl GoalService {
     /// position would not hold.
     fn busy_reason(&self) -> Option<Reason> {
         let goes_on = self.open.iter().find(|goal| !goal.cancelled);
-        goes_on.map(|goal| Reason::with_limit(Cause::BUSY, f64::from(goal.kind.0), 0.0))
+        goes_on.map(|goal| Reason::Busy {
+            active: Some(goal.kind),
+        })
     }
 
     fn check(&mut self, candidate: Candidate, state: &SupervisorState) {
@@ -119,12 +121,13 @@ impl GoalService {
         }
         let (request, client) = (checked.request, candidate.client);
         let goal = checked.goal.and_then(|goal| {
+            let busy = Reason::Busy { active: None };
             let id_in_use = self.open.iter().any(|goal| goal.id == request.goal_id);
             if moved || id_in_use || self.open.len() >= OPEN_MAX {
-                return Err(Reason::new(Cause::BUSY));
+                return Err(busy);
             }
             let queued = link.request(OperatorRequest::Start(goal));
-            queued.map(|_ticket| ()).ok_or(Reason::new(Cause::BUSY))
+            queued.map(|_ticket| ()).ok_or(busy)
         });
         match goal {
             Ok(()) => self.open.push(OpenGoal {
@@ -185,9 +188,9 @@ fn rejection(request: &GoalRequest, reason: Reason, tick: u64) -> GoalUpdate {
         goal_id: request.goal_id,
         tick,
         state: GoalState::REJECTED,
-        reason,
-        step: match reason.cause {
-            Cause::UNKNOWN_TASK => Text::new(request.task.as_str()),
+        reason: reason.into(),
+        step: match reason {
+            Reason::UnknownTask => Text::new(request.task.as_str()),
             _ => Text::default(),
         },
         ..GoalUpdate::default()

@@ -1,6 +1,6 @@
 //! Golden texts: the sentence of every cause with several values, indices and modules.
 
-use shm_schemas::{Cause, ModuleId, Reason};
+use shm_schemas::{Cause, ModuleId, ReasonRecord};
 use std::collections::HashSet;
 use std::fmt::Write;
 
@@ -39,13 +39,13 @@ const WHOLE: [Cause; 9] = [
 /// Indices: hands, joints, fields of goals and targets, two bodies, unknown ones.
 const INDICES: [u32; 8] = [0, 1, 3, 4, 8, 9, 4619, 1_000_000];
 
-fn samples(cause: Cause) -> Vec<Reason> {
+fn samples(cause: Cause) -> Vec<ReasonRecord> {
     let numbers = if WHOLE.contains(&cause) {
         WHOLE_NUMBERS
     } else {
         NUMBERS
     };
-    let reason = |(value, limit), index, module| Reason {
+    let reason = |(value, limit), index, module| ReasonRecord {
         cause,
         module,
         value,
@@ -73,7 +73,7 @@ fn texts() -> String {
         writeln!(text, "{cause}").unwrap();
         let mut seen = HashSet::new();
         for reason in samples(cause) {
-            let Reason {
+            let ReasonRecord {
                 module: ModuleId(module),
                 value,
                 limit,

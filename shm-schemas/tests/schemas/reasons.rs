@@ -1,11 +1,21 @@
 //! Text of every reason.
 
-use shm_schemas::{Body, BodyPair, Cause, GoalKind, JointLabel, Mode, ModuleId, Reason};
+use proptest::prelude::*;
+use shm_schemas::{
+    Body, BodyPair, Cause, GoalField, GoalKind, JointLabel, Mode, ModuleId, Reason, ReasonRecord,
+    TargetField,
+};
+use zerocopy::{FromBytes, IntoBytes};
 
-/// One row per cause: a reason and its text.
-fn table() -> Vec<(Reason, &'static str)> {
-    let limit =
-        |cause, value, limit, index| Reason::with_limit(cause, value, limit).with_index(index);
+/// One row per cause: a reason on the wire and its text.
+fn table() -> Vec<(ReasonRecord, &'static str)> {
+    let limit = |cause, value, limit, index| ReasonRecord {
+        cause,
+        value,
+        limit,
+        index,
+        ..ReasonRecord::default()
+    };
     let body = |hand, joint| Body { hand, joint };
     let collision = BodyPair([body(1, 2), body(0, 10)]).index();
     vec![
@@ -354,11 +364,15 @@ fn every_cause_has_a_text() {
 /// Values are printed in the unit of the command line or the target file.
 #[test]
 fn values_are_printed_in_the_input_unit() {
-    let goal = |index: usize, value: f64, limit: f64| {
-        Reason::with_limit(Cause::OUT_OF_RANGE, value, limit).with_index(index)
+    let goal = |index: u32, value: f64, limit: f64| Reason::OutOfRange {
+        field: GoalField(index),
+        value,
+        limit,
     };
-    let target = |index: usize, value: f64, limit: f64| {
-        Reason::with_limit(Cause::TARGET_OUT_OF_RANGE, value, limit).with_index(index)
+    let target = |index: u32, value: f64, limit: f64| Reason::TargetOutOfRange {
+        field: TargetField(index),
+        value,
+        limit,
     };
     let deg = |degrees: f64| degrees.to_radians();
     for (reason, part) in [
@@ -422,7 +436,11 @@ fn values_are_printed_in_the_input_unit() {
 
 #[test]
 fn reason_text_names_the_module() {
-    let reason = Reason::with_limit(Cause::TOO_HEAVY, 8.0, 7.5).with_module(ModuleId::FORCE_LIMIT);
+    let reason = Reason::TooHeavy {
+        force_n: 8.0,
+        limit_n: 7.5,
+        module: ModuleId::FORCE_LIMIT,
+    };
     assert!(
         reason.to_string().ends_with(" (module 3, force limit)"),
         "{reason}"
@@ -432,57 +450,147 @@ fn reason_text_names_the_module() {
 /// Bytes from the bus may have any value.
 #[test]
 fn reason_with_unknown_codes_prints() {
-    for (reason, sentence) in [
+    let none = ReasonRecord::default();
+    for (record, sentence) in [
         (
-            Reason::with_limit(Cause(999), 1.0, 2.0),
+            ReasonRecord {
+                cause: Cause(999),
+                value: 1.0,
+                limit: 2.0,
+                ..none
+            },
             "unknown(999): value 1, limit 2",
         ),
         (
-            Reason::new(Cause::BUSY).with_module(ModuleId(77)),
+            ReasonRecord {
+                cause: Cause::BUSY,
+                module: ModuleId(77),
+                ..none
+            },
             "another goal is active; wait for it or cancel it (unknown(77))",
         ),
         (
-            Reason::new(Cause::NOT_FINITE).with_index(usize::MAX),
+            ReasonRecord {
+                cause: Cause::NOT_FINITE,
+                index: u32::MAX,
+                ..none
+            },
             "a value of the goal is not finite; send finite numbers",
         ),
         (
-            Reason::new(Cause::HAND_FULL).with_index(9),
+            ReasonRecord {
+                cause: Cause::HAND_FULL,
+                index: 9,
+                ..none
+            },
             "the unknown(9) hand still holds an object; release it first with `atas release --hand unknown(9)`",
         ),
         (
-            Reason::with_limit(Cause::NOT_READY, f64::NAN, 0.0),
+            ReasonRecord {
+                cause: Cause::NOT_READY,
+                value: f64::NAN,
+                ..none
+            },
             "the daemon is in mode init, needs ready; see `atas status`",
         ),
         (
-            Reason::with_limit(Cause::NOT_READY, 1e300, 0.0),
+            ReasonRecord {
+                cause: Cause::NOT_READY,
+                value: 1e300,
+                ..none
+            },
             "the daemon is in mode unknown(4294967295), needs ready; see `atas status`",
         ),
     ] {
-        assert_eq!(reason.to_string(), sentence);
+        assert_eq!(record.to_string(), sentence);
+    }
+}
+
+#[test]
+fn every_cause_survives_the_round_trip() {
+    for (mut record, _) in table() {
+        let reason = Reason::from(record);
+        if has_module(reason) {
+            record.module = ModuleId::BEHAVIOUR_TABLE;
+        }
+        let reason = Reason::from(record);
+        let back = ReasonRecord::from(reason);
+        assert_eq!(back.as_bytes(), record.as_bytes(), "{reason:?}");
+        assert_eq!(reason.cause(), record.cause);
+        assert!(!matches!(reason, Reason::Unknown(_)), "{reason:?}");
+    }
+}
+
+/// Returns true for a reason that names the module that reports it.
+fn has_module(reason: Reason) -> bool {
+    matches!(
+        reason,
+        Reason::NothingTouched { .. }
+            | Reason::TooHeavy { .. }
+            | Reason::TooSoft { .. }
+            | Reason::AboveMaxForce { .. }
+            | Reason::OutOfForce { .. }
+            | Reason::NoSupport { .. }
+            | Reason::Obstructed { .. }
+    )
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_bytes_decode_and_print(mut bytes in any::<[u8; 32]>(), cause in 0..100u32) {
+        for known in [false, true] {
+            if known {
+                bytes[..4].copy_from_slice(&cause.to_le_bytes());
+            }
+            let record = ReasonRecord::read_from_bytes(&bytes).expect("the size of a reason");
+            let reason = Reason::from(record);
+            prop_assert!(!record.to_string().is_empty() && !reason.to_string().is_empty());
+            prop_assert_eq!(reason.cause(), record.cause);
+            // What is typed stays as it is.
+            let typed = ReasonRecord::from(reason);
+            let again = ReasonRecord::from(Reason::from(typed));
+            prop_assert_eq!(again.as_bytes(), typed.as_bytes());
+        }
     }
 }
 
 #[test]
 fn reason_without_cause_is_none() {
     assert!(!Reason::default().is_some());
-    assert!(
-        Cause::ALL
-            .iter()
-            .all(|c| Reason::new(*c).is_some() == (*c != Cause::NONE))
-    );
+    for cause in Cause::ALL.iter().copied() {
+        let record = ReasonRecord {
+            cause,
+            ..ReasonRecord::default()
+        };
+        let is_some = cause != Cause::NONE;
+        assert_eq!(
+            (record.is_some(), Reason::from(record).is_some()),
+            (is_some, is_some)
+        );
+    }
 }
 
 #[test]
 fn reason_names_the_joint_and_its_unit() {
-    let reason = Reason::with_limit(Cause::FOLLOWING_ERROR, 0.03, 0.02).with_index(7);
+    let reason = Reason::FollowingError {
+        joint: 7,
+        error: 0.03,
+        limit: 0.02,
+    };
     let label = JointLabel {
         name: "gantry",
         unit: "m",
     };
     assert_eq!(
-        reason.text(reason.joint().map(|_| label)).to_string(),
+        ReasonRecord::from(reason)
+            .text(reason.joint().map(|_| label))
+            .to_string(),
         "joint gantry is 0.0300 m off its command, allowed 0.0200 m; is it blocked?"
     );
-    let of_side = Reason::with_limit(Cause::GRIP_CEILING, 15.5, 15.0).with_index(1);
+    let of_side = Reason::GripCeiling {
+        side: 1,
+        force_n: 15.5,
+        limit_n: 15.0,
+    };
     assert_eq!(of_side.joint(), None);
 }

@@ -260,7 +260,7 @@ fn five_joint_arm_places_at_its_base_angle() {
             ..request
         };
         let refused = rig.rejection_reason(&misaligned);
-        assert_eq!(refused.cause, Cause::UNREACHABLE, "{refused}");
+        assert_eq!(refused.cause(), Cause::UNREACHABLE, "{refused}");
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::rig::{Missing, Rig, goal, object, seeds};
 use atas_core::OperatorRequest;
 use robot_model::{HandSide, RobotModel};
-use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, GoalUpdate, Mode, Reason};
+use shm_schemas::{GoalKind, GoalRequest, GoalState, GoalUpdate, Mode, Reason};
 use sim_backend::random::Random;
 use sim_backend::{Object, Scene};
 
@@ -12,9 +12,10 @@ use sim_backend::{Object, Scene};
 const PATH_RATIO_MAX: f64 = 1.1;
 
 fn hold(rig: &mut Rig) {
-    rig.send_request(&OperatorRequest::Hold(Reason::new(
-        Cause::SUPERVISOR_SILENT,
-    )));
+    rig.send_request(&OperatorRequest::Hold(Reason::SupervisorSilent {
+        silent_s: 0.0,
+        limit_s: 0.0,
+    }));
     assert_eq!(rig.mode(), Mode::HOLD);
 }
 

@@ -14,12 +14,12 @@ const INTERRUPTIONS: [(&str, Interruption); 5] = [
     ("killed", |rig| rig.restart(120)),
     ("killed and restarted at once", |rig| rig.restart(6)),
     ("ended by SIGTERM", |rig| {
-        rig.send_request(&OperatorRequest::Stop(Reason::new(Cause::SHUTDOWN)));
+        rig.send_request(&OperatorRequest::Stop(Reason::Shutdown));
         rig.ticks(20);
         rig.restart(500);
     }),
     ("stopped and recovered", |rig| {
-        rig.send_request(&OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
+        rig.send_request(&OperatorRequest::Stop(Reason::Estop));
         rig.ticks(300);
         rig.send_request(&OperatorRequest::Recover);
     }),

@@ -54,7 +54,7 @@ fn zero_drift_drops_no_object() {
         // A falling zero removes elements from the contact, which only raises the grip slightly. A
         // slow rise is not detected within this time.
         if n_per_s >= 0.01 {
-            let found = (rig.mode(), rig.reason().cause);
+            let found = (rig.mode(), rig.reason().cause());
             assert_eq!(found, (Mode::HOLD, Cause::FORCE_AGAINST_JOINTS), "{case}");
         }
     };
@@ -167,7 +167,7 @@ fn stuck_element_is_reported_once_and_ignored() {
 fn too_many_stuck_elements_cause_hold() {
     let rig = lift_with_corrupted_skin("wood", sticking(4));
     let output = [Cause::ELEMENTS_INVALID, Cause::FORCE_AGAINST_JOINTS];
-    assert!(output.contains(&rig.reason().cause), "{:?}", rig.reason());
+    assert!(output.contains(&rig.reason().cause()), "{:?}", rig.reason());
     let object = rig.object();
     assert_eq!((object.dropped, object.crushed), (0, 0), "{object:?}");
 }

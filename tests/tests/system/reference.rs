@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 use shm_schemas::catalogue::CODES;
-use shm_schemas::{Cause, Reason};
+use shm_schemas::{Cause, ReasonRecord};
 use system_tests::binary;
 
 /// Programs in the order of the page.
@@ -176,16 +176,22 @@ fn codes_page_equals_the_schema() {
             let lines: Vec<&str> = value.doc.iter().map(|line| line.trim()).collect();
             let meaning = escaped(&lines.join(" "));
             let message = match is_cause {
-                true => format!(
-                    " {} |",
-                    escaped(&Reason::new(Cause(value.number)).to_string())
-                ),
+                true => format!(" {} |", escaped(&text_of(Cause(value.number)))),
                 false => String::new(),
             };
             let _ = writeln!(page, "| `{}` | {} |{message}", value.text, meaning.trim());
         }
     }
     check_page("codes.md", &page);
+}
+
+/// Returns the message of a cause with zeros for value and limit.
+fn text_of(cause: Cause) -> String {
+    let record = ReasonRecord {
+        cause,
+        ..ReasonRecord::default()
+    };
+    record.to_string()
 }
 
 fn escaped(text: &str) -> String {

@@ -9,8 +9,8 @@ pub use streams::{agents, arena, base, base_command, report, run, sensor, truth,
 use serde_json::{Value, json};
 use shm_schemas::capacity::{FINGERS, HANDS};
 use shm_schemas::{
-    EventKind, GraspFigures, Hand, HandStatus, ModuleEvent, ModuleId, Percentiles, Reason, Status,
-    StatusFlags,
+    EventKind, GraspFigures, Hand, HandStatus, ModuleEvent, ModuleId, Percentiles, ReasonRecord,
+    Status, StatusFlags,
 };
 
 use crate::GoalProgress;
@@ -20,7 +20,7 @@ pub const CAPACITY: [usize; HANDS] = [FINGERS; HANDS];
 
 /// Returns a reason, or `null`.
 #[must_use]
-pub fn reason(reason: &Reason) -> Value {
+pub fn reason(reason: &ReasonRecord) -> Value {
     if !reason.is_some() {
         return Value::Null;
     }

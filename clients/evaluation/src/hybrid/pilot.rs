@@ -238,7 +238,7 @@ impl Pilot {
         self.process_goal_update(&GoalUpdate {
             goal_id: self.goal.map_or(0, |goal| goal.goal_id),
             state: GoalState::REJECTED,
-            reason,
+            reason: reason.into(),
             ..GoalUpdate::default()
         });
     }

@@ -6,7 +6,7 @@ use atas_core::OperatorRequest;
 use atas_core::settings::PARAMETERS;
 use atas_evaluation::offline::OfflineRun;
 use atas_judge::{Allowance, Judge, Promise, Violation};
-use shm_schemas::{Cause, GoalRequest, Mode, Reason};
+use shm_schemas::{GoalRequest, Mode, Reason};
 use sim_backend::TICK_NS;
 use sim_backend::faults::{Fault, FaultPipeline};
 
@@ -129,10 +129,13 @@ impl<'a> Play<'a> {
                 self.judge.restarted();
                 self.requests.clear();
             }
-            EventKind::Stop => self.queue(OperatorRequest::Stop(Reason::new(Cause::ESTOP))),
+            EventKind::Stop => self.queue(OperatorRequest::Stop(Reason::Estop)),
             EventKind::Recover => self.queue(OperatorRequest::Recover),
             EventKind::Hold => {
-                self.queue(OperatorRequest::Hold(Reason::new(Cause::SUPERVISOR_SILENT)));
+                self.queue(OperatorRequest::Hold(Reason::SupervisorSilent {
+                    silent_s: 0.0,
+                    limit_s: 0.0,
+                }));
             }
             EventKind::Cancel => self.queue(OperatorRequest::Cancel { goal_id }),
             EventKind::Disconnect => self.queue(OperatorRequest::ClientDisconnected { goal_id }),

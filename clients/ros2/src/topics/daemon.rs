@@ -116,7 +116,7 @@ fn state(status: &Status, alive: bool, clock: &Clock) -> DaemonState {
         "" if has_goal => status.goal_kind.to_string(),
         own => own.to_owned(),
     };
-    let reason = |reason: &shm_schemas::Reason| match reason.is_some() {
+    let reason = |reason: &shm_schemas::ReasonRecord| match reason.is_some() {
         true => reason.to_string(),
         false => String::new(),
     };
@@ -232,14 +232,14 @@ fn log(event: &ModuleEvent, clock: &Clock) -> Log {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use shm_schemas::{Cause, Reason};
+    use shm_schemas::Reason;
 
     #[test]
     fn stopped_robot_is_an_error_with_its_reason() {
         let mut status = Status {
             pid: 7,
             mode: Mode::SAFE_STOP,
-            reason: Reason::new(Cause::ESTOP),
+            reason: Reason::Estop.into(),
             ..Status::default()
         };
         (status.hands[1].required, status.hands[1].frames) = (1, 9);

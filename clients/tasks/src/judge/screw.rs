@@ -1,6 +1,6 @@
 //! Evaluation of cap screwing: tightness of the cap.
 
-use shm_schemas::{Cause, GoalUpdate, WorldTruth};
+use shm_schemas::{GoalUpdate, Reason, WorldTruth};
 
 use super::{cap_failure, failure_unless, goal_failure, harm, in_hand_failure};
 
@@ -35,5 +35,6 @@ impl Screwing {
 }
 
 fn timeout_failure(end: &GoalUpdate) -> Option<String> {
-    failure_unless(end.reason.cause != Cause::TIMED_OUT, "timed out")
+    let is_late = matches!(Reason::from(end.reason), Reason::TimedOut { .. });
+    failure_unless(!is_late, "timed out")
 }

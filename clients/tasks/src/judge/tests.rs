@@ -1,6 +1,6 @@
 //! Tests of the evaluation of pick and place, screwing and assembly: ground truth to failure key.
 
-use shm_schemas::{Cause, GoalState, GoalUpdate, ObjectTruth, Reason, Text, WorldTruth};
+use shm_schemas::{Cause, GoalState, GoalUpdate, ObjectTruth, ReasonRecord, Text, WorldTruth};
 
 use super::*;
 
@@ -9,7 +9,10 @@ const MS_NS: u64 = 1_000_000;
 fn end(state: GoalState, cause: Cause, step: &str) -> GoalUpdate {
     GoalUpdate {
         state,
-        reason: Reason::new(cause),
+        reason: ReasonRecord {
+            cause,
+            ..ReasonRecord::default()
+        },
         step: Text::new(step),
         ..GoalUpdate::default()
     }

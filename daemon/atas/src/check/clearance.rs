@@ -8,7 +8,6 @@
 //! paths.
 
 use super::context::GoalContext;
-use super::fields::{FROM_X, TO_X};
 use crate::goal::Goal;
 use crate::kinematics::grasp_pose;
 use crate::path::{Path, blend, with_height};
@@ -21,7 +20,7 @@ use robot_model::{
     Capsules, GraspPose, GraspSide, HandModel, HandSide, HandVector, Nearest, PerSide, RobotVector,
     farthest_move_m, nearest,
 };
-use shm_schemas::{Body, BodyPair, Cause, Reason};
+use shm_schemas::{Body, BodyPair, GoalField, Reason};
 
 /// Minimum planned distance between the arms, m. Must exceed the combined tracking error of both
 /// arms: up to 7.5 mm from joint lag, servo compliance and link length errors of 1 mm
@@ -53,8 +52,8 @@ const AXIS_ERROR_MAX_RAD: f64 = 0.087;
 /// [`Goal::clearance_margin_m`].
 ///
 /// # Errors
-/// [`Cause::UNREACHABLE`] if the arm has no posture, [`Cause::ARMS_COLLIDE`] with the two closest
-/// bodies, [`Cause::TASK_TOO_LONG`] if the task needs too many postures.
+/// [`Reason::NoPosture`] if the arm has no posture, [`Reason::ArmsCollide`] with the two closest
+/// bodies, [`Reason::TaskTooLong`] if the task needs too many postures.
 pub(super) fn check_paths(
     goal: &Goal,
     now: &GoalContext<'_>,
@@ -156,8 +155,11 @@ impl Gap {
             hand: self.hands[i],
             joint: joints[i],
         };
-        let bodies = BodyPair([body(0), body(1)]);
-        Err(Reason::with_limit(Cause::ARMS_COLLIDE, gap_m, needs_m).with_index(bodies.index()))
+        Err(Reason::ArmsCollide {
+            bodies: Some(BodyPair([body(0), body(1)])),
+            gap_m,
+            limit_m: needs_m,
+        })
     }
 }
 
@@ -174,8 +176,8 @@ struct PathWalker<'a> {
     reached: u8,
     pose: GraspPose,
     q: HandVector,
-    /// Index of the goal value that defines the current place.
-    place_index: usize,
+    /// First field of the current place.
+    place: GoalField,
     at_target: bool,
 }
 
@@ -206,7 +208,11 @@ impl<'a> PathWalker<'a> {
             reached: 0,
             pose: at,
             q,
-            place_index: if acts { FROM_X } else { TO_X },
+            place: if acts {
+                GoalField::FROM_X
+            } else {
+                GoalField::TO_X
+            },
             at_target: false,
         };
         walk.reach_meeting_point();
@@ -255,7 +261,7 @@ impl<'a> PathWalker<'a> {
         for index in steps {
             let step = self.steps()[index];
             if step.motion.waypoint() == Some(Waypoint::OverTarget) {
-                self.place_index = TO_X;
+                self.place = GoalField::TO_X;
             }
             let path = path_of(
                 step.motion,
@@ -375,14 +381,18 @@ impl<'a> PathWalker<'a> {
             self.q = posture.q;
             return Ok(());
         }
-        let error_m = posture.tip_error_m;
-        Err(Reason::with_limit(Cause::UNREACHABLE, error_m, 0.0).with_index(self.place_index))
+        Err(Reason::NoPosture {
+            place: self.place,
+            error_m: posture.tip_error_m,
+        })
     }
 }
 
 fn task_too_long() -> Reason {
-    let most = f64::from(SAMPLES_MAX);
-    Reason::with_limit(Cause::TASK_TOO_LONG, most, most)
+    Reason::TaskTooLong {
+        postures: SAMPLES_MAX,
+        limit: SAMPLES_MAX,
+    }
 }
 
 /// Returns the number of samples for a motion.

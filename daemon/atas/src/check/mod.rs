@@ -5,7 +5,6 @@
 
 mod clearance;
 mod context;
-mod fields;
 
 pub use clearance::CLEARANCE_M;
 pub use context::GoalContext;
@@ -16,10 +15,9 @@ use crate::planning::{RELEASED_BY_M, TOP_CLEARANCE_M, approach_height_m};
 use crate::teleop::{TeleopWorkspace, arm_across_middle};
 use clearance::check_paths;
 use core::f64::consts::{PI, TAU};
-use fields::{FROM_X, FROM_YAW, HELPER_WIDTH, HOLD, LIFT, MAX_FORCE, TO_X, TO_YAW, TOP, WIDTH};
 use nalgebra::Vector3;
 use robot_model::{GraspPose, HandModel, HandSide, RobotVector, Unreachable};
-use shm_schemas::{Cause, GoalRequest, Reason};
+use shm_schemas::{GoalField, GoalRequest, Hand, Reason};
 
 /// Maximum lift height, m, and hold time, s, of a goal (design choice).
 const LIFT_MAX_M: f64 = 0.15;
@@ -35,25 +33,27 @@ const TOP_MAX_M: f64 = 0.5;
 pub fn check(request: &GoalRequest, now: &GoalContext<'_>) -> Result<Goal, Reason> {
     let goal = Goal::resolve(request, now.tasks)?;
     if let Some(index) = request.values().iter().position(|v| !v.is_finite()) {
-        return Err(Reason::new(Cause::NOT_FINITE).with_index(index));
+        let field = GoalField(index as u32);
+        return Err(Reason::NotFinite { field });
     }
     let hands =
         HandSide::BOTH.map(|side| (side, side == goal.side() || goal.requirements().both_hands));
     for (side, takes_part) in hands {
+        let hand = Hand::BOTH[side.index()];
         if takes_part && !now.robot.hand(side).is_present() {
-            return Err(Reason::new(Cause::NO_HAND).with_index(side.index()));
+            return Err(Reason::NoHand { hand });
         }
         if takes_part && !now.wiring.hands[side.index()].required {
-            return Err(Reason::new(Cause::NO_SENSOR).with_index(side.index()));
+            return Err(Reason::NoSensor { hand });
         }
     }
     let visits = goal.requirements().visits_source || goal.requirements().visits_target;
     if visits || goal.requirements().both_hands {
-        check_range(request.from_yaw_rad, (-TAU, TAU), FROM_YAW)?;
-        check_range(request.to_yaw_rad, (-TAU, TAU), TO_YAW)?;
-        check_range(request.lift_m, (0.0, LIFT_MAX_M), LIFT)?;
-        check_range(request.hold_s, (0.0, HOLD_MAX_S), HOLD)?;
-        check_range(request.top_m, (0.0, TOP_MAX_M), TOP)?;
+        check_range(request.from_yaw_rad, (-TAU, TAU), GoalField::FROM_YAW)?;
+        check_range(request.to_yaw_rad, (-TAU, TAU), GoalField::TO_YAW)?;
+        check_range(request.lift_m, (0.0, LIFT_MAX_M), GoalField::LIFT)?;
+        check_range(request.hold_s, (0.0, HOLD_MAX_S), GoalField::HOLD)?;
+        check_range(request.top_m, (0.0, TOP_MAX_M), GoalField::TOP)?;
         check_force(request.max_force_n, now)?;
         check_reach(&goal, now)?;
     }
@@ -62,11 +62,12 @@ pub fn check(request: &GoalRequest, now: &GoalContext<'_>) -> Result<Goal, Reaso
         check_range(
             request.helper_width_m,
             opening_range_m(helper),
-            HELPER_WIDTH,
+            GoalField::HELPER_WIDTH,
         )?;
     }
     if goal.requirements().turns && !now.robot.hand(goal.side()).capabilities().cap_turning {
-        return Err(Reason::new(Cause::CANNOT_TURN).with_index(goal.side().index()));
+        let hand = Hand::BOTH[goal.side().index()];
+        return Err(Reason::CannotTurn { hand });
     }
     // Arm positions are unknown before the first command. The tick rejects goals until then.
     if let Some(q) = now.commanded_position {
@@ -93,26 +94,37 @@ fn check_sides(goal: &Goal, now: &GoalContext<'_>, q: &RobotVector) -> Result<()
             continue;
         }
         let space = TeleopWorkspace::new(now.robot, side);
-        let space = space.ok_or(Reason::new(Cause::NO_WORKSPACE).with_index(side.index()))?;
+        let acting = Hand::BOTH[side.index()];
+        let space = space.ok_or(Reason::NoWorkspace { hand: acting })?;
         let [_, [least_m, most_m], _] = space.centre_m;
         let y_m = grasp_pose(hand, &hand.forward(&q)).centre_m.y;
         if beside_another && !(least_m..=most_m).contains(&y_m) {
             let (inner_m, y_m) = (least_m.abs().min(most_m.abs()), y_m.abs());
-            return Err(
-                Reason::with_limit(Cause::ACROSS_THE_MIDDLE, y_m, inner_m).with_index(side.index())
-            );
+            return Err(Reason::AcrossTheMiddle {
+                hand: acting,
+                gap_m: y_m,
+                limit_m: inner_m,
+            });
         }
     }
     Ok(())
 }
 
-fn check_range(value: f64, (lower, upper): (f64, f64), index: usize) -> Result<(), Reason> {
-    let limit = if value < lower { lower } else { upper };
+fn check_range(value: f64, (lower, upper): (f64, f64), field: GoalField) -> Result<(), Reason> {
     if value >= lower && value <= upper {
-        Ok(())
-    } else {
-        Err(Reason::with_limit(Cause::OUT_OF_RANGE, value, limit).with_index(index))
+        return Ok(());
     }
+    let limit = nearer_bound(value, lower, upper);
+    Err(Reason::OutOfRange {
+        field,
+        value,
+        limit,
+    })
+}
+
+/// Returns the bound that a value outside the range violates.
+fn nearer_bound(value: f64, lower: f64, upper: f64) -> f64 {
+    if value < lower { lower } else { upper }
 }
 
 /// Checks the force limit of the goal against the minimum sensed and maximum grip force.
@@ -121,7 +133,11 @@ fn check_force(max_force_n: f64, now: &GoalContext<'_>) -> Result<(), Reason> {
     if max_force_n == 0.0 {
         return Ok(());
     }
-    check_range(max_force_n, (grasp.carry_min_n, grasp.f2_max_n), MAX_FORCE)
+    check_range(
+        max_force_n,
+        (grasp.carry_min_n, grasp.f2_max_n),
+        GoalField::MAX_FORCE,
+    )
 }
 
 /// Returns the permitted range of hand openings, m.
@@ -139,16 +155,16 @@ fn check_reach(goal: &Goal, now: &GoalContext<'_>) -> Result<(), Reason> {
         check_place(
             goal,
             now,
-            (request.from_m, FROM_X),
-            (request.from_yaw_rad, FROM_YAW),
+            (request.from_m, GoalField::FROM_X),
+            (request.from_yaw_rad, GoalField::FROM_YAW),
         )?;
     }
     if goal.requirements().visits_target {
         check_place(
             goal,
             now,
-            (request.to_m, TO_X),
-            (request.to_yaw_rad, TO_YAW),
+            (request.to_m, GoalField::TO_X),
+            (request.to_yaw_rad, GoalField::TO_YAW),
         )?;
     }
     Ok(())
@@ -162,19 +178,21 @@ const BOUND_TOLERANCE_M: f64 = 1e-6;
 fn check_place(
     goal: &Goal,
     now: &GoalContext<'_>,
-    ([x, y, z], index): ([f64; 3], usize),
-    (yaw_rad, yaw_index): (f64, usize),
+    ([x, y, z], place): ([f64; 3], GoalField),
+    (yaw_rad, yaw): (f64, GoalField),
 ) -> Result<(), Reason> {
     let (side, width_m) = (goal.side(), goal.request().width_m);
     let hand = now.robot.hand(side);
     let travel_m = goal.travel_height_m();
-    let reach = |value: f64, [lower, upper]: [f64; 2], index: usize| {
+    let reach = |value: f64, [lower, upper]: [f64; 2], field: GoalField| {
         if value >= lower - BOUND_TOLERANCE_M && value <= upper + BOUND_TOLERANCE_M {
             return Ok(());
         }
-        check_range(value, (lower, upper), index).map_err(|r| Reason {
-            cause: Cause::UNREACHABLE,
-            ..r
+        let limit = nearer_bound(value, lower, upper);
+        Err(Reason::Unreachable {
+            field,
+            value,
+            limit,
         })
     };
     // The hand arrives open by the clearance on each side and departs wider.
@@ -183,12 +201,13 @@ fn check_place(
     let mut open_m = (width_m + wide_m).min(widest_m);
     let freed_m = (width_m + 2.0 * RELEASED_BY_M).min(widest_m);
     if let Some(workspace) = hand.workspace() {
-        reach(x, workspace.x_m, index)?;
-        reach(y, workspace.y_m, index + 1)?;
-        reach(z, workspace.z_m, index + 2)?;
-        reach(travel_m, workspace.z_m, LIFT)?;
+        let [of_x, of_y, of_z] = [0, 1, 2].map(|axis| GoalField(place.0 + axis));
+        reach(x, workspace.x_m, of_x)?;
+        reach(y, workspace.y_m, of_y)?;
+        reach(z, workspace.z_m, of_z)?;
+        reach(travel_m, workspace.z_m, GoalField::LIFT)?;
         let [least_m, most_m] = workspace.opening_m;
-        reach(width_m, [least_m, most_m - wide_m], WIDTH)?;
+        reach(width_m, [least_m, most_m - wide_m], GoalField::WIDTH)?;
         // The workspace guarantees a posture for every opening.
         open_m = width_m;
     }
@@ -211,9 +230,11 @@ fn check_place(
     let grasp = goes(yaw_rad).map_err(|error| {
         let nearest_rad = nearest_yaw_rad(yaw_rad, |yaw_rad| goes(yaw_rad).is_ok());
         nearest_rad.map_or_else(
-            || unreachable_reason(&error).with_index(index),
-            |nearest_rad| {
-                Reason::with_limit(Cause::UNREACHABLE, yaw_rad, nearest_rad).with_index(yaw_index)
+            || unreachable_reason(&error, place),
+            |nearest_rad| Reason::Unreachable {
+                field: yaw,
+                value: yaw_rad,
+                limit: nearest_rad,
             },
         )
     })?;
@@ -221,10 +242,10 @@ fn check_place(
     if top_m > 0.0 {
         // The object must fit below the palm, and the hand must approach from above it.
         let room_m = hand.lowest_of_palm_m(&hand.forward(&grasp.q)) - z - TOP_CLEARANCE_M;
-        check_range(top_m, (0.0, room_m), TOP)?;
+        check_range(top_m, (0.0, room_m), GoalField::TOP)?;
         let over_m = z + approach_height_m(hand, goal.request(), now.settings);
         let over = hand.posture_for(&frame(over_m, open_m, yaw_rad));
-        over.map_err(|error| unreachable_reason(&error).with_index(TOP))?;
+        over.map_err(|error| unreachable_reason(&error, GoalField::TOP))?;
     }
     Ok(())
 }
@@ -242,12 +263,17 @@ fn nearest_yaw_rad(yaw_rad: f64, is_feasible: impl Fn(f64) -> bool) -> Option<f6
 }
 
 /// Returns the reason why a place is unreachable: fingertip orientation or position.
-fn unreachable_reason(error: &Unreachable) -> Reason {
+fn unreachable_reason(error: &Unreachable, place: GoalField) -> Reason {
     let best = &error.best;
     if best.meets_tips() {
-        let (askew_rad, bears_rad) = (best.dome_error_rad, error.dome_error_max_rad);
-        return Reason::with_limit(Cause::FINGERTIPS_MISALIGNED, askew_rad, bears_rad);
+        return Reason::FingertipsMisaligned {
+            place,
+            error_rad: best.dome_error_rad,
+            limit_rad: error.dome_error_max_rad,
+        };
     }
-    let error_m = best.tip_error_m.max(best.spread_error_m);
-    Reason::with_limit(Cause::UNREACHABLE, error_m, 0.0)
+    Reason::NoPosture {
+        place,
+        error_m: best.tip_error_m.max(best.spread_error_m),
+    }
 }

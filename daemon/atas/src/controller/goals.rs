@@ -6,7 +6,7 @@ use crate::goal::{ActiveGoal, Goal};
 use crate::hand::HandControl;
 use robot_model::HandSide;
 use shm_schemas::{
-    Cause, EventKind, GoalState, GoalUpdate, GraspTarget, Mode, ModuleEvent, Reason, Stamp, Text,
+    EventKind, GoalState, GoalUpdate, GraspTarget, Hand, Mode, ModuleEvent, Reason, Stamp, Text,
 };
 
 /// Time between two progress updates without other changes, s (design choice).
@@ -28,7 +28,7 @@ impl Controller {
         self.goal = Some(goal);
         self.last_goal = None;
         self.targets.set_goal(self.goal.as_ref(), self.tick);
-        self.update_goal(GoalState::ACCEPTED, Reason::default());
+        self.update_goal(GoalState::ACCEPTED, Reason::None);
         let hand = &self.hands[goal.side.index()];
         if let Some(runner) = hand.executor() {
             let event = hand.step_event(runner.step());
@@ -39,11 +39,11 @@ impl Controller {
     fn refusal(&self, goal: &Goal) -> Option<Reason> {
         let mode = self.mode.mode();
         if !matches!(mode, Mode::READY | Mode::RUN) || !self.gate.is_synchronised() {
-            return Some(Reason::with_limit(Cause::NOT_READY, f64::from(mode.0), 0.0));
+            return Some(Reason::NotReady { mode });
         }
-        if self.goal.is_some() {
-            let kind = self.goal.map_or(0, |goal| goal.request.kind.0);
-            return Some(Reason::with_limit(Cause::BUSY, f64::from(kind), 0.0));
+        if let Some(goal) = &self.goal {
+            let active = Some(goal.request.kind);
+            return Some(Reason::Busy { active });
         }
         let demands = goal.requirements();
         let full = HandSide::BOTH.into_iter().find(|side| {
@@ -55,11 +55,13 @@ impl Controller {
             must_be_empty && self.hands[side.index()].grips()
         });
         if let Some(side) = full {
-            return Some(Reason::new(Cause::HAND_FULL).with_index(side.index()));
+            let hand = Hand::BOTH[side.index()];
+            return Some(Reason::HandFull { hand });
         }
         let acting = goal.side().index();
         let lacks = demands.starts_with_object && !self.hands[acting].grips();
-        lacks.then(|| Reason::new(Cause::HAND_EMPTY).with_index(acting))
+        let hand = Hand::BOTH[acting];
+        lacks.then_some(Reason::HandEmpty { hand })
     }
 
     pub(super) fn receive_targets(&mut self, targets: &[GraspTarget]) {
@@ -73,7 +75,7 @@ impl Controller {
     }
 
     /// Ends the goal with this id; `attached_only` spares detached goals.
-    pub(super) fn end_goal(&mut self, goal_id: u64, attached_only: bool, cause: Cause) {
+    pub(super) fn end_goal(&mut self, goal_id: u64, attached_only: bool, reason: Reason) {
         let Some(goal) = self.goal.filter(|g| g.request.goal_id == goal_id) else {
             return;
         };
@@ -87,7 +89,7 @@ impl Controller {
             } else {
                 GoalState::CANCELLED
             },
-            Reason::new(cause),
+            reason,
         );
     }
 
@@ -99,10 +101,9 @@ impl Controller {
         };
         // A loop stall counts as pause. RUN only reduces the pause, so that repeated holds fail the
         // goal as well.
-        let stood_s = if self.stall.is_some() {
-            self.stall.value * 1e-9
-        } else {
-            0.0
+        let stood_s = match self.stall {
+            Reason::LoopStalled { stalled_ns, .. } => stalled_ns * 1e-9,
+            _ => 0.0,
         };
         goal.paused_s = if paused {
             goal.paused_s + self.step_s + stood_s
@@ -132,16 +133,14 @@ impl Controller {
             let is_goals = self.goal.is_some_and(|g| g.involves(side));
             match outcome {
                 Outcome::Running => {}
-                Outcome::NextStep if is_goals => {
-                    self.update_goal(GoalState::RUNNING, Reason::default())
-                }
+                Outcome::NextStep if is_goals => self.update_goal(GoalState::RUNNING, Reason::None),
                 Outcome::NextStep => {}
                 Outcome::Succeeded => {
                     if !self.hands[side.index()].grips() {
                         self.hands[side.index()].abort_task();
                     }
                     if is_goals && !self.awaits_other(side) {
-                        self.finish(GoalState::SUCCEEDED, Reason::default());
+                        self.finish(GoalState::SUCCEEDED, Reason::None);
                     }
                 }
                 Outcome::Refused(reason) => {
@@ -153,7 +152,7 @@ impl Controller {
         let between = (libm::round(PROGRESS_S / self.step_s) as u64).max(1);
         let quiet = self.outputs.goal_update.is_none() && self.tick.index.is_multiple_of(between);
         if quiet && self.goal.is_some() {
-            self.update_goal(GoalState::RUNNING, Reason::default());
+            self.update_goal(GoalState::RUNNING, Reason::None);
         }
     }
 
@@ -214,7 +213,7 @@ impl Controller {
                 kind: EventKind::GOAL,
                 value: f64::from(state.0),
                 hand: goal.request.hand,
-                reason,
+                reason: reason.into(),
                 text: Text::new(state.name()),
                 ..ModuleEvent::default()
             });
@@ -240,7 +239,7 @@ impl Controller {
             tick: self.tick.index,
             state,
             progress: progress as f32,
-            reason,
+            reason: reason.into(),
             step: Text::new(hand.executor().map_or("", |r| r.step().name.as_str())),
             figures: hand.figures(),
         }

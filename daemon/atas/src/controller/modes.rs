@@ -5,7 +5,7 @@ use crate::hand::HandControl;
 use crate::mode::ModeMachine;
 use robot_model::HandVector;
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{Cause, EventKind, Mode, ModuleEvent, Reason, Text};
+use shm_schemas::{EventKind, Mode, ModuleEvent, Reason, Text};
 
 impl Controller {
     /// Stops and latches; the goal fails.
@@ -46,24 +46,24 @@ impl Controller {
             self.stall,
             self.gate_refusal,
             if self.joints.restarted() {
-                Reason::new(Cause::ROBOT_RESTARTED)
+                Reason::RobotRestarted
             } else {
-                Reason::default()
+                Reason::None
             },
             self.requested_hold,
             if self.recovers {
                 self.mode.reason()
             } else {
-                Reason::default()
+                Reason::None
             },
             self.hands[0].hold_reason(self.tick, &self.settings),
             self.hands[1].hold_reason(self.tick, &self.settings),
             self.joints.hold_reason(self.tick, &self.settings.intake),
         ];
         let without_doubt = if self.sensors.joints_required {
-            Reason::default()
+            Reason::None
         } else {
-            Reason::new(Cause::SENSE_ONLY)
+            Reason::SenseOnly
         };
         let doubt = reasons.into_iter().find(Reason::is_some);
         doubt.unwrap_or(without_doubt)
@@ -71,7 +71,7 @@ impl Controller {
 
     /// Drops goal and command position: a new robot process may have any joint positions.
     fn handle_robot_restart(&mut self) {
-        let reason = Reason::new(Cause::ROBOT_RESTARTED);
+        let reason = Reason::RobotRestarted;
         self.drop_goal(reason);
         self.gate.disarm();
     }
@@ -129,7 +129,7 @@ impl Controller {
             self.outputs.events.push(ModuleEvent {
                 kind: EventKind::MODE,
                 mode,
-                reason: self.mode.reason(),
+                reason: self.mode.reason().into(),
                 text: Text::new(mode.name()),
                 ..ModuleEvent::default()
             });

@@ -9,7 +9,7 @@ use crate::perception::Percept;
 use crate::settings::Settings;
 use crate::tasks::{Motion, Waypoint};
 use robot_model::GraspPose;
-use shm_schemas::Cause;
+use shm_schemas::Reason;
 
 /// Distance by which the touching side moves outwards, m (design choice: a place error of 5 mm on a
 /// face that is turned by 15°).
@@ -27,8 +27,7 @@ impl TaskExecutor {
         settings: &Settings,
         modules: &mut Modules,
     ) -> bool {
-        let obstructed =
-            matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::OBSTRUCTED);
+        let obstructed = matches!(verdict, Verdict::Refuse(Reason::Obstructed { .. }));
         let descends =
             self.course == Course::Task && self.step().motion == Motion::Reach(Waypoint::Source);
         let has_room = self.corrections.evasions < EVASIONS_MAX

@@ -36,7 +36,7 @@ use crate::tasks::{
 use crate::thresholds::Thresholds;
 use nalgebra::{Vector2, Vector3};
 use robot_model::{Compression, GraspPose, PerSide, Transform};
-use shm_schemas::{Cause, ModuleId, Reason};
+use shm_schemas::{ModuleId, Reason};
 
 /// Motion of the hand at the start of a tick.
 #[derive(Clone, Copy, Debug)]

@@ -31,8 +31,7 @@ impl TaskExecutor {
         } else {
             (self.unheld_slip_s(percept), SLIP_WARNING_S)
         };
-        (self.holds_object() && slip_s > limit_s)
-            .then(|| Reason::with_limit(Cause::SLIDING, slip_s, limit_s))
+        (self.holds_object() && slip_s > limit_s).then_some(Reason::Sliding { slip_s, limit_s })
     }
 
     /// Returns the duration of a slip beyond the load that the grip holds, s.
@@ -55,9 +54,12 @@ impl TaskExecutor {
         let slips = self.holds_object() && self.unheld_slip_s(percept) > SLIP_WARNING_S;
         let slides = (slips && everywhere) || self.object.drop_s() > OUT_OF_FORCE_S;
         let spent = slides && strongest_n > RELEASE_SHARE * f2_n;
-        let reason = Reason::with_limit(Cause::OUT_OF_FORCE, strongest_n, f2_n);
-        (spent && self.recovery_reason().is_none() && !self.object.is_found())
-            .then(|| reason.with_module(ModuleId::FORCE_LIMIT))
+        let goes_on = self.recovery_reason().is_none() && !self.object.is_found();
+        (spent && goes_on).then_some(Reason::OutOfForce {
+            force_n: strongest_n,
+            limit_n: f2_n,
+            module: ModuleId::FORCE_LIMIT,
+        })
     }
 
     /// Returns the reason to put back an object that rotates before lift verification succeeded.

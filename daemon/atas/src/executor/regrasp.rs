@@ -19,7 +19,7 @@ use crate::tasks::{Motion, Step, Transition, Waypoint};
 use core::f64::consts::FRAC_PI_2;
 use nalgebra::Vector2;
 use robot_model::GraspPose;
-use shm_schemas::Cause;
+use shm_schemas::Reason;
 
 /// Radius of the hand bodies about their rotation axis, m (design choice: palms of the built-in
 /// robots).
@@ -102,8 +102,8 @@ impl TaskExecutor {
     /// Returns true if the lift is rejected or out of force, or the object rotates or has too long
     /// a lever.
     fn lift_fails(&self, verdict: Verdict, percept: &Percept) -> bool {
-        let is_refused =
-            matches!(verdict, Verdict::Refuse(reason) if reason.cause != Cause::OBSTRUCTED);
+        let is_obstructed = matches!(verdict, Verdict::Refuse(Reason::Obstructed { .. }));
+        let is_refused = matches!(verdict, Verdict::Refuse(_)) && !is_obstructed;
         let hangs_askew = !self.object.is_verified()
             && self.object.lever_is_known()
             && self.object.lever_m().abs() > LEVER_MAX_M;
@@ -174,8 +174,7 @@ impl TaskExecutor {
     /// Returns true once if the object was rejected as too soft but may have rotated against the
     /// fingertips.
     fn needs_reprobe(&self, verdict: Verdict) -> bool {
-        let too_soft =
-            matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::TOO_SOFT);
+        let too_soft = matches!(verdict, Verdict::Refuse(Reason::TooSoft { .. }));
         let settled = self.object.stiffness().is_some_and(|fit| fit.new_contact);
         too_soft && settled && !self.corrections.reprobed
     }

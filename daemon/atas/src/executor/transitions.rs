@@ -27,10 +27,9 @@ impl TaskExecutor {
             Verdict::Refuse(reason)
                 if self.recovery_reason().is_none() && !self.object.is_found() =>
             {
-                let retreat = if reason.cause == Cause::OBSTRUCTED {
-                    Recovery::Withdraw
-                } else {
-                    Recovery::PutBack
+                let retreat = match reason {
+                    Reason::Obstructed { .. } => Recovery::Withdraw,
+                    _ => Recovery::PutBack,
                 };
                 let reason = self.reason_while_held(reason);
                 return self.start_recovery(retreat, reason, now, settings, modules);
@@ -53,19 +52,18 @@ impl TaskExecutor {
             return Outcome::NextStep;
         }
         if let Some(reason) = self.failure(percept, now, settings) {
-            if reason.cause == Cause::LOST_OBJECT {
+            if matches!(reason, Reason::LostObject { .. }) {
                 self.object.keep_if_touched();
             }
             return Outcome::Failed(reason);
         }
         let done = verdict == Verdict::Done;
         if arrived && !done && self.step().motion == Motion::Lower {
-            let reason = Reason::with_limit(
-                Cause::NO_SUPPORT,
-                now.centre_m.z,
-                self.waypoints.expected_height_m(),
-            );
-            let reason = reason.with_module(ModuleId::TRANSFER);
+            let reason = Reason::NoSupport {
+                height_m: now.centre_m.z,
+                expected_m: self.waypoints.expected_height_m(),
+                module: ModuleId::TRANSFER,
+            };
             return self.start_recovery(Recovery::Raise, reason, now, settings, modules);
         }
         if self.is_done(arrived, done, percept, now) {
@@ -168,18 +166,32 @@ impl TaskExecutor {
         )
     }
 
-    /// Converts a threshold rejection of a held object to `OUT_OF_FORCE`, because its load has
-    /// grown.
+    /// Converts a threshold rejection of a held object to [`Reason::OutOfForce`], because its load
+    /// has grown.
     fn reason_while_held(&self, reason: Reason) -> Reason {
         let held =
             self.step().transition == Transition::Held || self.step().motion == Motion::Square;
-        if held && reason.cause == self.object.thresholds().refusal_cause() {
-            Reason {
-                cause: Cause::OUT_OF_FORCE,
-                ..reason
+        match reason {
+            Reason::TooHeavy {
+                force_n,
+                limit_n,
+                module,
             }
-        } else {
-            reason
+            | Reason::TooSoft {
+                force_n,
+                limit_n,
+                module,
+            }
+            | Reason::AboveMaxForce {
+                force_n,
+                limit_n,
+                module,
+            } if held => Reason::OutOfForce {
+                force_n,
+                limit_n,
+                module,
+            },
+            _ => reason,
         }
     }
 
@@ -213,11 +225,10 @@ impl TaskExecutor {
         let step = self.step();
         if self.object.is_carried() && self.object.has_lost_contact() {
             let (weakest_n, _) = percept.normal_range_n();
-            return Some(Reason::with_limit(
-                Cause::LOST_OBJECT,
-                weakest_n,
-                settings.perception.touch_off_n,
-            ));
+            return Some(Reason::LostObject {
+                force_n: weakest_n,
+                limit_n: settings.perception.touch_off_n,
+            });
         }
         if let Some(reason) = self.object.loss() {
             return Some(reason);
@@ -234,12 +245,16 @@ impl TaskExecutor {
                 .copied()
                 .fold(f64::INFINITY, f64::min);
             if closed_m < deepest_m {
-                let reason =
-                    Reason::with_limit(Cause::NOTHING_TOUCHED, 2.0 * closed_m, 2.0 * deepest_m);
-                return Some(reason.with_module(ModuleId::FIRST_TOUCH));
+                return Some(Reason::NothingTouched {
+                    width_m: 2.0 * closed_m,
+                    limit_m: 2.0 * deepest_m,
+                    module: ModuleId::FIRST_TOUCH,
+                });
             }
         }
-        (self.step_s > step.timeout_s)
-            .then(|| Reason::with_limit(Cause::TIMED_OUT, self.step_s, step.timeout_s))
+        (self.step_s > step.timeout_s).then_some(Reason::TimedOut {
+            elapsed_s: self.step_s,
+            limit_s: step.timeout_s,
+        })
     }
 }

@@ -8,7 +8,7 @@ use crate::planning::{Waypoints, home_pose};
 use crate::safety::Grip;
 use crate::settings::Settings;
 use robot_model::HandVector;
-use shm_schemas::{Cause, EventKind, ModuleEvent, Reason};
+use shm_schemas::{EventKind, ModuleEvent, Reason};
 
 impl HandControl {
     /// Holds an object found in an idle hand if both sides press on it. Returns the event to
@@ -37,14 +37,14 @@ impl HandControl {
         self.arbiter.reset();
         let runner = TaskExecutor::hold_found(waypoints, &now, &percept, f2_n, settings);
         let (_, strongest_n) = percept.normal_range_n();
-        let reason = Reason::with_limit(
-            Cause::GRIP_FOUND,
-            strongest_n,
-            runner.object().thresholds().f2_n,
-        );
+        let reason = Reason::GripFound {
+            hand: self.hand,
+            force_n: strongest_n,
+            limit_n: runner.object().thresholds().f2_n,
+        };
         self.executor = Some(runner);
         Some(ModuleEvent {
-            reason: reason.with_index(self.hand.0 as usize),
+            reason: reason.into(),
             ..self.event(EventKind::WARNING)
         })
     }

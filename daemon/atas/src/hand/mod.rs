@@ -22,8 +22,8 @@ use crate::tick::Tick;
 use nalgebra::{Vector2, Vector3};
 use robot_model::{FINGERTIPS_MAX, HandModel, HandPose, HandVector, PerSide, Transform};
 use shm_schemas::{
-    Cause, EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus,
-    ModuleEvent, Reason,
+    EventKind, FingerReport, GraspFigures, Hand, HandFrame, HandReport, HandStatus, ModuleEvent,
+    Reason,
 };
 use torque_force_check::TorqueForceCheck;
 
@@ -120,7 +120,7 @@ impl HandControl {
         self.publish_contacts(&before, settings, events);
         if self.intake.warning().is_some() {
             events.push(ModuleEvent {
-                reason: self.intake.warning(),
+                reason: self.intake.warning().into(),
                 ..self.event(EventKind::WARNING)
             });
         }
@@ -157,11 +157,12 @@ impl HandControl {
     /// again.
     fn torque_mismatch(&self) -> Reason {
         match self.torque_check.mismatch() {
-            Some([felt_n, borne_n]) if self.is_busy() => {
-                Reason::with_limit(Cause::FORCE_AGAINST_JOINTS, felt_n, borne_n)
-                    .with_index(self.hand.0 as usize)
-            }
-            _ => Reason::default(),
+            Some([tactile_n, joint_estimated_n]) if self.is_busy() => Reason::ForceAgainstJoints {
+                hand: self.hand,
+                tactile_n,
+                joint_estimated_n,
+            },
+            _ => Reason::None,
         }
     }
 
@@ -171,9 +172,10 @@ impl HandControl {
         let fingers = self.perception.percept().fingertips.iter();
         let over = |normal_n: &f64| normal_n.is_nan() || normal_n.abs() > limit_n;
         let worst_n = fingers.map(|finger| finger.normal_n).find(over);
-        worst_n.map_or(Reason::default(), |n| {
-            Reason::with_limit(Cause::FORCE_IMPLAUSIBLE, n, limit_n)
-                .with_index(self.hand.0 as usize)
+        worst_n.map_or(Reason::None, |force_n| Reason::ForceImplausible {
+            hand: self.hand,
+            force_n,
+            limit_n,
         })
     }
 
@@ -235,7 +237,7 @@ impl HandControl {
         let (runner, servo) = (self.executor.as_mut()?, self.servo.as_mut()?);
         let percept = self.perception.percept();
         let slid = runner.slip_warning().is_some();
-        let drifted = runner.object().drift_warning().is_some();
+        let drifted = runner.object().drift_warning(self.hand).is_some();
         let hand = HandMotion {
             carry_scale: self.arbiter.carry_scale(),
             closing_m_s: self.arbiter.closing_m_s(),
@@ -260,7 +262,10 @@ impl HandControl {
         runner.receive_finding(intent.finding);
         let arrived = intent.pose.is_some_and(|c| c.arrived);
         let now = *servo.pose();
-        let drifts = runner.object().drift_warning().filter(|_| !drifted);
+        let drifts = runner
+            .object()
+            .drift_warning(self.hand)
+            .filter(|_| !drifted);
         let gave_up = runner.recovery_reason().is_some();
         let slides = runner.slip_warning().filter(|_| !slid);
         let outcome = runner.finish_tick(
@@ -277,8 +282,7 @@ impl HandControl {
             .as_ref()
             .and_then(TaskExecutor::recovery_reason);
         self.warn(slides, events);
-        let of_hand = |reason: Reason| reason.with_index(self.hand.0 as usize);
-        self.warn(drifts.map(of_hand), events);
+        self.warn(drifts, events);
         self.warn(gives_up.filter(|_| !gave_up), events);
         self.publish_modules(executor_selection(&self.executor), &proposals, events);
         self.publish_outcome(outcome, events);

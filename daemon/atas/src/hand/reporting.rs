@@ -172,7 +172,7 @@ impl HandControl {
     pub(super) fn warn(&self, reason: Option<Reason>, events: &mut Events) {
         if let Some(reason) = reason {
             events.push(ModuleEvent {
-                reason,
+                reason: reason.into(),
                 ..self.event(EventKind::WARNING)
             });
         }

@@ -4,7 +4,7 @@ use super::estimate::HeldObject;
 use super::estimator::HeldObjectEstimator;
 use crate::perception::StiffnessFit;
 use crate::thresholds::Thresholds;
-use shm_schemas::{Cause, Reason};
+use shm_schemas::{Hand, Reason};
 
 /// Contact loss of a gripped object until it counts as lost, s (design choice: longer than contact
 /// bounce).
@@ -117,12 +117,15 @@ impl HeldObjectEstimator {
         slip.or_else(|| self.lever.rotation())
     }
 
-    /// Returns the warning reason if the grip force does not match the opening of the hand.
+    /// Returns the warning reason if the grip force does not match the opening of this hand.
     #[must_use]
-    pub fn drift_warning(&self) -> Option<Reason> {
+    pub fn drift_warning(&self, hand: Hand) -> Option<Reason> {
         let grip = self.object.grip?;
         let [now_n, verified_n] = [grip.normal_n, grip.verified_normal_n].map(|n| n.mean());
-        (self.drifting.seconds() > DRIFT_WARNING_S)
-            .then(|| Reason::with_limit(Cause::FORCE_AGAINST_OPENING, now_n, verified_n))
+        (self.drifting.seconds() > DRIFT_WARNING_S).then_some(Reason::ForceAgainstOpening {
+            hand,
+            force_n: now_n,
+            lift_force_n: verified_n,
+        })
     }
 }

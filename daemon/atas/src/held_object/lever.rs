@@ -5,7 +5,7 @@
 
 use crate::filter::{Dwell, low_pass};
 use crate::perception::Percept;
-use shm_schemas::{Cause, Reason};
+use shm_schemas::Reason;
 
 /// Filter time constant of moment and lever, s (design choice: one period of hand tremor).
 const FILTER_S: f64 = 0.05;
@@ -93,7 +93,10 @@ impl Lever {
     }
 
     fn reason(&self) -> Reason {
-        Reason::with_limit(Cause::TURNED_IN_HAND, self.now_m, self.max_m)
+        Reason::TurnedInHand {
+            lever_m: self.now_m,
+            lever_before_m: self.max_m,
+        }
     }
 }
 

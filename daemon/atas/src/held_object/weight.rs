@@ -8,7 +8,7 @@
 
 use crate::filter::{Dwell, low_pass};
 use crate::limits::GRAVITY_M_S2;
-use shm_schemas::{Cause, Reason};
+use shm_schemas::Reason;
 
 /// Slip beyond which a task fails, m (design choice: 3 mm minus the estimation error).
 const SLIP_MAX_M: f64 = 0.0028;
@@ -81,21 +81,27 @@ impl Weight {
     /// Returns the reason if the object no longer loads the hand.
     pub(super) fn loss(&self) -> Option<Reason> {
         let least_n = LOSS_SHARE * self.max_n;
-        (self.lost.seconds() > LOSS_S)
-            .then(|| Reason::with_limit(Cause::LOST_OBJECT, self.load_n, least_n))
+        (self.lost.seconds() > LOSS_S).then_some(Reason::LostObject {
+            force_n: self.load_n,
+            limit_n: least_n,
+        })
     }
 
     /// Returns the reason if the hand no longer carries the whole weight.
     pub(super) fn lightening(&self) -> Option<Reason> {
         let least_n = CARRIED_SHARE * self.max_n - libm::sqrt(self.scatter_n2);
-        (self.weight_n < least_n)
-            .then(|| Reason::with_limit(Cause::LOST_OBJECT, self.weight_n, least_n))
+        (self.weight_n < least_n).then_some(Reason::LostObject {
+            force_n: self.weight_n,
+            limit_n: least_n,
+        })
     }
 
     /// Returns the reason if the object has slipped too far.
     pub(super) fn slip(&self) -> Option<Reason> {
-        (self.slip_m > SLIP_MAX_M)
-            .then(|| Reason::with_limit(Cause::SLIPPED_IN_HAND, self.slip_m, SLIP_MAX_M))
+        (self.slip_m > SLIP_MAX_M).then_some(Reason::SlippedInHand {
+            slip_m: self.slip_m,
+            limit_m: SLIP_MAX_M,
+        })
     }
 }
 

@@ -14,7 +14,7 @@ use crate::settings::Intake as Limits;
 use crate::tick::Tick;
 use crate::tick::{nanoseconds, seconds_between};
 use shm_schemas::capacity::{ELEMENTS, FINGERS};
-use shm_schemas::{Cause, Hand, HandFrame, Reason};
+use shm_schemas::{Hand, HandFrame, Reason};
 use stuck::StuckDetector;
 
 const SIGN_BIT: u32 = 1 << 31;
@@ -112,8 +112,8 @@ impl FrameIntake {
             counts: FrameCounts::default(),
             pinned: None,
             candidate: None,
-            hold_reason: Reason::default(),
-            warning: Reason::default(),
+            hold_reason: Reason::None,
+            warning: Reason::None,
             identical: 0,
             stuck: Default::default(),
             were_stuck: [0; FINGERS],
@@ -147,8 +147,8 @@ impl FrameIntake {
 
     /// Starts a tick.
     pub fn begin(&mut self) {
-        self.hold_reason = Reason::default();
-        self.warning = Reason::default();
+        self.hold_reason = Reason::None;
+        self.warning = Reason::None;
     }
 
     /// Rejection of this tick that needs no hold, for the event log.
@@ -180,23 +180,30 @@ impl FrameIntake {
             return self.hold_reason;
         }
         let allowed_s = limits.hold_age_s.max(self.pause_max_s());
-        let index = self.hand.0 as usize;
-        match self.pinned {
-            None => Reason::with_limit(Cause::FRAMES_STOPPED, f64::INFINITY, allowed_s * 1e9)
-                .with_index(index),
-            Some(p) => {
-                let age_s = seconds_between(p.captured_ns, tick.now_ns);
-                // Frames already old on arrival are stale; otherwise they stopped.
-                let cause = if seconds_between(p.captured_ns, p.received_ns) > allowed_s {
-                    Cause::FRAME_STALE
-                } else {
-                    Cause::FRAMES_STOPPED
-                };
-                if age_s > allowed_s {
-                    Reason::with_limit(cause, age_s * 1e9, allowed_s * 1e9).with_index(index)
-                } else {
-                    Reason::default()
-                }
+        let (hand, limit_ns) = (self.hand, allowed_s * 1e9);
+        let Some(pinned) = &self.pinned else {
+            return Reason::FramesStopped {
+                hand,
+                age_ns: None,
+                limit_ns,
+            };
+        };
+        let age_s = seconds_between(pinned.captured_ns, tick.now_ns);
+        let age_ns = age_s * 1e9;
+        if age_s <= allowed_s {
+            Reason::None
+        } else if seconds_between(pinned.captured_ns, pinned.received_ns) > allowed_s {
+            // Already old on arrival.
+            Reason::FrameStale {
+                hand,
+                age_ns,
+                limit_ns,
+            }
+        } else {
+            Reason::FramesStopped {
+                hand,
+                age_ns: Some(age_ns),
+                limit_ns,
             }
         }
     }
@@ -268,7 +275,7 @@ impl FrameIntake {
             return Err(Rejection::Resyncing);
         }
         self.counts.restarts += 1;
-        self.escalate(Reason::new(Cause::SENSOR_RESTARTED));
+        self.escalate(Reason::SensorRestarted { hand: self.hand });
         Ok(0)
     }
 
@@ -283,11 +290,11 @@ impl FrameIntake {
         self.candidate = None;
         self.counts.lost = self.counts.lost.saturating_add(gap);
         if gap as f64 > limits.gap_frames {
-            self.escalate(Reason::with_limit(
-                Cause::FRAMES_LOST,
-                gap as f64,
-                limits.gap_frames,
-            ));
+            self.escalate(Reason::FramesLost {
+                hand: self.hand,
+                lost: gap,
+                limit: limits.gap_frames,
+            });
         }
         self.detect_frozen(frame, limits);
         self.detect_stuck(frame);
@@ -329,11 +336,11 @@ impl FrameIntake {
         // Per fingertip, because a good one does not compensate for a blind one.
         let share = worst as f64 / f64::from(self.elements);
         if share > limits.invalid_share {
-            self.escalate(Reason::with_limit(
-                Cause::ELEMENTS_INVALID,
+            self.escalate(Reason::ElementsInvalid {
+                hand: self.hand,
                 share,
-                limits.invalid_share,
-            ));
+                limit: limits.invalid_share,
+            });
         }
         mask
     }
@@ -350,11 +357,11 @@ impl FrameIntake {
             0
         };
         if limits.frozen_frames > 0.0 && f64::from(self.identical) >= limits.frozen_frames {
-            self.escalate(Reason::with_limit(
-                Cause::FRAMES_FROZEN,
-                f64::from(self.identical),
-                limits.frozen_frames,
-            ));
+            self.escalate(Reason::FramesFrozen {
+                hand: self.hand,
+                identical: self.identical,
+                limit: limits.frozen_frames,
+            });
         }
     }
 
@@ -372,9 +379,12 @@ impl FrameIntake {
                 first = first.or(Some((finger, newly.trailing_zeros())));
             }
         }
-        if let Some((finger, element)) = first {
-            let about = Reason::with_limit(Cause::ELEMENT_STUCK, f64::from(element), finger as f64);
-            self.warn(about);
+        if let Some((fingertip, element)) = first {
+            self.warn(Reason::ElementStuck {
+                hand: self.hand,
+                fingertip,
+                element,
+            });
         }
     }
 
@@ -382,36 +392,35 @@ impl FrameIntake {
         match refusal {
             Rejection::Corrupt => {
                 self.counts.corrupt += 1;
-                self.warn(Reason::with_limit(
-                    Cause::FRAME_CORRUPT,
-                    self.counts.corrupt as f64,
-                    0.0,
-                ));
+                self.warn(Reason::FrameCorrupt {
+                    hand: self.hand,
+                    corrupt: self.counts.corrupt,
+                });
             }
             Rejection::Foreign => {
                 self.counts.foreign += 1;
-                self.warn(Reason::new(Cause::FRAME_FOREIGN));
+                self.warn(Reason::FrameForeign { hand: self.hand });
             }
             Rejection::Mistimed => {
                 self.counts.mistimed += 1;
-                self.warn(mistimed(frame, tick, limits));
+                self.warn(mistimed(self.hand, frame, tick, limits));
             }
             Rejection::Duplicate => self.counts.duplicates += 1,
             Rejection::Reordered => self.counts.reordered += 1,
-            Rejection::Resyncing => self.escalate(Reason::new(Cause::SENSOR_RESTARTED)),
+            Rejection::Resyncing => self.escalate(Reason::SensorRestarted { hand: self.hand }),
         }
     }
 
     /// Keeps the first reason of a tick, which usually explains the later ones.
     fn escalate(&mut self, reason: Reason) {
         if !self.hold_reason.is_some() {
-            self.hold_reason = reason.with_index(self.hand.0 as usize);
+            self.hold_reason = reason;
         }
     }
 
     fn warn(&mut self, reason: Reason) {
         if !self.warning.is_some() {
-            self.warning = reason.with_index(self.hand.0 as usize);
+            self.warning = reason;
         }
     }
 }
@@ -456,15 +465,19 @@ fn same_bits(a: &Forces, b: &Forces) -> bool {
         .all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
-fn mistimed(frame: &HandFrame, tick: Tick, limits: &Limits) -> Reason {
+fn mistimed(hand: Hand, frame: &HandFrame, tick: Tick, limits: &Limits) -> Reason {
     let ahead_s = seconds_between(tick.now_ns, frame.stamp.captured_ns);
     if ahead_s > 0.0 {
-        Reason::with_limit(Cause::FRAME_FUTURE, ahead_s * 1e9, limits.future_s * 1e9)
+        Reason::FrameFuture {
+            hand,
+            ahead_ns: ahead_s * 1e9,
+            limit_ns: limits.future_s * 1e9,
+        }
     } else {
-        Reason::with_limit(
-            Cause::FRAME_STALE,
-            -ahead_s * 1e9,
-            limits.reject_age_s * 1e9,
-        )
+        Reason::FrameStale {
+            hand,
+            age_ns: -ahead_s * 1e9,
+            limit_ns: limits.reject_age_s * 1e9,
+        }
     }
 }

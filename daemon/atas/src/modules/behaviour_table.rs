@@ -5,7 +5,7 @@
 //! closing and path speed. A table cannot refuse an object; moving back for more than
 //! [`BACK_MAX_S`] in total does. Without a table the module proposes nothing.
 
-use super::force_limit::{exceeds_f2, too_heavy_reason};
+use super::force_limit::exceeds_f2;
 use super::slip::{exceeds_utilisation, is_loading, is_turning, slips_grossly};
 use super::{Context, Module, Proposal, Roles, Verdict};
 use crate::filter::Dwell;
@@ -57,13 +57,13 @@ impl Module for BehaviourTable {
             self.back_s += context.step_s;
         }
         let (_, strongest_n) = percept.normal_range_n();
-        let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::BEHAVIOUR_TABLE);
+        let thresholds = &context.object.thresholds;
         Proposal {
             active: action.fingers_m_s != 0.0 || action.hand < 1.0,
             closing_m_s: PerSide::repeat(action.fingers_m_s),
             carry_ceiling: action.hand,
             verdict: if self.back_s > BACK_MAX_S {
-                Verdict::Refuse(reason)
+                Verdict::Refuse(thresholds.refusal(strongest_n, Self::ID))
             } else {
                 Verdict::None
             },

@@ -3,7 +3,7 @@
 
 use super::{Context, Module, Proposal, Verdict};
 use crate::perception::Percept;
-use shm_schemas::{Cause, ModuleId, Reason};
+use shm_schemas::{ModuleId, Reason};
 
 /// Multiple of the touch threshold that turns the hand back (design choice: lower values let noise
 /// end a goal).
@@ -23,22 +23,18 @@ impl Module for ContactGuard {
             .fingertips
             .iter()
             .position(|finger| finger.in_contact && finger.normal_n > limit_n);
-        let Some(index) = touching else {
+        let Some(fingertip) = touching else {
             return Proposal::default();
         };
-        let reason = Reason::with_limit(
-            Cause::OBSTRUCTED,
-            percept.fingertips[index].normal_n,
-            limit_n,
-        );
         Proposal {
             active: true,
             carry_ceiling: 0.0,
-            verdict: Verdict::Refuse(
-                reason
-                    .with_index(index)
-                    .with_module(ModuleId::CONTACT_GUARD),
-            ),
+            verdict: Verdict::Refuse(Reason::Obstructed {
+                fingertip,
+                force_n: percept.fingertips[fingertip].normal_n,
+                limit_n,
+                module: Self::ID,
+            }),
             ..Proposal::default()
         }
     }

@@ -12,7 +12,7 @@ use crate::filter::{Dwell, low_pass};
 use crate::perception::Percept;
 use crate::thresholds::ForceLimitSource;
 use robot_model::PerSide;
-use shm_schemas::{ModuleId, Reason};
+use shm_schemas::ModuleId;
 
 /// Share of F_2 that deactivates the module (design choice: wider than the force noise).
 pub(crate) const RELEASE_SHARE: f64 = 0.97;
@@ -55,26 +55,20 @@ impl Module for ForceLimit {
             ceiling_m_s
         };
         let slides = self.is_slipping_out(percept, context);
-        let reason = too_heavy_reason(strongest_n, context).with_module(ModuleId::FORCE_LIMIT);
+        let thresholds = &context.object.thresholds;
         Proposal {
             active: self.active || drift.stops_closing,
             closing_ceiling_m_s: PerSide::repeat(ceiling_m_s),
             // The motion of the hand may raise the force, for example onto a support.
             carry_ceiling: if ceiling_m_s < 0.0 { 0.0 } else { 1.0 },
             verdict: if slides {
-                Verdict::Refuse(reason)
+                Verdict::Refuse(thresholds.refusal(strongest_n, Self::ID))
             } else {
                 Verdict::None
             },
             ..Proposal::default()
         }
     }
-}
-
-/// Returns the reason to refuse an object that needs more than F_2.
-pub(super) fn too_heavy_reason(strongest_n: f64, context: &Context<'_>) -> Reason {
-    let thresholds = context.object.thresholds;
-    Reason::with_limit(thresholds.refusal_cause(), strongest_n, thresholds.f2_n)
 }
 
 /// Returns whether the force exceeds F_2, with hysteresis.

@@ -13,7 +13,6 @@
 //! friction reading. At the limit of friction, a shake would start a slide that kinetic friction
 //! does not stop. The fingers therefore close to a utilisation of `SECURED_UTILISATION` first.
 
-use super::force_limit::too_heavy_reason;
 use super::{Context, Module, Proposal, RELEASE_SHARE, Verdict};
 use crate::filter::Dwell;
 use crate::held_object::LiftFinding;
@@ -110,7 +109,7 @@ impl Module for LiftVerification {
         let (weakest_n, strongest_n) = percept.normal_range_n();
         let at_ceiling = strongest_n > RELEASE_SHARE * context.object.thresholds.f2_n;
         let stands = self.advance(percept, context, weakest_n, at_ceiling);
-        let reason = too_heavy_reason(strongest_n, context);
+        let thresholds = &context.object.thresholds;
         let (closing_m_s, carry_ceiling) = match self.phase {
             Phase::PullingBack(tug) if tug.is_moving() => (0.0, -1.0),
             Phase::PullingBack(_) => (0.0, 0.0),
@@ -130,7 +129,7 @@ impl Module for LiftVerification {
             closing_m_s: PerSide::repeat(closing_m_s),
             carry_ceiling,
             verdict: if stands && at_ceiling {
-                Verdict::Refuse(reason.with_module(ModuleId::LIFT_VERIFICATION))
+                Verdict::Refuse(thresholds.refusal(strongest_n, Self::ID))
             } else {
                 Verdict::None
             },

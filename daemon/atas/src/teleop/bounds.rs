@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 use robot_model::{HandModel, HandSide, HandVector, RobotModel};
-use shm_schemas::{Cause, Reason};
+use shm_schemas::{Hand, Reason};
 
 /// Smallest distance of a grasp centre from the middle plane, m. Design choice: with wide fingers
 /// along y, the knuckles stay [`MIDDLE_CLEARANCE_M`] away (tested in
@@ -72,6 +72,9 @@ pub fn arm_across_middle(hand: &HandModel, q: &HandVector) -> Option<Reason> {
         })
         .fold(f64::INFINITY, f64::min);
     let clear = nearest_m >= MIDDLE_CLEARANCE_M;
-    let reason = Reason::with_limit(Cause::ACROSS_THE_MIDDLE, nearest_m, MIDDLE_CLEARANCE_M);
-    (!clear).then(|| reason.with_index(hand.side().index()))
+    (!clear).then(|| Reason::AcrossTheMiddle {
+        hand: Hand::BOTH[hand.side().index()],
+        gap_m: nearest_m,
+        limit_m: MIDDLE_CLEARANCE_M,
+    })
 }

@@ -6,7 +6,7 @@ use crate::tick::{Tick, nanoseconds};
 use core::f64::consts::TAU;
 use robot_model::{HandSide, RobotModel};
 use shm_schemas::capacity::HANDS;
-use shm_schemas::{Cause, GraspTarget, GripOrder, Reason};
+use shm_schemas::{GraspTarget, GripOrder, Hand, Reason, TargetField};
 
 /// Longest validity of a target, s. Design choice: twice the period of the slowest stream, 1 Hz.
 const VALID_MAX_S: f64 = 2.0;
@@ -99,7 +99,7 @@ impl TargetIntake {
 
     /// Processes new targets, oldest first; returns a warning, if any.
     pub fn update(&mut self, targets: &[GraspTarget], tick: Tick) -> Reason {
-        let mut finding = Reason::default();
+        let mut finding = Reason::None;
         let Some(stream) = self.stream.as_mut() else {
             // A goal that has just ended may leave targets behind.
             return finding;
@@ -113,7 +113,8 @@ impl TargetIntake {
         for (hand, newest) in self.newest.iter_mut().enumerate() {
             if newest.is_some_and(|target| target.valid_until_ns < tick.now_ns) {
                 *newest = None;
-                finding = Reason::new(Cause::TARGETS_STOPPED).with_index(hand);
+                let hand = Hand::BOTH[hand];
+                finding = Reason::TargetsStopped { hand };
             }
         }
         self.rate_limit(finding, tick)
@@ -131,7 +132,7 @@ impl TargetIntake {
             warned_ns.saturating_add(nanoseconds(WARNING_PERIOD_S))
         });
         if !finding.is_some() || tick.now_ns < again_ns {
-            return Reason::default();
+            return Reason::None;
         }
         self.last_warning_ns = Some(tick.now_ns);
         finding
@@ -147,13 +148,13 @@ impl Stream {
         tick: Tick,
     ) -> Result<(usize, ValidatedTarget), Reason> {
         if !target.is_intact() {
-            return Err(Reason::new(Cause::TARGET_CORRUPT));
+            return Err(Reason::TargetCorrupt);
         }
         if target.stamp.writer_epoch != self.writer_epoch {
-            return Err(Reason::new(Cause::TARGET_FOREIGN));
+            return Err(Reason::TargetForeign);
         }
         let valid_until_ns = self.check_time(target, tick)?;
-        let unknown = |code: u32| Reason::with_limit(Cause::TARGET_UNKNOWN, f64::from(code), 0.0);
+        let unknown = |code: u32| Reason::TargetUnknown { code };
         let hand = target.hand.index().filter(|hand| self.teleoperated[*hand]);
         let hand = hand.ok_or(unknown(target.hand.0))?;
         if !target.grip.is_known() {
@@ -180,7 +181,8 @@ impl Stream {
         let before_goal = made_ns.saturating_add(nanoseconds(STAMP_LEAD_MAX_S)) < self.opened_ns;
         let out_of_turn = target.stamp.sequence < self.next_sequence;
         if late_ns > 0 || ahead || before_goal || out_of_turn {
-            return Err(Reason::with_limit(Cause::TARGET_STALE, late_ns as f64, 0.0));
+            let late_ns = late_ns as f64;
+            return Err(Reason::TargetStale { late_ns });
         }
         Ok(until_ns.min(tick.now_ns.saturating_add(nanoseconds(VALID_MAX_S))))
     }
@@ -189,7 +191,8 @@ impl Stream {
 fn check_values(target: &GraspTarget, space: &TeleopWorkspace) -> Result<(), Reason> {
     let values = target.values();
     if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-        return Err(Reason::new(Cause::TARGET_NOT_FINITE).with_index(index));
+        let field = TargetField(index as u32);
+        return Err(Reason::TargetNotFinite { field });
     }
     let [x_m, y_m, z_m] = space.centre_m;
     let opening_m = match target.grip {
@@ -200,9 +203,11 @@ fn check_values(target: &GraspTarget, space: &TeleopWorkspace) -> Result<(), Rea
     for (index, (value, [lower, upper])) in values.into_iter().zip(ranges).enumerate() {
         if value < lower || value > upper {
             let limit = if value < lower { lower } else { upper };
-            return Err(
-                Reason::with_limit(Cause::TARGET_OUT_OF_RANGE, value, limit).with_index(index)
-            );
+            return Err(Reason::TargetOutOfRange {
+                field: TargetField(index as u32),
+                value,
+                limit,
+            });
         }
     }
     Ok(())

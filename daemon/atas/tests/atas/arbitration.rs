@@ -9,7 +9,7 @@ use atas_core::perception::StiffnessFit;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::GraspPose;
-use shm_schemas::{Cause, ModuleId, Reason};
+use shm_schemas::{Cause, ModuleId, Reason, ReasonRecord};
 
 const STEP_S: f64 = 1e-3;
 
@@ -143,7 +143,11 @@ fn refusal_outranks_every_other_verdict() {
         confidence: 1.0,
         new_contact: false,
     });
-    let refuse = Verdict::Refuse(Reason::new(Cause::TOO_HEAVY));
+    let refuse = Verdict::Refuse(Reason::TooHeavy {
+        force_n: 8.1,
+        limit_n: 8.0,
+        module: ModuleId::FORCE_LIMIT,
+    });
     for (proposals, expected) in [
         (vec![verdict(Verdict::None)], Verdict::None),
         (vec![verdict(Verdict::None), verdict(stiffness)], stiffness),
@@ -236,7 +240,14 @@ fn any_verdict() -> impl Strategy<Value = Verdict> {
         few(),
     );
     let refuse = reason.prop_map(|(cause, module, value, limit)| {
-        Verdict::Refuse(Reason::with_limit(cause, value, limit).with_module(module))
+        let record = ReasonRecord {
+            cause,
+            module,
+            value,
+            limit,
+            ..ReasonRecord::default()
+        };
+        Verdict::Refuse(record.into())
     });
     let fit = (few(), few()).prop_map(|(object_n_m, confidence)| {
         Verdict::Stiffness(StiffnessFit {

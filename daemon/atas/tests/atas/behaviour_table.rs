@@ -4,7 +4,7 @@ use crate::bench::{Bench, pressed, with_utilisation};
 use atas_core::modules::Verdict;
 use atas_core::tasks::{BehaviourTable, GRASP, Rule, Step, TableError, Task};
 use proptest::prelude::*;
-use shm_schemas::{ModuleId, SensorBit};
+use shm_schemas::{ModuleId, ReasonRecord, SensorBit};
 
 const BITS: [SensorBit; 2] = [SensorBit::SLIPPING, SensorBit::ABOVE_F2];
 const FINGERS: [f64; 4] = [0.0, -0.001, 0.002, 0.004];
@@ -45,9 +45,11 @@ fn long_backward_motion_is_refused() {
     let proposal = bench.evaluate_for(240, &with_utilisation(4.5, 1.0));
     assert_eq!(proposal.verdict, Verdict::None);
     let proposal = bench.evaluate_for(20, &with_utilisation(4.5, 1.0));
-    assert!(
-        matches!(proposal.verdict, Verdict::Refuse(reason) if reason.module == ModuleId::BEHAVIOUR_TABLE)
-    );
+    let Verdict::Refuse(reason) = proposal.verdict else {
+        panic!("{proposal:?}")
+    };
+    let record = ReasonRecord::from(reason);
+    assert_eq!(record.module, ModuleId::BEHAVIOUR_TABLE);
 }
 
 #[test]

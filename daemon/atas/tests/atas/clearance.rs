@@ -9,7 +9,7 @@ use atas_core::tasks::{GRASP, Motion, STEPS_MAX, Step, Task, Waypoint};
 use atas_core::{OperatorRequest, Settings};
 use nalgebra::Vector3;
 use robot_model::{GraspPose, HandSide, HandVector, RobotVector, nearest};
-use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
+use shm_schemas::{Cause, GoalField, GoalKind, GoalRequest, GoalState, Mode, Reason, Text};
 
 fn tour() -> Task {
     let reach = |waypoint| Step {
@@ -108,7 +108,7 @@ fn accepted_goals_keep_clearance_in_every_tick() {
         }
         match check(&world, &request) {
             Err(reason) => {
-                assert_eq!(reason.cause, Cause::ARMS_COLLIDE, "{reason}");
+                assert_eq!(reason.cause(), Cause::ARMS_COLLIDE, "{reason}");
                 refused += 1;
             }
             Ok(goal) => {
@@ -163,7 +163,7 @@ fn off_centre_grasp_within_margin_keeps_clearance() {
             beside.from_m[1] += y * spare_m;
             let collides = check(&world, &beside)
                 .err()
-                .filter(|r| r.cause == Cause::ARMS_COLLIDE);
+                .filter(|r| r.cause() == Cause::ARMS_COLLIDE);
             assert_eq!(collides, None, "{spare_m} m off-centre of {request:?}");
         }
     }
@@ -180,7 +180,7 @@ fn collision_with_other_arm_is_rejected_by_name() {
         ..grasp()
     };
     let reason = check(&world, &into).unwrap_err();
-    assert_eq!(reason.cause, Cause::ARMS_COLLIDE);
+    assert_eq!(reason.cause(), Cause::ARMS_COLLIDE);
     let message = reason.to_string();
     assert!(
         message.starts_with("the right ") && message.contains(" mm of the left "),
@@ -196,7 +196,10 @@ fn collision_with_other_arm_is_rejected_by_name() {
         to_m: [0.30, -0.04, 0.05],
         ..beside
     };
-    assert_eq!(check(&world, &over).unwrap_err().cause, Cause::ARMS_COLLIDE);
+    assert_eq!(
+        check(&world, &over).unwrap_err().cause(),
+        Cause::ARMS_COLLIDE
+    );
     let mut after = world.clone();
     after.run(100);
     assert_eq!(after.q, before_rad);
@@ -229,15 +232,17 @@ fn unreachable_openings_and_heights_are_rejected() {
             ..grasp()
         };
         change(&mut request);
-        check(&world, &request)
-            .map(|_| ())
-            .map_err(|r| (r.cause, r.index, r.limit))
+        check(&world, &request).map(|_| ())
     };
     assert_eq!(cause(|g| g.width_m = 0.0999), Ok(()));
     let widest_m = 0.11 - 2.0 * clearance_m;
     assert_eq!(
         cause(|g| g.width_m = 0.1001),
-        Err((Cause::UNREACHABLE, 8, widest_m))
+        Err(Reason::Unreachable {
+            field: GoalField::WIDTH,
+            value: 0.1001,
+            limit: widest_m,
+        })
     );
     // The height from which the hand descends needs a posture as well.
     let far = GoalRequest {
@@ -253,9 +258,10 @@ fn unreachable_openings_and_heights_are_rejected() {
         ..world.controller.goal_context(robot(), &[])
     };
     let reason = check::check(&far, &now).unwrap_err();
-    assert_eq!(
-        (reason.cause, reason.index, reason.limit),
-        (Cause::UNREACHABLE, 0, 0.0)
+    let place = GoalField::FROM_X;
+    assert!(
+        matches!(reason, Reason::NoPosture { place: at, .. } if at == place),
+        "{reason:?}"
     );
 }
 
@@ -283,7 +289,7 @@ fn simultaneous_paths_are_compared_at_all_times() {
         let now = world.controller.goal_context(robot(), &tasks);
         check::check(&request, &now)
             .err()
-            .map(|reason| reason.cause)
+            .map(|reason| reason.cause())
     };
     assert_eq!(cause([0.30, -0.28, 0.05]), None, "far apart");
     let near = [0.30, -0.04, 0.05];
@@ -312,5 +318,5 @@ fn task_with_unbounded_check_is_rejected() {
     let tasks = [own];
     let now = world.controller.goal_context(robot(), &tasks);
     let reason = check::check(&request, &now).unwrap_err();
-    assert_eq!(reason.cause, Cause::TASK_TOO_LONG, "{reason}");
+    assert_eq!(reason.cause(), Cause::TASK_TOO_LONG, "{reason}");
 }

@@ -5,7 +5,7 @@ use crate::support::home;
 use crate::world::{World, commanded_gap_m, grasp, start};
 use atas_core::OperatorRequest;
 use shm_schemas::{
-    Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, Mode, ModuleEvent, Reason,
+    Cause, EventKind, GoalKind, GoalPolicy, GoalRequest, GoalState, Hand, Mode, ModuleEvent, Reason,
 };
 
 fn kinds(events: &[ModuleEvent], kind: EventKind) -> usize {
@@ -37,19 +37,24 @@ fn init_becomes_ready_with_valid_inputs() {
 
 #[test]
 fn init_reports_the_missing_input() {
-    for (mute, cause, index) in [
-        ([true, false, false], Cause::FRAMES_STOPPED, 0),
-        ([false, true, false], Cause::FRAMES_STOPPED, 1),
-        ([false, false, true], Cause::JOINTS_STOPPED, 0),
+    let no_frames_of = |hand| Reason::FramesStopped {
+        hand,
+        age_ns: None,
+        limit_ns: 5e6,
+    };
+    let no_joints = Reason::JointsStopped {
+        age_ns: None,
+        limit_ns: 5e6,
+    };
+    for (mute, expected) in [
+        ([true, false, false], no_frames_of(Hand::LEFT)),
+        ([false, true, false], no_frames_of(Hand::RIGHT)),
+        ([false, false, true], no_joints),
     ] {
         let mut world = World::new();
         world.silent = mute;
         let outputs = world.run(200);
-        let (mode, reason) = world.controller.mode();
-        assert_eq!(
-            (mode, reason.cause, reason.index),
-            (Mode::INIT, cause, index)
-        );
+        assert_eq!(world.controller.mode(), (Mode::INIT, expected));
         assert_eq!(
             (outputs.command.joint_count, outputs.command.mode),
             (0, Mode::INIT)
@@ -73,7 +78,7 @@ fn unstartable_goals_are_rejected_with_reason() {
     };
     assert_eq!(rejected(&mut World::new(), grasp()), Cause::NOT_READY);
     let mut stopped = World::ready();
-    stopped.request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
+    stopped.request(OperatorRequest::Stop(Reason::Estop));
     assert_eq!(rejected(&mut stopped, grasp()), Cause::NOT_READY);
     let mut reaching = World::reaching();
     assert_eq!(
@@ -186,9 +191,11 @@ fn touch_on_the_way_triggers_return() {
     world.obstructed = false;
     let (outputs, _) = world.run_until(20_000, |w| w.controller.goal().unwrap().state.is_final());
     let update = outputs.goal_update.unwrap();
-    assert_eq!(
-        (update.state, update.reason.cause, update.reason.index),
-        (GoalState::REFUSED, Cause::OBSTRUCTED, 1)
+    let reason = Reason::from(update.reason);
+    assert_eq!(update.state, GoalState::REFUSED, "{reason:?}");
+    assert!(
+        matches!(reason, Reason::Obstructed { fingertip: 1, .. }),
+        "{reason:?}"
     );
     let far_mm = |a: [f64; 3], b: [f64; 3]| {
         let squares: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
@@ -226,8 +233,10 @@ fn narrow_object_search_stops_before_fingertips_meet() {
     }));
     let (outputs, _) = world.run_until(60_000, |w| w.controller.goal().unwrap().state.is_final());
     let reason = outputs.goal_update.unwrap().reason;
-    assert_eq!(reason.cause, Cause::NOTHING_TOUCHED);
-    assert!(reason.value > 0.0019 && reason.value < 0.002, "{reason}");
+    let Reason::NothingTouched { width_m, .. } = Reason::from(reason) else {
+        panic!("{reason}")
+    };
+    assert!(width_m > 0.0019 && width_m < 0.002, "{reason}");
 }
 
 #[test]

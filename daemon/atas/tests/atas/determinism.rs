@@ -4,7 +4,7 @@ use crate::support::{MS_NS, frame, joints, robot};
 use crate::world::{Logged, World, grasp, start};
 use atas_core::{Inputs, OperatorRequest, Outputs, Tick};
 use proptest::prelude::*;
-use shm_schemas::{Cause, GoalKind, GoalRequest, Hand, HandFrame, JointState, Reason, Stamp};
+use shm_schemas::{GoalKind, GoalRequest, Hand, HandFrame, JointState, Reason, Stamp};
 use zerocopy::IntoBytes;
 
 #[derive(Clone, Debug)]
@@ -63,8 +63,8 @@ fn any_request() -> impl Strategy<Value = OperatorRequest> {
         1 => Just(start(GoalRequest { kind: GoalKind::RELEASE, ..grasp() })),
         1 => (5..9_u64).prop_map(|goal_id| OperatorRequest::Cancel { goal_id }),
         1 => (5..9_u64).prop_map(|goal_id| OperatorRequest::ClientDisconnected { goal_id }),
-        1 => Just(OperatorRequest::Stop(Reason::new(Cause::ESTOP))),
-        1 => Just(OperatorRequest::Hold(Reason::with_limit(Cause::SUPERVISOR_SILENT, 0.8, 0.5))),
+        1 => Just(OperatorRequest::Stop(Reason::Estop)),
+        1 => Just(OperatorRequest::Hold(Reason::SupervisorSilent { silent_s: 0.8, limit_s: 0.5 })),
         3 => Just(OperatorRequest::Recover),
         1 => (any::<usize>(), any_value()).prop_map(|(i, value)| OperatorRequest::SetParameter { index: i % 80, value }),
         1 => (0..4_usize).prop_map(|hand| OperatorRequest::Bias { hand }),

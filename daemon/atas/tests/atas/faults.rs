@@ -18,7 +18,7 @@ fn silence_holds_in_time_and_recovers() {
         let (_, ticks) = world.run_until(50, |w| w.mode() == Mode::HOLD);
         // The last message is one tick old when the silence shows: five more ticks make six.
         assert_eq!(ticks, bound, "{cause}");
-        assert_eq!(world.controller.mode().1.cause, cause);
+        assert_eq!(world.controller.mode().1.cause(), cause);
         let rest = world.run(150).command.position;
         assert_eq!(world.run(50).command.position, rest, "HOLD keeps still");
         world.silent = [false; 3];
@@ -114,7 +114,7 @@ fn following_error_stops_the_robot() {
         }
         assert!(ticks < 1000);
     }
-    assert_eq!(world.controller.mode().1.cause, Cause::FOLLOWING_ERROR);
+    assert_eq!(world.controller.mode().1.cause(), Cause::FOLLOWING_ERROR);
     world.q = stuck_rad;
     let mut outputs = world.request(OperatorRequest::Recover);
     for _ in 0..100 {
@@ -132,7 +132,7 @@ fn following_error_stops_the_robot() {
 #[test]
 fn estop_latches_until_recovery() {
     let mut world = World::reaching();
-    let outputs = world.request(OperatorRequest::Stop(Reason::new(Cause::ESTOP)));
+    let outputs = world.request(OperatorRequest::Stop(Reason::Estop));
     assert_eq!(outputs.command.mode, Mode::SAFE_STOP);
     assert_eq!(outputs.goal_update.unwrap().reason.cause, Cause::ESTOP);
     let rest = world.run(1000).command.position;

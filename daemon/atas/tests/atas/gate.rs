@@ -10,7 +10,7 @@ use atas_core::safety::{Gate, GateContext, Grip};
 use atas_core::settings::Settings;
 use proptest::prelude::*;
 use robot_model::{HandSide, RobotVector};
-use shm_schemas::{Cause, Mode};
+use shm_schemas::{Mode, Reason};
 
 fn any_position() -> impl Strategy<Value = f64> {
     prop_oneof![
@@ -163,10 +163,8 @@ fn gate_rejects_non_finite_vectors_as_a_whole() {
         wanted[13] = bad;
         let safe = rig.pass(Mode::RUN, &wanted);
         assert_eq!(positions(&safe), home());
-        assert_eq!(
-            (rig.gate.refusal().cause, rig.gate.refusal().index),
-            (Cause::COMMAND_NOT_FINITE, 13)
-        );
+        let not_finite = Reason::CommandNotFinite { joint: 13 };
+        assert_eq!(rig.gate.refusal(), not_finite);
         rig.pass(Mode::RUN, &home());
         assert!(
             !rig.gate.refusal().is_some(),
@@ -182,8 +180,10 @@ fn gate_rejects_jumps_as_a_whole() {
     wanted[4] += 0.5;
     assert_eq!(positions(&rig.pass(Mode::RUN, &wanted)), home());
     let finding = rig.gate.refusal();
-    assert_eq!((finding.cause, finding.index), (Cause::COMMAND_STEP, 4));
-    assert!(finding.value > finding.limit);
+    assert!(
+        matches!(finding, Reason::CommandStep { joint: 4, step, limit } if step > limit),
+        "{finding:?}"
+    );
 }
 
 #[test]
@@ -226,15 +226,8 @@ fn side_above_grip_ceiling_may_only_open() {
             assert!(moved[11..16].iter().all(|m| *m != over), "arm, {case}");
             assert!(moved[..11].iter().chain(&moved[19..]).all(|m| *m), "{case}");
             let finding = rig.gate.refusal();
-            assert_eq!(
-                (finding.cause, finding.index),
-                if over {
-                    (Cause::GRIP_CEILING, 0)
-                } else {
-                    (Cause::NONE, 0)
-                },
-                "{case}"
-            );
+            let is_ceiling = matches!(finding, Reason::GripCeiling { side: 0, .. });
+            assert_eq!((is_ceiling, finding.is_some()), (over, over), "{case}");
         }
     }
 }
@@ -283,8 +276,15 @@ fn following_error_is_reported_after_ten_ticks() {
     }
     rig.pass(Mode::HOLD, &home());
     let finding = rig.gate.refusal();
-    assert_eq!((finding.cause, finding.index), (Cause::FOLLOWING_ERROR, 6));
-    assert!((finding.value - 0.1).abs() < 1e-12 && (finding.limit - 0.08).abs() < 1e-12);
+    let Reason::FollowingError {
+        joint: 6,
+        error,
+        limit,
+    } = finding
+    else {
+        panic!("{finding:?}")
+    };
+    assert!((error - 0.1).abs() < 1e-12 && (limit - 0.08).abs() < 1e-12);
 }
 
 #[test]

@@ -6,7 +6,9 @@ use atas_core::goal::ActiveGoal;
 use atas_core::tasks::{GRASP, RELEASE, Task};
 use atas_core::{Goal, SensorSetup, Settings};
 use robot_model::{HandSide, RobotModel};
-use shm_schemas::{Cause, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, Text};
+use shm_schemas::{
+    Cause, GoalField, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, ReasonRecord, Text,
+};
 
 fn goal() -> GoalRequest {
     GoalRequest {
@@ -111,7 +113,8 @@ fn every_invalid_field_is_named() {
         let mut goal = goal();
         change(&mut goal);
         let reason = check(&goal, &SensorSetup::default()).unwrap_err();
-        assert_eq!((reason.cause, reason.index), (cause, index), "{goal:?}");
+        let record = ReasonRecord::from(reason);
+        assert_eq!((record.cause, record.index), (cause, index), "{goal:?}");
     }
 }
 
@@ -129,7 +132,7 @@ fn user_tasks_are_found_by_name() {
         change(&mut goal);
         check_with(&goal, &SensorSetup::default(), &tasks)
             .map(|goal| goal.task().name.to_string())
-            .map_err(|reason| reason.cause)
+            .map_err(|reason| reason.cause())
     };
     assert_eq!(ask("let-go", |_| ()).as_deref(), Ok("let-go"));
     assert_eq!(ask("grasp", |_| ()).as_deref(), Ok("grasp"), "built in");
@@ -146,7 +149,7 @@ fn hand_without_sensor_accepts_no_goals() {
     let mut wiring = SensorSetup::default();
     wiring.hands[1].required = false;
     let reason = check(&goal(), &wiring).unwrap_err();
-    assert_eq!((reason.cause, reason.index), (Cause::NO_SENSOR, 1));
+    assert_eq!(reason, Reason::NoSensor { hand: Hand::RIGHT });
     let left = GoalRequest {
         hand: Hand::LEFT,
         from_m: [0.3, 0.1, 0.05],
@@ -202,10 +205,17 @@ fn angular_jaw_rejects_impossible_yaw_and_width() {
     assert_eq!(refused(0.0, 0.05), None);
     assert_eq!(refused(180.0, 0.05), None);
     let yaw = refused(90.0, 0.05).expect("the hand tilts only in the plane of its arm");
-    assert_eq!((yaw.cause, yaw.index), (Cause::UNREACHABLE, 3), "{yaw}");
+    let Reason::Unreachable {
+        field: GoalField::FROM_YAW,
+        limit: nearest_rad,
+        ..
+    } = yaw
+    else {
+        panic!("{yaw:?}")
+    };
     assert!(yaw.to_string().contains("from yaw is 90.0°"), "{yaw}");
-    let nearest = refused(yaw.limit.to_degrees(), 0.05);
+    let nearest = refused(nearest_rad.to_degrees(), 0.05);
     assert_eq!(nearest, None, "{yaw}");
     let narrow = refused(0.0, 0.015).expect("too narrow");
-    assert_eq!(narrow.cause, Cause::FINGERTIPS_MISALIGNED, "{narrow}");
+    assert_eq!(narrow.cause(), Cause::FINGERTIPS_MISALIGNED, "{narrow}");
 }

@@ -282,11 +282,11 @@ fn faults_are_counted_and_handled_as_catalogued() {
         counts(&mut expected);
         assert_eq!(*intake.counts(), expected, "{fault}");
         assert_eq!(
-            intake.hold_reason(tick(10), &limits()).cause,
+            intake.hold_reason(tick(10), &limits()).cause(),
             hold_reason,
             "{fault}"
         );
-        assert_eq!(intake.warning().cause, warning, "{fault}");
+        assert_eq!(intake.warning().cause(), warning, "{fault}");
         assert_eq!(intake.writer_epoch(), EPOCH, "{fault}");
     }
 }

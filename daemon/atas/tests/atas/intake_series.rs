@@ -19,7 +19,7 @@ fn silence_holds_after_five_milliseconds() {
     ] {
         intake.begin();
         assert_eq!(
-            intake.hold_reason(tick(ms), &limits()).cause,
+            intake.hold_reason(tick(ms), &limits()).cause(),
             cause,
             "at {ms} ms"
         );
@@ -31,7 +31,7 @@ fn silence_holds_after_five_milliseconds() {
         tick(510)
     ));
     assert_eq!(
-        intake.hold_reason(tick(510), &limits()).cause,
+        intake.hold_reason(tick(510), &limits()).cause(),
         Cause::FRAMES_LOST
     );
     assert!(feed(
@@ -40,11 +40,14 @@ fn silence_holds_after_five_milliseconds() {
         tick(511)
     ));
     assert_eq!(
-        intake.hold_reason(tick(511), &limits()).cause,
+        intake.hold_reason(tick(511), &limits()).cause(),
         Cause::FRAME_STALE
     );
     assert!(feed(&mut intake, &at(512), tick(512)));
-    assert_eq!(intake.hold_reason(tick(512), &limits()).cause, Cause::NONE);
+    assert_eq!(
+        intake.hold_reason(tick(512), &limits()).cause(),
+        Cause::NONE
+    );
 }
 
 #[test]
@@ -56,7 +59,7 @@ fn only_required_hand_holds_before_first_frame() {
         };
         FrameIntake::new(Hand::LEFT, &wiring)
             .hold_reason(tick(0), &limits())
-            .cause
+            .cause()
     };
     assert_eq!(doubt(true), Cause::FRAMES_STOPPED);
     assert_eq!(doubt(false), Cause::NONE);
@@ -74,7 +77,7 @@ fn slow_sensor_may_pause_for_three_periods() {
     ] {
         intake.begin();
         assert_eq!(
-            intake.hold_reason(tick(ms), &limits()).cause,
+            intake.hold_reason(tick(ms), &limits()).cause(),
             cause,
             "at {ms} ms"
         );
@@ -90,7 +93,7 @@ fn counter_overflow_is_accepted() {
             f.stamp.sequence = (u64::MAX - 9).wrapping_add(ms)
         });
         assert!(feed(&mut intake, &wrapping, tick(ms)), "at {ms} ms");
-        assert_eq!(intake.hold_reason(tick(ms), &limits()).cause, Cause::NONE);
+        assert_eq!(intake.hold_reason(tick(ms), &limits()).cause(), Cause::NONE);
     }
     assert_eq!(
         *intake.counts(),
@@ -139,7 +142,7 @@ fn frozen_readings_hold_after_forty_frames() {
                 f.force_n[0][0][0] = reading;
             });
             assert!(feed(&mut intake, &frozen, tick(ms)));
-            if intake.hold_reason(tick(ms), &limits()).cause == Cause::FRAMES_FROZEN {
+            if intake.hold_reason(tick(ms), &limits()).cause() == Cause::FRAMES_FROZEN {
                 doubted = doubted.or(Some(ms));
             }
         }
@@ -164,7 +167,7 @@ fn restarted_writer_is_accepted_after_good_frames() {
         let believed = feed(&mut intake, &restarted(ms), tick(ms));
         seen.push((
             believed,
-            intake.hold_reason(tick(ms), &limits()).cause,
+            intake.hold_reason(tick(ms), &limits()).cause(),
             intake.writer_epoch(),
         ));
     }

@@ -2,18 +2,45 @@
 
 use atas_core::ModeMachine;
 use atas_core::limits::REARM_S;
-use shm_schemas::{Cause, Mode, Reason};
+use shm_schemas::{Hand, Mode, Reason};
 
 const STEP_S: f64 = 1e-3;
 const REARM_TICKS: u32 = 20;
 
-fn hold_reason() -> Reason {
-    Reason::new(Cause::ELEMENTS_INVALID)
-}
+const HAND: Hand = Hand::LEFT;
+const ELEMENTS_INVALID: Reason = Reason::ElementsInvalid {
+    hand: HAND,
+    share: 0.2,
+    limit: 0.1,
+};
+const FRAMES_STOPPED: Reason = Reason::FramesStopped {
+    hand: HAND,
+    age_ns: None,
+    limit_ns: 5e6,
+};
+const FRAME_STALE: Reason = Reason::FrameStale {
+    hand: HAND,
+    age_ns: 6e6,
+    limit_ns: 5e6,
+};
+const FRAMES_LOST: Reason = Reason::FramesLost {
+    hand: HAND,
+    lost: 6,
+    limit: 5.0,
+};
+const JOINTS_STOPPED: Reason = Reason::JointsStopped {
+    age_ns: None,
+    limit_ns: 5e6,
+};
+const FOLLOWING_ERROR: Reason = Reason::FollowingError {
+    joint: 0,
+    error: 0.1,
+    limit: 0.08,
+};
 
 fn fault_free(machine: &mut ModeMachine, ticks: u32, has_goal: bool) {
     for _ in 0..ticks {
-        machine.update(Reason::default(), has_goal, STEP_S);
+        machine.update(Reason::None, has_goal, STEP_S);
     }
 }
 
@@ -25,10 +52,10 @@ fn machine_in(mode: Mode) -> ModeMachine {
     }
     fault_free(&mut machine, REARM_TICKS, false);
     match mode {
-        Mode::RUN => machine.update(Reason::default(), true, STEP_S),
-        Mode::HOLD => machine.update(hold_reason(), false, STEP_S),
-        Mode::SAFE_STOP => machine.stop(Reason::new(Cause::ESTOP)),
-        Mode::FAULT => machine.fail(Reason::new(Cause::MODULE_PANICKED)),
+        Mode::RUN => machine.update(Reason::None, true, STEP_S),
+        Mode::HOLD => machine.update(ELEMENTS_INVALID, false, STEP_S),
+        Mode::SAFE_STOP => machine.stop(Reason::Estop),
+        Mode::FAULT => machine.fail(Reason::ModulePanicked),
         _ => {}
     }
     assert_eq!(machine.mode(), mode);
@@ -39,16 +66,14 @@ fn machine_in(mode: Mode) -> ModeMachine {
 fn transitions_match_the_diagram() {
     type Act = fn(&mut ModeMachine);
     let acts: [(&str, Act); 7] = [
-        ("fault", |m| m.update(hold_reason(), false, STEP_S)),
-        ("fault-free tick", |m| {
-            m.update(Reason::default(), false, STEP_S)
-        }),
+        ("fault", |m| m.update(ELEMENTS_INVALID, false, STEP_S)),
+        ("fault-free tick", |m| m.update(Reason::None, false, STEP_S)),
         ("fault-free tick with a goal", |m| {
-            m.update(Reason::default(), true, STEP_S)
+            m.update(Reason::None, true, STEP_S)
         }),
         ("fault-free time", |m| fault_free(m, REARM_TICKS + 1, false)),
-        ("stop", |m| m.stop(Reason::new(Cause::ESTOP))),
-        ("fail", |m| m.fail(Reason::new(Cause::MODULE_PANICKED))),
+        ("stop", |m| m.stop(Reason::Estop)),
+        ("fail", |m| m.fail(Reason::ModulePanicked)),
         ("recover", ModeMachine::recover),
     ];
     const I: Mode = Mode::INIT;
@@ -78,7 +103,7 @@ fn hold_ends_after_uninterrupted_fault_free_time() {
     for has_goal in [false, true] {
         let mut machine = machine_in(Mode::HOLD);
         fault_free(&mut machine, REARM_TICKS - 1, has_goal);
-        machine.update(hold_reason(), has_goal, STEP_S);
+        machine.update(ELEMENTS_INVALID, has_goal, STEP_S);
         fault_free(&mut machine, REARM_TICKS - 1, has_goal);
         assert_eq!(machine.mode(), Mode::HOLD, "a fault restarts the time");
         fault_free(&mut machine, 1, has_goal);
@@ -93,31 +118,28 @@ fn hold_ends_after_uninterrupted_fault_free_time() {
 #[test]
 fn first_hold_reason_is_kept() {
     let mut machine = machine_in(Mode::RUN);
-    machine.update(hold_reason(), true, STEP_S);
-    machine.update(Reason::new(Cause::JOINTS_STOPPED), true, STEP_S);
-    assert_eq!(machine.reason().cause, hold_reason().cause);
-    machine.stop(Reason::new(Cause::FOLLOWING_ERROR));
-    machine.stop(Reason::new(Cause::ESTOP));
-    assert_eq!(machine.reason().cause, Cause::FOLLOWING_ERROR);
+    machine.update(ELEMENTS_INVALID, true, STEP_S);
+    machine.update(JOINTS_STOPPED, true, STEP_S);
+    assert_eq!(machine.reason(), ELEMENTS_INVALID);
+    machine.stop(FOLLOWING_ERROR);
+    machine.stop(Reason::Estop);
+    assert_eq!(machine.reason(), FOLLOWING_ERROR);
     machine.recover();
     assert_eq!(
-        (machine.mode(), machine.reason().cause),
-        (Mode::HOLD, Cause::FOLLOWING_ERROR)
+        (machine.mode(), machine.reason()),
+        (Mode::HOLD, FOLLOWING_ERROR)
     );
-    machine.fail(Reason::new(Cause::MODULE_PANICKED));
-    machine.stop(Reason::new(Cause::ESTOP));
-    assert_eq!(machine.reason().cause, Cause::MODULE_PANICKED);
+    machine.fail(Reason::ModulePanicked);
+    machine.stop(Reason::Estop);
+    assert_eq!(machine.reason(), Reason::ModulePanicked);
 }
 
 #[test]
 fn init_reports_the_present_reason() {
     let mut machine = ModeMachine::default();
-    for cause in [Cause::FRAMES_STOPPED, Cause::JOINTS_STOPPED] {
-        machine.update(Reason::new(cause), false, STEP_S);
-        assert_eq!(
-            (machine.mode(), machine.reason().cause),
-            (Mode::INIT, cause)
-        );
+    for reason in [FRAMES_STOPPED, JOINTS_STOPPED] {
+        machine.update(reason, false, STEP_S);
+        assert_eq!((machine.mode(), machine.reason()), (Mode::INIT, reason));
     }
 }
 
@@ -138,7 +160,7 @@ fn fault_free_time_is_independent_of_tick_rate() {
         let mut machine = machine_in(Mode::HOLD);
         let mut ticks = 0;
         while machine.mode() == Mode::HOLD {
-            machine.update(Reason::default(), false, 1.0 / f64::from(rate_hz));
+            machine.update(Reason::None, false, 1.0 / f64::from(rate_hz));
             ticks += 1;
         }
         assert_eq!(ticks, (REARM_S * f64::from(rate_hz)) as u32, "{rate_hz} Hz");
@@ -149,12 +171,11 @@ fn fault_free_time_is_independent_of_tick_rate() {
 /// added up until the goal failed.
 #[test]
 fn late_data_pause_as_long_as_they_are_missing() {
-    use Cause as C;
-    let held_ticks = |causes: &[(Cause, u32)]| {
+    let held_ticks = |reasons: &[(Reason, u32)]| {
         let mut machine = machine_in(Mode::RUN);
-        for (cause, ticks) in causes {
+        for (reason, ticks) in reasons {
             for _ in 0..*ticks {
-                machine.update(Reason::new(*cause), true, STEP_S);
+                machine.update(*reason, true, STEP_S);
             }
         }
         let mut ticks = 0;
@@ -164,15 +185,15 @@ fn late_data_pause_as_long_as_they_are_missing() {
         }
         ticks
     };
-    for (causes, expected) in [
-        (&[(C::FRAMES_STOPPED, 1)][..], 5),
-        (&[(C::JOINTS_STOPPED, 5)], 5),
-        (&[(C::FRAMES_STOPPED, 8), (C::FRAMES_LOST, 1)], 9),
-        (&[(C::FRAME_STALE, 500)], 20),
-        (&[(C::SENSOR_RESTARTED, 1)], 20),
-        (&[(C::FRAMES_STOPPED, 1), (C::ELEMENTS_INVALID, 1)], 20),
-        (&[(C::ELEMENTS_INVALID, 1), (C::FRAMES_STOPPED, 1)], 20),
+    for (reasons, expected) in [
+        (&[(FRAMES_STOPPED, 1)][..], 5),
+        (&[(JOINTS_STOPPED, 5)], 5),
+        (&[(FRAMES_STOPPED, 8), (FRAMES_LOST, 1)], 9),
+        (&[(FRAME_STALE, 500)], 20),
+        (&[(Reason::SensorRestarted { hand: HAND }, 1)], 20),
+        (&[(FRAMES_STOPPED, 1), (ELEMENTS_INVALID, 1)], 20),
+        (&[(ELEMENTS_INVALID, 1), (FRAMES_STOPPED, 1)], 20),
     ] {
-        assert_eq!(held_ticks(causes), expected, "{causes:?}");
+        assert_eq!(held_ticks(reasons), expected, "{reasons:?}");
     }
 }

@@ -4,7 +4,7 @@ use crate::bench::{Bench, fingertip, path, percept, pressed, with_utilisation};
 use atas_core::modules::{Proposal, Selection, Verdict};
 use atas_core::perception::{ContactPercept, Percept};
 use robot_model::{GraspSide, PerSide, Skin};
-use shm_schemas::{Cause, ModuleId};
+use shm_schemas::{ModuleId, Reason};
 
 const FREE: f64 = f64::INFINITY;
 
@@ -265,23 +265,22 @@ fn module_3_refuses_objects_slipping_at_f2() {
             .verdict,
         Verdict::None
     );
-    let Verdict::Refuse(reason) = bench
+    let verdict = bench
         .evaluate_for(600, &with_utilisation(4.1, 1.05))
-        .verdict
-    else {
-        panic!("not refused")
+        .verdict;
+    let too_soft = Reason::TooSoft {
+        force_n: 4.1,
+        limit_n: 4.0,
+        module: ModuleId::FORCE_LIMIT,
     };
-    assert_eq!(
-        (reason.cause, reason.module, reason.value, reason.limit),
-        (Cause::TOO_SOFT, ModuleId::FORCE_LIMIT, 4.1, 4.0)
-    );
+    assert_eq!(verdict, Verdict::Refuse(too_soft));
     // With F_2 at the hand's limit, the object is too heavy, not too soft.
     let mut rigid = Bench::new(ModuleId::FORCE_LIMIT);
     rigid.settings.grasp.f2_max_n = 4.0;
     let verdict = rigid
         .evaluate_for(999, &with_utilisation(4.1, 1.05))
         .verdict;
-    assert!(matches!(verdict, Verdict::Refuse(reason) if reason.cause == Cause::TOO_HEAVY));
+    assert!(matches!(verdict, Verdict::Refuse(Reason::TooHeavy { .. })));
     // The slip below F_2, or a low utilisation, is no reason to refuse.
     for innocent in [with_utilisation(3.0, 1.05), with_utilisation(4.1, 0.7)] {
         assert_eq!(

@@ -7,7 +7,7 @@ use atas_core::teleop::{
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use robot_model::{GraspPose, GraspSide, HandSide, PerSide};
-use shm_schemas::Cause;
+use shm_schemas::{Cause, Hand, Reason};
 
 use crate::support::{hand_of, home, robot};
 
@@ -181,7 +181,7 @@ fn posture(side: HandSide, pose: &GraspPose, yaw_rad: f64) -> (f64, Option<Cause
     let from = hand_of(&home(), side);
     let posture = hand.solve(&from, &pose.target(hand), 200);
     let across = arm_across_middle(hand, &posture.q);
-    (posture.tip_error_m, across.map(|reason| reason.cause))
+    (posture.tip_error_m, across.map(|reason| reason.cause()))
 }
 
 proptest! {
@@ -208,7 +208,16 @@ fn arm_across_the_middle_is_detected() {
     let over = frame([0.32, 0.04, 0.05], 0.0, 0.05);
     let posture = hand.posture_for(&over).expect("posture across the middle");
     let reason = arm_across_middle(hand, &posture.q).expect("across");
-    assert_eq!((reason.cause, reason.index), (Cause::ACROSS_THE_MIDDLE, 1));
+    assert!(
+        matches!(
+            reason,
+            Reason::AcrossTheMiddle {
+                hand: Hand::RIGHT,
+                ..
+            }
+        ),
+        "{reason:?}"
+    );
     let beside = frame([0.32, -0.2, 0.05], 0.0, 0.05);
     let posture = hand.posture_for(&beside).expect("posture on its side");
     assert_eq!(arm_across_middle(hand, &posture.q), None);

@@ -3,7 +3,7 @@
 
 use crate::world::{OBJECT_M, World, grasp, start};
 use atas_core::tasks::{Motion, PICK_PLACE, SET_DOWN, Task};
-use shm_schemas::{Cause, GoalKind, GoalRequest, GoalState, Mode, Text};
+use shm_schemas::{GoalKind, GoalRequest, GoalState, Hand, Mode, Reason, Text};
 
 /// Set-down at the grasp position.
 fn set_down() -> GoalRequest {
@@ -37,10 +37,8 @@ fn set_down_with_empty_hand_is_rejected() {
         .goal_update
         .expect("goal update");
     assert_eq!(update.state, GoalState::REJECTED);
-    assert_eq!(
-        (update.reason.cause, update.reason.index),
-        (Cause::HAND_EMPTY, 1)
-    );
+    let empty = Reason::HandEmpty { hand: Hand::RIGHT };
+    assert_eq!(Reason::from(update.reason), empty);
     assert_eq!(world.mode(), Mode::READY, "no motion");
 }
 

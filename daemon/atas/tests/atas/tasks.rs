@@ -228,7 +228,10 @@ fn goal_force_limit_replaces_f2() {
             Thresholds::for_stiffness(stiffness_n_m, &grasp).with_force_limit(told_n, &grasp);
         let case = format!("{stiffness_n_m} N/m, force limit {told_n} N: {thresholds:?}");
         assert_eq!(
-            (thresholds.f2_n, thresholds.refusal_cause()),
+            (
+                thresholds.f2_n,
+                thresholds.refusal(9.0, ModuleId::FORCE_LIMIT).cause()
+            ),
             (f2_n, exceeded),
             "{case}"
         );

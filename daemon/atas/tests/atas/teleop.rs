@@ -66,7 +66,8 @@ impl Teleop {
         self.last = self.world.tick();
         let events = self.last.events.as_slice().iter();
         let warnings = events.filter(|event| event.kind == EventKind::WARNING);
-        self.warnings.extend(warnings.map(|event| event.reason));
+        self.warnings
+            .extend(warnings.map(|event| Reason::from(event.reason)));
     }
 
     fn stream(&mut self, ms: u64) {
@@ -232,7 +233,7 @@ fn silence_brakes_the_hand_and_keeps_grip() {
         "stopped on the way"
     );
     assert_eq!(
-        teleoperated.warnings.last().map(|r| r.cause),
+        teleoperated.warnings.last().map(|r| r.cause()),
         Some(Cause::TARGETS_STOPPED)
     );
     for (force_n, held_n) in teleoperated.forces_n().into_iter().zip(held_n) {

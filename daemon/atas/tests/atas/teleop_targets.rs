@@ -4,7 +4,9 @@ use atas_core::Tick;
 use atas_core::goal::ActiveGoal;
 use atas_core::teleop::TargetIntake;
 use robot_model::HandSide;
-use shm_schemas::{Cause, GoalKind, GoalRequest, GraspTarget, GripOrder, Hand, Stamp};
+use shm_schemas::{
+    Cause, GoalKind, GoalRequest, GraspTarget, GripOrder, Hand, Reason, ReasonRecord, Stamp,
+};
 
 use crate::support::{MS_NS, robot};
 use crate::world::start;
@@ -102,7 +104,7 @@ fn invalid_targets_are_rejected_without_effect() {
         let before = *intake.target(HandSide::Right).expect("accepted");
         let mut bad = target(6, 1_002);
         change(&mut bad);
-        let reason = intake.update(&[sealed(bad)], tick(1_003));
+        let reason = ReasonRecord::from(intake.update(&[sealed(bad)], tick(1_003)));
         assert_eq!(
             (reason.cause, reason.index),
             (*cause, *about),
@@ -123,10 +125,7 @@ fn invalid_targets_are_rejected_without_effect() {
     let mut intake = intake_with_goal(GoalKind::TELEOP);
     let mut torn = sealed(target(0, 1_001));
     torn.centre_m[0] += 1e-3;
-    assert_eq!(
-        intake.update(&[torn], tick(1_002)).cause,
-        Cause::TARGET_CORRUPT
-    );
+    assert_eq!(intake.update(&[torn], tick(1_002)), Reason::TargetCorrupt);
 }
 
 #[test]
@@ -170,12 +169,12 @@ fn newest_target_is_valid_for_two_seconds_at_most() {
     );
     assert!(!intake.update(&[], tick(1_301)).is_some());
     let silent = intake.update(&[], tick(1_302));
-    assert_eq!((silent.cause, silent.index), (Cause::TARGETS_STOPPED, 0));
+    assert_eq!(silent, Reason::TargetsStopped { hand: Hand::LEFT });
     assert_eq!(intake.target(HandSide::Left), None);
     assert!(!intake.update(&[], tick(3_002)).is_some());
     assert!(intake.target(HandSide::Right).is_some());
     let silent = intake.update(&[], tick(3_003));
-    assert_eq!((silent.cause, silent.index), (Cause::TARGETS_STOPPED, 1));
+    assert_eq!(silent, Reason::TargetsStopped { hand: Hand::RIGHT });
     assert_eq!(intake.target(HandSide::Right), None);
 }
 

@@ -1,5 +1,5 @@
 use robot_model::{HandSide, RobotModel};
-use shm_schemas::Reason;
+use shm_schemas::ReasonRecord;
 
 use super::*;
 
@@ -15,7 +15,10 @@ fn truth(lifted_m: f64, pressed_n: f64) -> WorldTruth {
 fn end(state: GoalState, cause: Cause) -> GoalUpdate {
     GoalUpdate {
         state,
-        reason: Reason::new(cause),
+        reason: ReasonRecord {
+            cause,
+            ..ReasonRecord::default()
+        },
         ..GoalUpdate::default()
     }
 }
