@@ -119,8 +119,7 @@ impl Goal {
     pub fn travel_height_m(&self) -> f64 {
         let ([.., to_m], _) = self.destination();
         let [.., from_m] = self.request.from_m;
-        let highest_m = if to_m > from_m { to_m } else { from_m };
-        highest_m + self.request.lift_m
+        from_m.max(to_m) + self.request.lift_m
     }
 }
 

@@ -213,7 +213,7 @@ impl Gate {
             let allowed = STEP_FACTOR * self.joints[joint].velocity_max * step_s;
             let step = (position - self.requested[joint]).abs();
             let lag = (position - self.position[joint]).abs() - self.lag_max(joint);
-            let step = if lag > step { lag } else { step };
+            let step = step.max(lag);
             if step > allowed {
                 let limit = allowed;
                 return self.refuse(Reason::CommandStep { joint, step, limit }, request);
@@ -434,8 +434,7 @@ impl Motion {
         let (now_rad_s, now_rad_s2) = (self.velocity, self.acceleration);
         let change_rad_s2 = JOINT_JERK_RAD_S3 * step_s;
         let ending_below = |room_rad_s: f64| {
-            let room_rad_s = if room_rad_s > 0.0 { room_rad_s } else { 0.0 };
-            let build_up_s2 = step_s * step_s + 2.0 * room_rad_s / JOINT_JERK_RAD_S3;
+            let build_up_s2 = step_s * step_s + 2.0 * room_rad_s.max(0.0) / JOINT_JERK_RAD_S3;
             JOINT_JERK_RAD_S3 * (libm::sqrt(build_up_s2) - step_s)
         };
         let difference_rad_s = target_rad_s - now_rad_s;

@@ -418,3 +418,8 @@ fn sample_count(from: &GraspPose, to: &GraspPose) -> u32 {
         .fold(1.0, f64::max);
     libm::ceil(most) as u32
 }
+
+#[cfg(test)]
+mod gap_tests;
+#[cfg(test)]
+mod walk_tests;

@@ -146,4 +146,65 @@ mod tests {
             assert_eq!(falls_in(seed), 0, "seed {seed}");
         }
     }
+
+    #[test]
+    fn filters_average_all_samples_at_first() {
+        let mut load = Load::new(2.0);
+        let (mut filtered_n, mut reference_n, mut scatter_n2) = (2.0, 2.0, 0.0016);
+        for tick in 1..=1500_u32 {
+            let down_n = if tick < 800 {
+                2.0 + 0.1 * f64::from(tick % 3)
+            } else {
+                1.7
+            };
+            let before_drops = load.has_dropped();
+            load.update(down_n, 1e-3);
+            let hung_s = f64::from(tick) * 1e-3;
+            let toward = |value: f64, to: f64, filter_s: f64| {
+                let weight = 1e-3 / (hung_s.min(filter_s) + 1e-3);
+                value * (1.0 - weight) + to * weight
+            };
+            filtered_n = toward(filtered_n, down_n, FILTER_S);
+            reference_n = toward(reference_n, down_n, REFERENCE_S);
+            assert!((load.filtered_n - filtered_n).abs() < 1e-9, "{tick}");
+            assert!((load.reference_n - reference_n).abs() < 1e-9, "{tick}");
+            let off_n = filtered_n - reference_n;
+            let after_n2 = toward(scatter_n2, off_n * off_n, REFERENCE_S);
+            // The scatter does not grow during a drop.
+            let kept = (load.scatter_n2 - scatter_n2).abs() < 1e-12;
+            let updated = (load.scatter_n2 - after_n2).abs() < 1e-9;
+            assert!(kept || updated, "{tick}");
+            assert!(updated || before_drops || load.has_dropped(), "{tick}");
+            scatter_n2 = load.scatter_n2;
+        }
+        assert!(load.has_dropped());
+    }
+
+    #[test]
+    fn drop_is_a_decrease_between_its_limits() {
+        for (reference_n, filtered_n, scatter_n, suspended_s, drops) in [
+            // At least 0.02 N, 4 % and 4.5 standard deviations, but less than half.
+            (0.25, 0.23, 0.0, 1.0, false),
+            (0.25, 0.22, 0.0, 1.0, true),
+            (2.0, 1.925, 0.0, 1.0, false),
+            (2.0, 1.91, 0.0, 1.0, true),
+            (2.0, 1.5, 0.125, 1.0, false),
+            (2.0, 1.5, 0.1, 1.0, true),
+            (2.0, 1.4375, 0.125, 1.0, false),
+            (2.0, 1.43, 0.125, 1.0, true),
+            (2.0, 1.0, 0.0, 1.0, false),
+            (2.0, 1.01, 0.0, 1.0, true),
+            (2.0, 1.5, 0.0, 0.3, false),
+            (2.0, 1.5, 0.0, 0.31, true),
+        ] {
+            let load = Load {
+                reference_n,
+                filtered_n,
+                scatter_n2: scatter_n * scatter_n,
+                suspended_s,
+                dropping: false,
+            };
+            assert_eq!(load.has_dropped(), drops, "{load:?}");
+        }
+    }
 }

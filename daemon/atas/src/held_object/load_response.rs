@@ -57,3 +57,76 @@ impl LoadResponse {
         measured.normal_n > CLOSING_GROWTH * measured.reference_normal_n
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Steps of one time constant: each moves half of the way.
+    fn step(response: &mut LoadResponse, normal_n: f64, load_n: f64) -> bool {
+        response.is_unresponsive(Some((normal_n, load_n)), FILTER_S)
+    }
+
+    fn started(normal_n: f64, load_n: f64) -> LoadResponse {
+        let mut response = LoadResponse::default();
+        assert!(!step(&mut response, normal_n, load_n));
+        response
+    }
+
+    #[test]
+    fn growth_by_a_quarter_without_load_is_unresponsive() {
+        for (normal_n, load_n, expected) in [
+            (6.0, 1.0, false),
+            (6.25, 1.0, true),
+            (8.0, 1.0, true),
+            (8.0, 1.25, false),
+            (8.0, 0.75, false),
+            (8.0, 1.125, true),
+        ] {
+            // The first step moves half of the way from 4 N.
+            let mut response = started(4.0, 1.0);
+            assert_eq!(
+                step(&mut response, normal_n, load_n),
+                expected,
+                "{normal_n} N, {load_n} N"
+            );
+        }
+    }
+
+    #[test]
+    fn small_load_responds_above_the_noise() {
+        for (load_n, responds) in [(0.135, false), (0.16, true), (0.065, false), (0.04, true)] {
+            let mut response = started(4.0, 0.1);
+            let is_unresponsive = step(&mut response, 8.0, load_n);
+            assert_eq!(is_unresponsive, !responds, "{load_n} N");
+        }
+        let mut response = started(4.0, 0.0);
+        assert!(step(&mut response, 8.0, 0.04), "the noise floor itself");
+        // Upward loads count as well: 10 % of 1 N.
+        for (load_n, responds) in [(-1.125, false), (-1.25, true)] {
+            let mut response = started(4.0, -1.0);
+            assert_eq!(step(&mut response, 8.0, load_n), !responds, "{load_n} N");
+        }
+    }
+
+    #[test]
+    fn growth_counts_from_the_smallest_force() {
+        let mut response = started(4.0, 1.0);
+        assert!(!step(&mut response, 2.0, 1.0), "3 N");
+        assert!(!step(&mut response, 4.0, 1.0), "3.5 N");
+        assert!(step(&mut response, 4.5, 1.0), "4 N");
+        assert!(!response.is_unresponsive(None, FILTER_S), "set down");
+        assert!(!step(&mut response, 8.0, 1.0), "starts again");
+    }
+
+    #[test]
+    fn changed_load_restarts_the_comparison() {
+        let mut response = started(4.0, 1.0);
+        assert!(!step(&mut response, 8.0, 2.0), "the load responds at 6 N");
+        assert!(
+            !step(&mut response, 8.0, 1.5),
+            "7 N is less than a quarter above 6 N"
+        );
+        assert!(step(&mut response, 9.0, 1.5), "8 N");
+    }
+}

@@ -179,7 +179,7 @@ fn check(outputs: &Outputs) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::support::cases(64))]
 
     #[test]
     fn equal_inputs_give_equal_and_safe_outputs(

@@ -45,7 +45,7 @@ fn any_rate_hz() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(crate::support::cases(100))]
 
     #[test]
     fn arbitrary_commands_stay_within_limits(

@@ -1,14 +1,14 @@
 //! Test bench for the gate, and a checker of its output.
 
 use crate::support::JOINTS;
-use crate::support::{MS_NS, hand_of, home, robot};
+use crate::support::{MS_NS, home_of, robot};
 use atas_core::Tick;
 use atas_core::kinematics::HandCommand;
 use atas_core::limits::{JOINT_ACCELERATION_RAD_S2, JOINT_JERK_RAD_S3};
 use atas_core::safety::{Gate, GateContext, Grip, SafeCommand};
 use atas_core::settings::{Safety, Settings};
 use proptest::prelude::*;
-use robot_model::{HandSide, Joint, PerSide, RobotVector};
+use robot_model::{HandSide, HandVector, Joint, PerSide, RobotModel, RobotVector};
 use shm_schemas::Mode;
 
 pub(crate) type Joints = RobotVector;
@@ -21,6 +21,7 @@ pub(crate) const NO_GRIP: Grip = Grip {
 
 /// Gate with its clock.
 pub(crate) struct GateBench {
+    robot: &'static RobotModel,
     pub(crate) gate: Gate,
     pub(crate) settings: Safety,
     pub(crate) step_s: f64,
@@ -32,9 +33,14 @@ pub(crate) struct GateBench {
 
 impl GateBench {
     pub(crate) fn new() -> Self {
-        let mut gate = Gate::new(robot(), 77);
-        gate.synchronise(&home());
+        Self::of(robot())
+    }
+
+    pub(crate) fn of(robot: &'static RobotModel) -> Self {
+        let mut gate = Gate::new(robot, 77);
+        gate.synchronise(&home_of(robot));
         Self {
+            robot,
             gate,
             settings: Settings::default().safety,
             step_s: 1e-3,
@@ -52,7 +58,8 @@ impl GateBench {
 
     pub(crate) fn pass(&mut self, mode: Mode, wanted: &Joints) -> SafeCommand {
         let raw = HandSide::BOTH.map(|side| {
-            HandCommand::new(hand_of(wanted, side), self.closing_m_s[side.index()].into())
+            let hand = HandVector::from_slice(&wanted[self.robot.joint_range(side)]);
+            HandCommand::new(hand, self.closing_m_s[side.index()].into())
         });
         let tick = Tick {
             index: self.index,

@@ -10,7 +10,7 @@ use shm_schemas::{
     Cause, GoalField, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, ReasonRecord, Text,
 };
 
-fn goal() -> GoalRequest {
+pub(crate) fn goal() -> GoalRequest {
     GoalRequest {
         goal_id: 1,
         kind: GoalKind::GRASP,
@@ -218,4 +218,60 @@ fn angular_jaw_rejects_impossible_yaw_and_width() {
     assert_eq!(nearest, None, "{yaw}");
     let narrow = refused(0.0, 0.015).expect("too narrow");
     assert_eq!(narrow.cause(), Cause::FINGERTIPS_MISALIGNED, "{narrow}");
+}
+
+fn resolved(change: impl FnOnce(&mut GoalRequest)) -> Goal {
+    let mut request = GoalRequest {
+        from_m: [0.3, -0.1, 0.05],
+        from_yaw_rad: 0.1,
+        to_m: [0.32, -0.2, 0.08],
+        to_yaw_rad: 0.2,
+        ..goal()
+    };
+    change(&mut request);
+    Goal::resolve(&request, &[]).unwrap()
+}
+
+#[test]
+fn object_is_carried_above_start_and_destination() {
+    let (kept, moved) = (GoalKind::GRASP, GoalKind::PICK_PLACE);
+    for (kind, to_height_m, destination, travel_m) in [
+        (kept, 0.08, ([0.3, -0.1, 0.05], 0.1), 0.1),
+        (moved, 0.08, ([0.32, -0.2, 0.08], 0.2), 0.13),
+        (moved, 0.02, ([0.32, -0.2, 0.02], 0.2), 0.1),
+    ] {
+        let goal = resolved(|g| (g.kind, g.to_m[2]) = (kind, to_height_m));
+        assert_eq!(goal.destination(), destination, "{kind}");
+        assert!((goal.travel_height_m() - travel_m).abs() < 1e-12, "{kind}");
+        assert_eq!(goal.clearance_margin_m(), 0.0, "before the path check");
+    }
+}
+
+#[test]
+fn one_handed_goal_involves_only_its_hand() {
+    for (kind, involved) in [
+        (GoalKind::GRASP, [false, true]),
+        (GoalKind::TELEOP, [false, true]),
+        (GoalKind::TELEOP_BOTH, [true, true]),
+        (GoalKind::ASSEMBLE, [true, true]),
+    ] {
+        let active = ActiveGoal::begin(&resolved(|g| g.kind = kind));
+        assert_eq!(
+            HandSide::BOTH.map(|side| active.involves(side)),
+            involved,
+            "{kind}"
+        );
+    }
+}
+
+#[test]
+fn attached_and_streamed_goals_end_with_their_client() {
+    for (kind, policy, attached) in [
+        (GoalKind::GRASP, GoalPolicy::DETACHED, false),
+        (GoalKind::GRASP, GoalPolicy::ATTACHED, true),
+        (GoalKind::TELEOP, GoalPolicy::DETACHED, true),
+    ] {
+        let goal = resolved(|g| (g.kind, g.policy) = (kind, policy));
+        assert_eq!(ActiveGoal::begin(&goal).is_attached(), attached, "{kind}");
+    }
 }

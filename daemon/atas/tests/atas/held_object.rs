@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use robot_model::{GraspPose, Skin, Transform};
 
 /// Step that lifts, with lift verification.
-const LIFTS: StepFacts = StepFacts {
+pub(crate) const LIFTS: StepFacts = StepFacts {
     searches: false,
     verifies_lift: true,
     lowers: false,
@@ -19,24 +19,32 @@ const LIFTS: StepFacts = StepFacts {
 };
 
 /// An object in a hand that closes along x.
-struct Rig {
-    estimator: HeldObjectEstimator,
-    settings: Settings,
-    pose: GraspPose,
-    carry_scale: f64,
+pub(crate) struct Rig {
+    pub(crate) estimator: HeldObjectEstimator,
+    pub(crate) settings: Settings,
+    pub(crate) pose: GraspPose,
+    pub(crate) carry_scale: f64,
+    pub(crate) gap_m: f64,
 }
 
 impl Rig {
-    /// Touched and gripped, not yet lifted.
-    fn gripped() -> Self {
+    /// Not yet touched.
+    pub(crate) fn new() -> Self {
         let settings = Settings::default();
         let thresholds = Thresholds::for_stiffness(10_000.0, &settings.grasp);
-        let mut rig = Self {
+        Self {
             estimator: HeldObjectEstimator::new(thresholds),
             settings,
             pose: path().pose_at(0.0),
             carry_scale: 1.0,
-        };
+            gap_m: 0.05,
+        }
+    }
+
+    /// Touched and gripped, about to be lifted.
+    pub(crate) fn gripped() -> Self {
+        let mut rig = Self::new();
+        let thresholds = rig.estimator.thresholds();
         let fit = atas_core::perception::StiffnessFit {
             object_n_m: 10_000.0,
             confidence: 1.0,
@@ -52,7 +60,7 @@ impl Rig {
         rig
     }
 
-    fn update(&mut self, measured: &Percept, step: StepFacts) -> HeldObject {
+    pub(crate) fn update(&mut self, measured: &Percept, step: StepFacts) -> HeldObject {
         let hand = HandMotion {
             carry_scale: self.carry_scale,
             closing_m_s: [0.0; 2].into(),
@@ -65,19 +73,19 @@ impl Rig {
             tactile_over_torque: 1.0,
             torque_over_tactile: 1.0,
         };
-        let measures = (0.05, 1e-3);
+        let measures = (self.gap_m, measured.step_s);
         self.estimator
             .update(measured, &hand, measures, step, &self.settings);
         *self.estimator.object()
     }
 
-    fn hold(&mut self, ticks: usize, normal_n: f64, load_n: f64) -> HeldObject {
+    pub(crate) fn hold(&mut self, ticks: usize, normal_n: f64, load_n: f64) -> HeldObject {
         let all = (0..ticks).map(|_| self.update(&holding(normal_n, load_n), LIFTS));
         all.last().unwrap()
     }
 
     /// Lifts by 10 mm and verifies a load of 2 N at 4 N per side.
-    fn verified() -> Self {
+    pub(crate) fn verified() -> Self {
         let mut rig = Self::gripped();
         rig.pose.centre_m.z += 0.01;
         rig.hold(1000, 4.0, 2.0);
@@ -87,7 +95,7 @@ impl Rig {
 }
 
 /// Percept of a load that both sides carry together.
-fn holding(normal_n: f64, load_n: f64) -> Percept {
+pub(crate) fn holding(normal_n: f64, load_n: f64) -> Percept {
     let side = ContactPercept {
         force_tip_n: Vector3::new(0.0, 0.0, -load_n / 2.0),
         tangential_n: load_n / 2.0,

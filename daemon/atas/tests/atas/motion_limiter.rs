@@ -49,7 +49,7 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(crate::support::cases(200))]
 
     #[test]
     fn motion_stays_within_all_bounds(bounds in bounds(), targets in targets(), rate_hz in prop::sample::select(vec![100.0, 1000.0, 10_000.0])) {
@@ -185,7 +185,7 @@ fn posture(side: HandSide, pose: &GraspPose, yaw_rad: f64) -> (f64, Option<Cause
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(crate::support::cases(300))]
 
     #[test]
     fn workspace_poses_are_reachable_on_own_side(

@@ -1,6 +1,7 @@
 //! Builders of test inputs.
 
 use nalgebra::Vector3;
+use proptest::prelude::ProptestConfig;
 use robot_model::{HandSide, HandVector, RobotModel, RobotVector};
 use shm_schemas::{Hand, HandFrame, JointState, Layout, Stamp};
 use std::sync::LazyLock;
@@ -16,6 +17,12 @@ pub(crate) fn robot() -> &'static RobotModel {
     &ROBOT
 }
 
+/// Robot with sliding joints only: one stage and one jaw.
+pub(crate) fn test_bench() -> &'static RobotModel {
+    static ROBOT: LazyLock<RobotModel> = LazyLock::new(|| RobotModel::find("test-bench").unwrap());
+    &ROBOT
+}
+
 /// Built-in sensor layout and its hash.
 pub(crate) fn dome() -> &'static (Layout, u64) {
     static DOME: LazyLock<(Layout, u64)> = LazyLock::new(|| {
@@ -26,11 +33,21 @@ pub(crate) fn dome() -> &'static (Layout, u64) {
     &DOME
 }
 
+/// Cases of a property test; few under Miri, which is a thousand times slower.
+pub(crate) fn cases(native: u32) -> ProptestConfig {
+    ProptestConfig::with_cases(if cfg!(miri) { 2 } else { native })
+}
+
 /// Home position of all joints, rad.
 pub(crate) fn home() -> RobotVector {
-    let mut home = RobotVector::repeat(JOINTS, 0.0);
+    home_of(robot())
+}
+
+/// Home position of all joints of a robot, rad or m.
+pub(crate) fn home_of(robot: &RobotModel) -> RobotVector {
+    let mut home = RobotVector::repeat(robot.joint_count(), 0.0);
     for side in HandSide::BOTH {
-        home[robot().joint_range(side)].copy_from_slice(robot().hand(side).reference());
+        home[robot.joint_range(side)].copy_from_slice(robot.hand(side).reference());
     }
     home
 }

@@ -82,7 +82,7 @@ fn the_reference_posture_points_down() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
+    #![proptest_config(crate::support::cases(200))]
 
     #[test]
     fn every_column_equals_the_central_difference(hand in any_robot(), fractions in prop::array::uniform16(0.0..=1.0)) {

@@ -90,7 +90,7 @@ fn sampled_clearance_m(one: &Capsule, two: &Capsule, steps: usize) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(crate::support::cases(64))]
 
     #[test]
     fn clearance_equals_the_sampled_one(

@@ -199,7 +199,7 @@ fn any_target() -> impl Strategy<Value = HandTarget> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(crate::support::cases(2000))]
 
     #[test]
     fn any_target_keeps_limits_and_speeds(side in side(), fractions in fractions(), target in any_target()) {

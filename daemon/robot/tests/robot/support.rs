@@ -13,6 +13,11 @@ pub(crate) const JOINTS: usize = 11;
 pub(crate) static ROBOT: LazyLock<RobotModel> =
     LazyLock::new(|| RobotModel::two_hand_arm().expect("the built-in URDF loads"));
 
+/// Cases of a property test; few under Miri, which is a thousand times slower.
+pub(crate) fn cases(native: u32) -> ProptestConfig {
+    ProptestConfig::with_cases(if cfg!(miri) { 2 } else { native })
+}
+
 /// Either side.
 pub(crate) fn side() -> impl Strategy<Value = HandSide> {
     prop_oneof![Just(HandSide::Left), Just(HandSide::Right)]
