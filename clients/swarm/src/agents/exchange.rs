@@ -1,12 +1,21 @@
 //! Exchange of tables with a real-time loop that must not block.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+#[cfg(loom)]
+use loom::sync::{
+    Mutex,
+    atomic::{AtomicBool, Ordering},
+};
+use std::sync::PoisonError;
+#[cfg(not(loom))]
+use std::sync::{
+    Mutex,
+    atomic::{AtomicBool, Ordering},
+};
 
 use super::Lookup;
 
 /// One slot: holds the next tables until the loop takes them, then the previous ones until they are
-/// freed by the next offer.
+/// freed by the next offer. `tests/loom` checks all interleavings of offer and take.
 #[derive(Debug)]
 pub struct Exchange {
     offered: AtomicBool,

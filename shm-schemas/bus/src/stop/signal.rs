@@ -1,11 +1,14 @@
 //! Hand-over of a stop from the listener to the tick.
 
+#[cfg(loom)]
+use loom::sync::atomic::{AtomicU64, Ordering};
+#[cfg(not(loom))]
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Number of received stops, and numbers of the last one that a tick took and that the published
 /// status shows.
 ///
-/// All sides are wait-free: one load or one store each.
+/// All sides are wait-free: one load or one store each. `tests/loom` checks all their interleavings.
 #[derive(Debug, Default)]
 pub struct Signal {
     received: AtomicU64,
