@@ -23,8 +23,8 @@ const FINGER_COMPLIANCE: f64 = 4.0;
 /// times creep and hysteresis of 5 %).
 const REPORTED_SHARE: f64 = 0.3;
 const REPORTED_MIN_N: f64 = 0.1;
-/// Excess that does not count for F_2 while the object is set down: share of the verified force, and
-/// minimum in N (design choice: a support that pushes a heavy block up adds a tenth).
+/// Excess that does not count for F_2 while the object is set down: share of the verified force,
+/// and minimum in N (design choice: a support that pushes a heavy block up adds a tenth).
 const EXCESSIVE_SHARE: f64 = 0.1;
 const EXCESSIVE_MIN_N: f64 = 0.1;
 /// Missing force beyond which the grip no longer closes: share of the verified force, and minimum
