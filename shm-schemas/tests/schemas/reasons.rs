@@ -546,7 +546,7 @@ proptest! {
             let reason = Reason::from(record);
             prop_assert!(!record.to_string().is_empty() && !reason.to_string().is_empty());
             prop_assert_eq!(reason.cause(), record.cause);
-            // What is typed stays as it is.
+            // A typed reason survives the round trip.
             let typed = ReasonRecord::from(reason);
             let again = ReasonRecord::from(Reason::from(typed));
             prop_assert_eq!(again.as_bytes(), typed.as_bytes());

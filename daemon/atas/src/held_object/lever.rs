@@ -133,17 +133,10 @@ mod tests {
     /// ever farther from its centre, because the moment of the standing block counted as its lever.
     #[test]
     fn moment_of_a_standing_object_is_no_lever() {
-        let side = |moment_n_m| ContactPercept {
-            normal_n: 4.0,
-            tangential_n: 0.4,
-            moment_n_m,
-            ..ContactPercept::default()
-        };
-        let percept = Percept {
-            sides: [side(0.002), side(-0.002)].into(),
-            step_s: 1e-3,
-            ..Percept::default()
-        };
+        let mut percept = frame([0.002, -0.002], [0.4; 2], [0.0; 2]);
+        for side in percept.sides.iter_mut() {
+            side.normal_n = 4.0;
+        }
         for (down_n, lever_m) in [(0.1, 0.0), (0.8, 0.005)] {
             let mut lever = Lever::default();
             for _ in 0..1000 {

@@ -124,8 +124,11 @@ impl Perception {
     }
 
     /// Moves the zero of the fingertips towards the readings of the newest frames: of those without
-    /// contact, or of all if the hand moves freely.
+    /// contact, or of all if the hand moves freely. Does nothing without a new frame.
     pub fn track_zero(&mut self, moves_freely: bool, settings: &settings::Perception) {
+        if self.percept.step_s <= 0.0 {
+            return;
+        }
         for (finger, percept) in self.fingertips[..self.count]
             .iter_mut()
             .zip(&self.percept.fingertips)
