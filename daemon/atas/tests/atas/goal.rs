@@ -1,11 +1,11 @@
 //! Goal validation: every invalid field has its cause and name.
 
-use crate::support::robot;
+use crate::support::{angular_jaw, robot};
 use atas_core::check::{self, GoalContext};
 use atas_core::goal::ActiveGoal;
 use atas_core::tasks::{GRASP, RELEASE, Task};
 use atas_core::{Goal, SensorSetup, Settings};
-use robot_model::{HandSide, RobotModel};
+use robot_model::HandSide;
 use shm_schemas::{
     Cause, GoalField, GoalKind, GoalPolicy, GoalRequest, Hand, Reason, ReasonRecord, Text,
 };
@@ -179,12 +179,8 @@ fn hand_workspaces_mirror_each_other() {
 /// nearest possible one; for an impossible width it names the misalignment of the fingertips.
 #[test]
 fn angular_jaw_rejects_impossible_yaw_and_width() {
-    let robot = RobotModel::load(
-        include_str!("../../../robot/tests/robots/angular-jaw.urdf"),
-        include_str!("../../../robot/tests/robots/angular-jaw.toml"),
-    )
-    .expect("the robot loads");
-    let wiring = SensorSetup::from_robot(&robot);
+    let robot = angular_jaw();
+    let wiring = SensorSetup::from_robot(robot);
     let refused = |yaw_deg: f64, width_m: f64| {
         let goal = GoalRequest {
             from_m: [0.21, 0.0, 0.035],
@@ -194,7 +190,7 @@ fn angular_jaw_rejects_impossible_yaw_and_width() {
             ..goal()
         };
         let now = GoalContext {
-            robot: &robot,
+            robot,
             wiring: &wiring,
             settings: &Settings::default(),
             tasks: &[],

@@ -1,7 +1,7 @@
 //! Goal check: sides of teleoperated arms, capabilities of the hand, limits of places.
 
 use crate::goal::goal;
-use crate::support::{home_of, robot, test_bench};
+use crate::support::{angular_jaw, home_of, robot, test_bench};
 use atas_core::check::{self, GoalContext};
 use atas_core::{Goal, SensorSetup, Settings};
 use nalgebra::Vector3;
@@ -139,22 +139,17 @@ fn single_arm_may_be_teleoperated_in_the_middle() {
 
 #[test]
 fn teleoperation_needs_a_workspace() {
-    let robot = RobotModel::load(
-        include_str!("../../../robot/tests/robots/angular-jaw.urdf"),
-        include_str!("../../../robot/tests/robots/angular-jaw.toml"),
-    )
-    .expect("the robot loads");
     let request = GoalRequest {
         kind: GoalKind::TELEOP,
         ..goal()
     };
-    let home = home_of(&robot);
+    let home = home_of(angular_jaw());
     assert_eq!(
-        refusal(&robot, &request, Some(&home)),
+        refusal(angular_jaw(), &request, Some(&home)),
         Some((Cause::NO_WORKSPACE, 1))
     );
     assert_eq!(
-        refusal(&robot, &request, None),
+        refusal(angular_jaw(), &request, None),
         None,
         "the tick rejects it until then"
     );
@@ -375,11 +370,6 @@ fn accepted_goal_has_most_of_the_gap_as_margin() {
 /// The search takes steps of 5° to both sides.
 #[test]
 fn refused_yaw_names_the_nearest_possible_one() {
-    let robot = RobotModel::load(
-        include_str!("../../../robot/tests/robots/angular-jaw.urdf"),
-        include_str!("../../../robot/tests/robots/angular-jaw.toml"),
-    )
-    .expect("the robot loads");
     let refused = |yaw_rad: f64| {
         let request = GoalRequest {
             from_m: [0.21, 0.0, 0.035],
@@ -388,7 +378,7 @@ fn refused_yaw_names_the_nearest_possible_one() {
             lift_m: 0.04,
             ..goal()
         };
-        check_on(&robot, &request, None, &Settings::default()).err()
+        check_on(angular_jaw(), &request, None, &Settings::default()).err()
     };
     for yaw_deg in [30.0_f64, 60.0, 120.0] {
         let yaw_rad = yaw_deg.to_radians();
@@ -408,4 +398,33 @@ fn refused_yaw_names_the_nearest_possible_one() {
         let nearest_rad = nearest_rad.expect("a possible yaw");
         assert!((limit - nearest_rad).abs() < 1e-9, "{yaw_deg}°: {reason}");
     }
+}
+
+/// The release opens the jaw by 30 mm, and its domes tilt as it opens. Fully open, it does not fit.
+#[test]
+fn tilting_hand_must_fit_while_released() {
+    let hand = angular_jaw().hand(HandSide::Right);
+    let at_m = [0.18, 0.0, 0.135];
+    let centre_m = Vector3::from(at_m);
+    let yaw_rad = hand.closing_yaw_rad(&centre_m, 0.0);
+    let fits = |opening_m: f64| {
+        let open = GraspPose::from_above(centre_m, yaw_rad, opening_m);
+        hand.posture_for(&open).is_ok()
+    };
+    assert!(!fits(hand.max_opening_m()));
+    let mut accepted = 0;
+    for millimetres in 25..46_u32 {
+        let width_m = f64::from(millimetres) * 1e-3;
+        let request = GoalRequest {
+            from_m: at_m,
+            width_m,
+            lift_m: 0.0,
+            ..goal()
+        };
+        let found = refusal(angular_jaw(), &request, None);
+        let expected = fits(width_m + 0.03);
+        assert_eq!(found.is_none(), expected, "{millimetres} mm");
+        accepted += u32::from(expected);
+    }
+    assert!(5 < accepted && accepted < 16, "{accepted} of 21 widths");
 }

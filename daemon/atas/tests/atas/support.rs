@@ -23,6 +23,18 @@ pub(crate) fn test_bench() -> &'static RobotModel {
     &ROBOT
 }
 
+/// Arm with five joints, one fixed and one turning jaw. Its domes tilt as it opens.
+pub(crate) fn angular_jaw() -> &'static RobotModel {
+    static ROBOT: LazyLock<RobotModel> = LazyLock::new(|| {
+        RobotModel::load(
+            include_str!("../../../robot/tests/robots/angular-jaw.urdf"),
+            include_str!("../../../robot/tests/robots/angular-jaw.toml"),
+        )
+        .unwrap()
+    });
+    &ROBOT
+}
+
 /// Built-in sensor layout and its hash.
 pub(crate) fn dome() -> &'static (Layout, u64) {
     static DOME: LazyLock<(Layout, u64)> = LazyLock::new(|| {

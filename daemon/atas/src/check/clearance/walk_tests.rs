@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use robot_model::RobotModel;
 use shm_schemas::{GoalKind, GoalRequest, Hand};
 
-/// Robot with both arms at home, and a goal of the right hand.
+/// Robot with its arms at home, and a goal of the right hand.
 struct Scene {
     robot: RobotModel,
     wiring: SensorSetup,
@@ -19,9 +19,12 @@ struct Scene {
 
 impl Scene {
     fn new(kind: GoalKind) -> Self {
-        let robot = RobotModel::two_hand_arm().expect("built in");
+        Self::of(RobotModel::two_hand_arm().expect("built in"), kind)
+    }
+
+    fn of(robot: RobotModel, kind: GoalKind) -> Self {
         let mut q = RobotVector::zeros(robot.joint_count());
-        for side in HandSide::BOTH {
+        for side in robot.sides() {
             let hand = robot.hand(side);
             let now = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
             let posture = hand.posture_for(&home_pose(hand, &now));
@@ -205,6 +208,39 @@ fn samples_follow_the_path_to_its_end() {
         (reached.centre_m - to.centre_m).norm() < 1e-5,
         "{reached:?}"
     );
+}
+
+/// Fingertips at different heights turn rigid jaws. Those of a turning jaw tilt as it opens.
+#[test]
+fn path_ends_with_aligned_fingertips() {
+    let rigid = || RobotModel::find("arm7-gripper").expect("built in");
+    let turning = || {
+        RobotModel::load(
+            include_str!("../../../../robot/tests/robots/angular-jaw.urdf"),
+            include_str!("../../../../robot/tests/robots/angular-jaw.toml"),
+        )
+        .expect("the robot loads")
+    };
+    for (case, robot, opening_m, up_m, samples, is_accepted) in [
+        ("3.8° at the end", rigid(), 0.03, [0.0, 0.002], 1, true),
+        ("7.4° at the end", rigid(), 0.03, [0.0, 0.0039], 1, false),
+        ("18° at the end", rigid(), 0.03, [0.0, 0.01], 3, false),
+        ("15° on the way", rigid(), 0.03, [0.012, 0.0], 3, true),
+        ("turning jaw", turning(), 0.06, [0.0, 0.0], 1, true),
+    ] {
+        let (scene, left) = (Scene::of(robot, GoalKind::GRASP), Cell::new(SAMPLES_MAX));
+        let mut walker = scene.walker(HandSide::Right, &left);
+        let [from, to] = up_m.map(|up_m| GraspPose {
+            half_opening_m: PerSide::repeat(opening_m / 2.0),
+            up_m: PerSide::new(up_m, -up_m),
+            ..walker.pose
+        });
+        walker.solve_posture(&from, false).expect("reachable");
+        walker.pose = from;
+        let result = walker.move_to(to, &mut |_| Ok(()));
+        assert_eq!(result.is_ok(), is_accepted, "{case}: {result:?}");
+        assert_eq!(SAMPLES_MAX - left.get(), samples, "{case}");
+    }
 }
 
 #[test]
