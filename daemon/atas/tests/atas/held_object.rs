@@ -41,6 +41,15 @@ impl Rig {
         }
     }
 
+    /// Found in the hand, then raised by 10 mm.
+    pub(crate) fn found() -> Self {
+        let mut rig = Self::new();
+        let thresholds = rig.estimator.thresholds();
+        rig.estimator = HeldObjectEstimator::for_found_object(thresholds, rig.pose.centre_m);
+        rig.pose.centre_m.z += 0.01;
+        rig
+    }
+
     /// Touched and gripped, about to be lifted.
     pub(crate) fn gripped() -> Self {
         let mut rig = Self::new();
@@ -84,10 +93,16 @@ impl Rig {
         all.last().unwrap()
     }
 
-    /// Lifts by 10 mm and verifies a load of 2 N at 4 N per side.
-    pub(crate) fn verified() -> Self {
+    /// Gripped and raised by 10 mm.
+    pub(crate) fn raised() -> Self {
         let mut rig = Self::gripped();
         rig.pose.centre_m.z += 0.01;
+        rig
+    }
+
+    /// Raised, with a load of 2 N verified at 4 N per side.
+    pub(crate) fn verified() -> Self {
+        let mut rig = Self::raised();
         rig.hold(1000, 4.0, 2.0);
         rig.estimator.receive(LiftFinding::Suspended, true);
         rig
@@ -102,6 +117,10 @@ pub(crate) fn holding(normal_n: f64, load_n: f64) -> Percept {
         ..fingertip(normal_n)
     };
     percept([side; 2])
+}
+
+pub(crate) fn with_step(step_s: f64, measured: Percept) -> Percept {
+    Percept { step_s, ..measured }
 }
 
 #[test]

@@ -14,6 +14,7 @@ mod goal;
 mod goal_check;
 mod grip;
 mod held_object;
+mod held_object_findings;
 mod held_object_states;
 mod intake;
 mod intake_limits;
