@@ -12,6 +12,8 @@ mod gate_bench;
 mod gate_motion;
 mod goal;
 mod goal_check;
+mod goal_check_reach;
+mod goal_check_teleop;
 mod grip;
 mod held_object;
 mod held_object_findings;
