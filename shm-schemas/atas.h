@@ -346,7 +346,8 @@ enum atas_cause {
     ATAS_CAUSE_SLIDING = 29,
     // Joint states have stopped arriving.
     ATAS_CAUSE_JOINTS_STOPPED = 30,
-    // A joint state is not finite, out of range or jumps.
+    // A joint state is not finite, out of range or jumps. With the index 4294967295, it has
+    // another number of joints than the robot.
     ATAS_CAUSE_JOINTS_INVALID = 31,
     // A joint does not follow its command.
     ATAS_CAUSE_FOLLOWING_ERROR = 32,

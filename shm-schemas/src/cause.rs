@@ -68,7 +68,8 @@ code! {
         SLIDING = 29, "sliding";
         /// Joint states have stopped arriving.
         JOINTS_STOPPED = 30, "joints-stopped";
-        /// A joint state is not finite, out of range or jumps.
+        /// A joint state is not finite, out of range or jumps. With the index 4294967295, it has
+        /// another number of joints than the robot.
         JOINTS_INVALID = 31, "joints-invalid";
         /// A joint does not follow its command.
         FOLLOWING_ERROR = 32, "following-error";

@@ -17,10 +17,10 @@ use crate::wire_value::WireValue;
 use core::fmt::{self, Formatter};
 
 /// Declares [`Reason`], its conversions and its texts from one table: variant, cause on the wire,
-/// values with their places in the [`ReasonRecord`], and text. `if` separates variants that share a
-/// cause.
+/// values with their places in the [`ReasonRecord`], and text. `at` and `if` separate variants that
+/// share a cause: by a fixed index and by a condition.
 macro_rules! reasons {
-    (|$joints:ident| $($variant:ident = $cause:ident $(if $condition:ident)?
+    (|$joints:ident| $($variant:ident = $cause:ident $(at $index:ident)? $(if $condition:ident)?
         $({ $($field:ident: $type:ty = $place:ident),* $(,)? })?
         => $text:literal $(, $shown:expr)*;)*) => {
         /// Reason for a rejection, a hold or a stop. Prints as one sentence with value and limit.
@@ -63,6 +63,7 @@ macro_rules! reasons {
                     Reason::None => Self::default(),
                     $(Reason::$variant $({ $($field),* })? => Self {
                         cause: Cause::$cause,
+                        $(index: $index,)?
                         $($($place: $field.to_wire(),)*)?
                         ..Self::default()
                     },)*
@@ -77,9 +78,11 @@ macro_rules! reasons {
             fn from(record: ReasonRecord) -> Self {
                 match record.cause {
                     Cause::NONE => Self::None,
-                    $(Cause::$cause $(if $condition(&record))? => Self::$variant $({
-                        $($field: WireValue::from_wire(record.$place),)*
-                    })?,)*
+                    $(Cause::$cause
+                        $(if record.index == $index)?
+                        $(if $condition(&record))? => Self::$variant $({
+                            $($field: WireValue::from_wire(record.$place),)*
+                        })?,)*
                     _ => Self::Unknown(record),
                 }
             }
@@ -202,6 +205,9 @@ reasons! { |joints|
          {limit_s:.2} s";
     JointsStopped = JOINTS_STOPPED { age_ns: Option<f64> = value, limit_ns: f64 = limit } =>
         "no joint state {}; is the robot process running?", silence_text(age_ns, limit_ns);
+    JointCount = JOINTS_INVALID at NO_JOINT { count: u32 = value, expected: u32 = limit } =>
+        "a joint state has {count} joints, the robot has {expected}; start robot process and \
+         daemon with the same robot";
     JointsInvalid = JOINTS_INVALID {
         joint: usize = index, position: f64 = value, last: f64 = limit,
     } =>
@@ -317,6 +323,9 @@ reasons! { |joints|
         "the {hand} arm comes within {:.1} mm of the middle plane, needs {:.1} mm during \
          teleoperation; move it home with `atas release --hand {hand}`", mm(gap_m), mm(limit_m);
 }
+
+/// Index of a reason that concerns no single joint.
+const NO_JOINT: u32 = u32::MAX;
 
 /// Without a limit, no single value is wrong: the arm has no posture for all of them together. A
 /// yaw always has a limit, which may be zero.

@@ -195,11 +195,9 @@ impl JointIntake {
             return Err(Reason::None);
         }
         if state.joint_count as usize != self.joint_count {
-            // No cause names a wrong number of joints.
-            return Err(Reason::JointsInvalid {
-                joint: 0,
-                position: f64::from(state.joint_count),
-                last: self.joint_count as f64,
+            return Err(Reason::JointCount {
+                count: state.joint_count,
+                expected: self.joint_count as u32,
             });
         }
         let positions = &state.position[..self.joint_count];

@@ -310,6 +310,11 @@ fn table() -> Vec<(ReasonRecord, &'static str)> {
             "joint 4 reports 3.5000 rad or m, last valid position 0.2500 rad or m",
         ),
         (
+            limit(Cause::JOINTS_INVALID, 21.0, 22.0, u32::MAX),
+            "a joint state has 21 joints, the robot has 22; start robot process and daemon with \
+             the same robot",
+        ),
+        (
             limit(Cause::FOLLOWING_ERROR, 0.1, 0.08, 7),
             "joint 7 is 0.1000 rad or m off its command, allowed 0.0800 rad or m; is it blocked?",
         ),

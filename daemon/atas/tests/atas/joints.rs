@@ -35,13 +35,20 @@ fn warm() -> JointIntake {
 
 type Change = fn(&mut JointState);
 
+/// Fault that a state reports.
+#[derive(Debug, PartialEq)]
+enum Fault {
+    None,
+    Joint(usize),
+    Count(u32),
+}
+
 struct Row {
     name: &'static str,
     change: Change,
     /// Number of lost states; `None` if the state is rejected.
     lost: Option<u64>,
-    /// Faulty joint, if any.
-    joint: Option<usize>,
+    fault: Fault,
 }
 
 fn accepted(name: &'static str, lost: u64, change: Change) -> Row {
@@ -49,7 +56,7 @@ fn accepted(name: &'static str, lost: u64, change: Change) -> Row {
         name,
         change,
         lost: Some(lost),
-        joint: None,
+        fault: Fault::None,
     }
 }
 
@@ -58,16 +65,16 @@ fn ignored(name: &'static str, change: Change) -> Row {
         name,
         change,
         lost: None,
-        joint: None,
+        fault: Fault::None,
     }
 }
 
-fn faulty(name: &'static str, joint: usize, change: Change) -> Row {
+fn faulty(name: &'static str, fault: Fault, change: Change) -> Row {
     Row {
         name,
         change,
         lost: None,
-        joint: Some(joint),
+        fault,
     }
 }
 
@@ -86,12 +93,16 @@ fn rows() -> Vec<Row> {
             s.stamp.writer_epoch += 1
         }),
         ignored("future", |s| s.stamp.captured_ns += 5 * MS_NS),
-        faulty("NaN", 7, |s| s.position[7] = f64::NAN),
-        faulty("infinite", 21, |s| s.position[21] = f64::NEG_INFINITY),
-        faulty("jump", 3, |s| s.position[3] += 0.1),
-        faulty("too few joints", 0, |s| s.joint_count = 21),
-        faulty("more joints", 0, |s| s.joint_count = 32),
-        faulty("more joints than fit", 0, |s| s.joint_count = u32::MAX),
+        faulty("NaN", Fault::Joint(7), |s| s.position[7] = f64::NAN),
+        faulty("infinite", Fault::Joint(21), |s| {
+            s.position[21] = f64::NEG_INFINITY
+        }),
+        faulty("jump", Fault::Joint(3), |s| s.position[3] += 0.1),
+        faulty("too few joints", Fault::Count(21), |s| s.joint_count = 21),
+        faulty("more joints", Fault::Count(32), |s| s.joint_count = 32),
+        faulty("more joints than fit", Fault::Count(u32::MAX), |s| {
+            s.joint_count = u32::MAX
+        }),
     ]
 }
 
@@ -101,7 +112,7 @@ fn faults_are_handled_as_catalogued() {
         name,
         change,
         lost,
-        joint,
+        fault,
     } in rows()
     {
         let mut intake = warm();
@@ -117,12 +128,15 @@ fn faults_are_handled_as_catalogued() {
             "{name}"
         );
         assert_eq!(status.lost, lost.unwrap_or(0), "{name}");
-        let invalid = match intake.fault() {
-            Reason::JointsInvalid { joint, .. } => Some(joint),
-            Reason::None => None,
+        let found = match intake.fault() {
+            Reason::None => Fault::None,
+            Reason::JointsInvalid { joint, .. } => Fault::Joint(joint),
+            Reason::JointCount { count, expected } if expected == JOINTS as u32 => {
+                Fault::Count(count)
+            }
             other => panic!("{name}: {other:?}"),
         };
-        assert_eq!(invalid, joint, "{name}");
+        assert_eq!(found, fault, "{name}");
         assert!(
             intake.position().unwrap().iter().all(|q| q.is_finite()),
             "{name}"
