@@ -278,7 +278,8 @@ mod tests {
         let obstacles = obstacles();
         let mut at = point([0.0, 25.0]);
         let mut state = 1_u32;
-        for _ in 0..100_000 {
+        let moves = if cfg!(miri) { 500 } else { 100_000 };
+        for _ in 0..moves {
             let mut throw = || {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 (state >> 8) as f32 / (1 << 24) as f32 * 60.0 - 30.0

@@ -325,7 +325,8 @@ mod tests {
             Model::new(preset).expect("room").posts().to_vec()
         };
         assert_eq!(posts(7), posts(7));
-        let mut all: Vec<Post> = (0..50).flat_map(posts).collect();
+        let draws = if cfg!(miri) { 2 } else { 50 };
+        let mut all: Vec<Post> = (0..draws).flat_map(posts).collect();
         for post in &all {
             let [x, y] = post.at_px;
             assert!(x.abs() <= 380.0 && y.abs() <= 380.0, "{post:?}");
@@ -336,10 +337,10 @@ mod tests {
         }
         all.sort_by(|a, b| a.at_px.partial_cmp(&b.at_px).expect("finite"));
         all.dedup();
+        let (different, drawn) = (all.len(), 12 * draws as usize);
         assert!(
-            all.len() > 550,
-            "only {} positions of 600 are different",
-            all.len()
+            different > drawn * 11 / 12,
+            "only {different} positions of {drawn} are different"
         );
     }
 }
