@@ -153,7 +153,7 @@ fn lowest(values: impl Iterator<Item = f64>, start: f64) -> f64 {
 
 fn highest_ranked(proposals: &[Proposal]) -> Verdict {
     let mut weightiest = Verdict::None;
-    for proposal in proposals {
+    for proposal in proposals.iter().filter(|p| weight(&p.verdict) > 0) {
         let rank = |verdict| (weight(verdict), tie_breaker(verdict));
         if rank(&proposal.verdict) > rank(&weightiest) {
             weightiest = proposal.verdict;

@@ -6,6 +6,7 @@
 //! pause.
 
 use shm_schemas::capacity::ELEMENTS;
+use wide::u32x8;
 
 /// Changes required before an element counts as working (design choice: 0.25 s at 1 kHz).
 const WORKING_FRAMES: u16 = 250;
@@ -54,7 +55,7 @@ impl StuckDetector {
         now_n: &[[f32; 3]; ELEMENTS],
         count: usize,
     ) -> u64 {
-        let moved = moved(&before_n[..count], &now_n[..count]);
+        let moved = moved(before_n, now_n, count);
         // If most elements pause, none is stuck: the sensor is noise-free or repeated a frame.
         let speaks = 2 * (moved & self.working).count_ones() >= self.working.count_ones();
         for element in each(moved & (self.paused | !self.working)) {
@@ -89,14 +90,50 @@ impl StuckDetector {
     }
 }
 
-/// Returns the elements with a changed reading. Bitwise, because NaN is masked elsewhere.
-fn moved(before_n: &[[f32; 3]], now_n: &[[f32; 3]]) -> u64 {
-    let elements = before_n.iter().zip(now_n);
-    // The last element first: each one shifts the set by one bit.
-    elements.rev().fold(0, |set, ([a, b, c], [x, y, z])| {
-        let change = |before: &f32, now: &f32| before.to_bits() ^ now.to_bits();
-        set << 1 | u64::from(change(a, x) | change(b, y) | change(c, z) != 0)
-    })
+/// Elements whose axes fill whole SIMD vectors.
+const BLOCK: usize = 16;
+/// Axes per SIMD vector.
+const LANES: usize = 8;
+
+/// Returns the elements among the first `count` with a changed reading. Bitwise, because NaN is
+/// masked elsewhere.
+fn moved(before_n: &[[f32; 3]; ELEMENTS], now_n: &[[f32; 3]; ELEMENTS], count: usize) -> u64 {
+    const { assert!(ELEMENTS == 64 && (3 * BLOCK).is_multiple_of(LANES)) };
+    let (before_n, now_n) = (
+        before_n.as_chunks::<BLOCK>().0,
+        now_n.as_chunks::<BLOCK>().0,
+    );
+    let blocks = before_n.iter().zip(now_n).take(count.div_ceil(BLOCK));
+    let set = blocks
+        .enumerate()
+        .fold(0, |set, (block, (before_n, now_n))| {
+            set | any_of_three(changed(before_n.as_flattened(), now_n.as_flattened()))
+                << (BLOCK * block)
+        });
+    set & u64::MAX >> (ELEMENTS - count)
+}
+
+/// Returns the set of changed axes of one block.
+fn changed(before_n: &[f32], now_n: &[f32]) -> u64 {
+    let lanes = |axes: &[f32; LANES]| u32x8::new(axes.map(f32::to_bits));
+    let vectors = before_n.as_chunks().0.iter().zip(now_n.as_chunks().0);
+    let same = vectors
+        .enumerate()
+        .fold(0, |set, (index, (before_n, now_n))| {
+            let same = lanes(before_n).simd_eq(lanes(now_n)).to_bitmask();
+            set | u64::from(same) << (LANES * index)
+        });
+    !same & u64::MAX >> (64 - 3 * BLOCK)
+}
+
+/// Returns the set of elements with a set bit among their three axes: bits 0, 3, 6 … move to bits
+/// 0, 1, 2 …
+fn any_of_three(axes: u64) -> u64 {
+    let set = (axes | axes >> 1 | axes >> 2) & 0x2492_4924_9249;
+    let set = (set | set >> 2) & 0x0c30_c30c_30c3;
+    let set = (set | set >> 4) & 0x00f0_0f00_f00f;
+    let set = (set | set >> 8) & 0xff00_00ff;
+    (set | set >> 16) & 0xffff
 }
 
 fn each(mut set: u64) -> impl Iterator<Item = usize> {

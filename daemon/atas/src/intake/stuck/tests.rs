@@ -210,3 +210,25 @@ fn pauses_of_elements_are_independent() {
     let found = stuck_at([&works, &works, &works, &early, &both]);
     assert_eq!(found, [None; 5]);
 }
+
+proptest::proptest! {
+    /// A change of any bit of any axis counts, also of the sign of zero and of NaN.
+    #[test]
+    fn moved_elements_are_those_with_a_changed_axis(
+        changes in proptest::collection::vec((0..ELEMENTS, 0..3_usize, 0..32_u32), 0..40),
+        base in proptest::num::f32::ANY,
+        count in 1..=ELEMENTS,
+    ) {
+        let before_n = [[base; 3]; ELEMENTS];
+        let mut now_n = before_n;
+        for (element, axis, bit) in changes {
+            let reading_n = &mut now_n[element][axis];
+            *reading_n = f32::from_bits(reading_n.to_bits() ^ 1 << bit);
+        }
+        let bits = |axes: [f32; 3]| axes.map(f32::to_bits);
+        let expected = (0..count)
+            .filter(|&element| bits(before_n[element]) != bits(now_n[element]))
+            .fold(0, |set, element| set | 1_u64 << element);
+        proptest::prop_assert_eq!(moved(&before_n, &now_n, count), expected);
+    }
+}
