@@ -63,8 +63,8 @@ static inline uint64_t atas_layout_hash(uint64_t count, double normal[][3], doub
 #define ATAS_STEPS 32
 
 // Services.
-#define ATAS_SERVICE_HAND_FRAME_LEFT "atas/v1/hand-frame/left"
-#define ATAS_SERVICE_HAND_FRAME_RIGHT "atas/v1/hand-frame/right"
+#define ATAS_SERVICE_HAND_FRAME_LEFT "atas/v2/hand-frame/left"
+#define ATAS_SERVICE_HAND_FRAME_RIGHT "atas/v2/hand-frame/right"
 #define ATAS_SERVICE_JOINT_STATE "atas/v3/joint-state"
 #define ATAS_SERVICE_JOINT_COMMAND "atas/v2/joint-command"
 #define ATAS_SERVICE_GOAL "atas/v3/goal"

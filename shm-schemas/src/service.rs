@@ -3,7 +3,7 @@
 //! Service names carry a version because a live observer keeps an old service alive.
 
 /// Publish-subscribe, per hand: [`crate::HandFrame`], one publisher, at the sensor's rate.
-pub const HAND_FRAME: [&str; 2] = ["atas/v1/hand-frame/left", "atas/v1/hand-frame/right"];
+pub const HAND_FRAME: [&str; 2] = ["atas/v2/hand-frame/left", "atas/v2/hand-frame/right"];
 /// Publish-subscribe: [`crate::JointState`], one publisher, 1 kHz.
 pub const JOINT_STATE: &str = "atas/v3/joint-state";
 /// Publish-subscribe: [`crate::JointCommand`], one publisher (the daemon), every tick, closed set

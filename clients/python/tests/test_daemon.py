@@ -110,7 +110,7 @@ def test_goal_updates_arrive_until_the_end(programs: Programs) -> None:
     told = events.receive()
     assert events.lost == 0 and (told["kind"] == atas.EventKind.TOUCH_ON).sum() >= 2
     rows = frames.receive()
-    assert len(rows) == 256 and rows["force_n"][-1, :2, :, 0].sum() > 1.0
+    assert len(rows) == 128 and rows["force_n"][-1, :2, :, 0].sum() > 1.0
     truth = truths.newest()
     assert truth is not None and truth["objects"][0]["lifted_m"] > 0.005
     refused = bus.grasp((2.0, 0.0, 0.1), width=0.05).wait(TIMEOUT_S)

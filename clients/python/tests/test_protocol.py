@@ -33,7 +33,7 @@ class ProtocolRobot:
 
     def __init__(self, folder: str) -> None:
         self.peer = Peer(folder, "foreign")
-        self.frames = [self.peer.publisher(f"atas/v1/hand-frame/{hand}") for hand in ("left", "right")]
+        self.frames = [self.peer.publisher(f"atas/v2/hand-frame/{hand}") for hand in ("left", "right")]
         self.states = self.peer.publisher("atas/v3/joint-state")
         self.commands = self.peer.subscriber("atas/v2/joint-command")
         self.epoch = epoch()

@@ -221,7 +221,8 @@ fn anyskin_board_resynchronises_and_zeroes() {
     reader.wait_for_start();
     let mut stream = b"Scanning I2C\r\nInit MLX90393\r\n".to_vec();
     let boot = stream.len() as u64;
-    for n in 0..300_u32 {
+    // Fewer frames than a reader's buffer holds.
+    for n in 0..170_u32 {
         // The same field during the zero, then others.
         stream.extend(peers::anyskin_frame(if n < 50 { 7 } else { n }));
         if n % 30 == 29 {
@@ -229,10 +230,10 @@ fn anyskin_board_resynchronises_and_zeroes() {
         }
     }
     send_in_pieces(&pty, &stream);
-    reader.wait_for_frames(300);
+    reader.wait_for_frames(170);
     let stderr = end(sensor, &mut reader);
-    assert_eq!(reader.status.junk_bytes, boot + 10 * 40, "{stderr}");
-    assert_eq!(reader.received.len(), 250);
+    assert_eq!(reader.status.junk_bytes, boot + 5 * 40, "{stderr}");
+    assert_eq!(reader.received.len(), 120);
     for (frame, n) in reader.received.iter().zip(50..) {
         let newtons = |index| (value(n, index) - value(7, index)) as f32 * 0.5;
         assert_eq!(

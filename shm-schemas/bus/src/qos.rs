@@ -60,15 +60,16 @@ const fn stream<T: Payload>(
 /// All streams: service, `[buffer, history]`, `[publishers, subscribers]`.
 ///
 /// Buffers:
-/// * frames 256: a reader that is not scheduled for a quarter of a second still gets every frame
+/// * frames 128: at 1 kHz, a reader that is not scheduled for an eighth of a second still gets every
+///   frame; every reader locks the memory of all buffers (3.2 MB for both hands)
 /// * commands 4: an old command is useless
 /// * targets 16, without history: a later reader cannot use them
 /// * reports 256: for readers that wake a few times per second
 /// * events 1024, with history: a reader that joins after a task gets all its events
 /// * recorded inputs 288: one recorder polls every millisecond, and a replay needs every input
 pub const STREAMS: [Stream; 18] = [
-    stream::<HandFrame>(at::HAND_FRAME[0], [256, 1], [1, 4]),
-    stream::<HandFrame>(at::HAND_FRAME[1], [256, 1], [1, 4]),
+    stream::<HandFrame>(at::HAND_FRAME[0], [128, 1], [1, 4]),
+    stream::<HandFrame>(at::HAND_FRAME[1], [128, 1], [1, 4]),
     stream::<JointState>(at::JOINT_STATE, [16, 1], [1, 4]),
     stream::<JointCommand>(at::JOINT_COMMAND, [4, 1], [1, 4]),
     stream::<GraspTarget>(at::GRASP_TARGET, [16, 0], [1, 4]),

@@ -44,7 +44,7 @@ pub struct Abi {
 
 impl Abi {
     /// Number of the current ABI. `tests/abi.golden` lists the hash of each number.
-    const NUMBER: u32 = 3;
+    const NUMBER: u32 = 4;
 
     /// The ABI of this program.
     #[must_use]
