@@ -79,6 +79,53 @@ fn named_tests_exist() {
     );
 }
 
+/// The README's success rates are those of the stored evaluations.
+#[test]
+fn readme_success_rates_match_stored_evaluations() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let read = |path: &str| std::fs::read_to_string(root.join(path)).expect(path);
+    let readme = read("README.md");
+    let check = |row: &str, file: &str, stored: &str| {
+        let shown = line_from(&readme, &format!("| {row} |"));
+        let golden = read(&format!("clients/evaluation/golden/{file}.md"));
+        let measured = line_from(&golden, &format!("| {stored} |"));
+        let shown = percentages(shown);
+        assert!(!shown.is_empty(), "{row}: the README shows no percentage");
+        for percentage in shown {
+            assert!(
+                percentages(measured).contains(&percentage),
+                "{row}: the README shows {percentage} %, {file}.md {:?}",
+                percentages(measured)
+            );
+        }
+    };
+    let steady = "noise × 1 to 2, 1000 Hz";
+    check("grasp", "all", "grasp, noise × 1, 1000 Hz");
+    check(
+        "pick and place",
+        "all",
+        &format!("pick and place, {steady}"),
+    );
+    check("cap screwing", "all", &format!("screwing, {steady}"));
+    check("two-hand assembly", "all", &format!("assembly, {steady}"));
+    let errors = "grasp with all model errors at once, 24 trials";
+    check(errors, "errors", "all errors together");
+}
+
+fn line_from<'a>(text: &'a str, begin: &str) -> &'a str {
+    let line = text.lines().find(|line| line.starts_with(begin));
+    line.unwrap_or_else(|| panic!("no line begins with {begin:?}"))
+}
+
+/// Returns the numbers before a percent sign.
+fn percentages(line: &str) -> Vec<&str> {
+    let before = line.split(" %").collect::<Vec<_>>();
+    let numbers = before[..before.len() - 1].iter();
+    numbers
+        .map(|text| text.rsplit([' ', '*', '(', '|']).next().unwrap_or(text))
+        .collect()
+}
+
 /// Every row that a demo prints is on the results page, to the last digit: lock-step results do not
 /// depend on the machine.
 #[test]
