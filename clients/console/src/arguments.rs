@@ -36,7 +36,7 @@ mod values;
 
 pub use access::{Access, Right};
 pub use assures::Assure;
-pub use benches::{Bench, BenchLatency, BenchObservers, BenchStop, EchoTransport};
+pub use benches::{Bench, BenchLatency, BenchObservers, BenchRestart, BenchStop, EchoTransport};
 pub use calibrates::{Calibrate, CalibrateFit, CalibrateModel, CalibrationModel, Guide};
 pub use dashboards::{Dashboard, Foxglove};
 pub use demos::{

@@ -1,4 +1,5 @@
-//! `atas fault run` with daemon processes, and `atas soak`, as a user starts them.
+//! `atas fault run` with daemon processes, `atas bench restart` and `atas soak`, as a user starts
+//! them.
 
 use std::process::Command;
 
@@ -49,6 +50,16 @@ fn killed_daemon_is_replaced_and_keeps_the_grip() {
     let killed = rows.iter().find(|row| row["id"] == "F25b").expect("a row");
     assert_eq!((code, &killed["passed"]), (0, &Value::from(1)), "{killed}");
     assert!(killed["worst_ticks"].is_u64(), "{killed}");
+}
+
+/// Kills during the start, a goal and a grip.
+#[test]
+fn every_kill_of_the_daemon_is_recovered() {
+    let _alone = system_tests::lock_exclusive();
+    let (code, report) = run("bench restart --count 10");
+    assert_eq!((code, &report["kills"]), (0, &Value::from(10)), "{report}");
+    assert_eq!(report["recovered"], 10, "{report}");
+    assert!(report["ready_ms"]["p50"].as_f64() > Some(0.0), "{report}");
 }
 
 #[test]

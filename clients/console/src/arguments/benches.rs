@@ -12,6 +12,12 @@ pub enum Bench {
     Latency(BenchLatency),
     /// Test stops during a flood of goals, long checks and a frozen client
     Stop(BenchStop),
+    /// Kill the daemon at random moments of its start, of a goal and of a grip; measure the restart
+    ///
+    /// Each kill is a SIGKILL. The daemon records, and a quarter of the kills follow a reload of the
+    /// configuration. An independent judge checks every command, and that a lifted object stays in
+    /// the hand.
+    Restart(BenchRestart),
     /// Measure the effect of observers on the tick
     ///
     /// Compares three cases: no observers, eight observers that hang, die and restart, and the same
@@ -51,6 +57,24 @@ pub struct BenchStop {
     /// Number of stop and recover cycles
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub count: u32,
+}
+
+/// `atas bench restart`.
+#[derive(Args, Clone, Debug)]
+pub struct BenchRestart {
+    /// Number of kills
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub count: u64,
+    /// Seed of the worlds and of the moments; 1 to 20000 are reserved for tuning
+    #[arg(long, value_name = "N", default_value_t = 20_001)]
+    pub seed: u64,
+    /// Robot: a built-in one (`atas robot list`) or a robot file [default: that of --config, else
+    /// two-hand-arm]
+    #[arg(long, value_name = "NAME|FILE")]
+    pub robot: Option<String>,
+    /// Configuration of the daemon [default: built-in values]
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
 }
 
 /// `atas bench observers`.

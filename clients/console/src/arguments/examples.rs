@@ -429,6 +429,11 @@ const HELPS: &[Help] = &[
         "one object: stops, seen, within_3_ticks, ticks and answered_us as distributions, goals",
     ),
     Help(
+        "bench restart",
+        &["atas bench restart --count 1000"],
+        "one object: kills, during_start, in_grip, recovered, ready_ms, force_ratio, failures",
+    ),
+    Help(
         "bench observers",
         &["atas bench observers --seconds 10 --repeats 5"],
         "one object: observers, body and wake with p50 and p99 (alone_us, observed_us, \

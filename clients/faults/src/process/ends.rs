@@ -11,13 +11,13 @@ use super::memory_group::MemoryGroup;
 use super::{Drill, Effect, Pace, Rig};
 
 /// Longest wait for the end or the start of a daemon. Design choice: a busy machine needs seconds.
-const TIMEOUT: Duration = Duration::from_secs(30);
+pub(super) const TIMEOUT: Duration = Duration::from_secs(30);
 /// Ticks without a daemon, as a supervisor needs for its restart. Design choice.
 const DEAD_TICKS: u64 = 100;
 /// Kills during the start, and the longest time after which they come. Design choice: a start takes
 /// about 0.1 s.
 const EARLY_KILLS: u64 = 8;
-const EARLY_KILL_MAX: Duration = Duration::from_millis(150);
+pub(super) const EARLY_KILL_MAX: Duration = Duration::from_millis(150);
 
 /// Longest time until the daemon touches a truncated file. Design choice: streams of the supervisor
 /// are at least 50 Hz.
@@ -140,7 +140,7 @@ fn half_created(rig: &mut Rig<'_>) -> anyhow::Result<Effect> {
 }
 
 /// Advances the robot until the daemon has ended, and judges its last commands.
-fn wait_end(rig: &mut Rig<'_>) -> anyhow::Result<ExitStatus> {
+pub(super) fn wait_end(rig: &mut Rig<'_>) -> anyhow::Result<ExitStatus> {
     let begin = Instant::now();
     loop {
         if let Some(status) = rig.has_ended()? {

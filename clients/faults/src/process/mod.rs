@@ -23,6 +23,7 @@ mod pace;
 mod peers;
 mod ports;
 mod requests;
+mod restarts;
 mod rewritten;
 mod rig;
 mod stalls;
@@ -30,6 +31,7 @@ mod start;
 mod wall_clock;
 
 pub use pace::Pace;
+pub use restarts::{RestartPlan, RestartReport};
 pub use start::Environment;
 
 pub(crate) use rig::Rig;

@@ -246,6 +246,12 @@ impl<'a> Rig<'a> {
         self.world.truth().objects[0]
     }
 
+    /// Returns the sum of the true normal forces of the acting hand, N.
+    pub(crate) fn grip_force_n(&self) -> f64 {
+        let side = self.course.robot.acting_side();
+        self.world.truth().normal_n[side.index()].iter().sum()
+    }
+
     /// Returns the frame that the acting hand has published last.
     pub(crate) fn last_frame(&self) -> Option<&HandFrame> {
         let side: HandSide = self.course.robot.acting_side();

@@ -28,6 +28,7 @@ mod pair;
 mod punctual;
 mod report;
 mod response;
+mod restarts;
 mod site;
 mod stops;
 mod tables;
@@ -64,6 +65,7 @@ pub(crate) fn bench(
     match what {
         Bench::Latency(arguments) => latency(arguments, interrupt, output),
         Bench::Stop(arguments) => stops::stops(arguments, interrupt, output),
+        Bench::Restart(arguments) => restarts::restarts(arguments, interrupt, output),
         Bench::Observers(arguments) => observers::observers(arguments, interrupt, output),
         Bench::Echo { by, bus, socket } => echo::run(*by, bus, socket, interrupt),
     }
