@@ -68,7 +68,7 @@ mod tick;
 
 /// Version of the controller: that of the package, and a number that grows whenever equal inputs
 /// give other commands. Recordings carry it.
-pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+controller.4");
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+controller.5");
 
 pub use controller::Controller;
 pub use goal::Goal;

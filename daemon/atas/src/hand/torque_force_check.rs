@@ -41,6 +41,8 @@ pub(super) struct TorqueForceCheck {
     /// mean if only that is known.
     tactile_n: PerSide<f64>,
     torque_n: PerSide<f64>,
+    /// Filtered normal force per grasp side that masked elements may carry unseen, N.
+    unseen_n: PerSide<f64>,
     /// Duration of the present disagreement.
     disagreement: Dwell,
 }
@@ -52,6 +54,7 @@ impl TorqueForceCheck {
             free_n_m: HandVector::zeros(model.joints().len()),
             tactile_n: PerSide::repeat(0.0),
             torque_n: PerSide::repeat(0.0),
+            unseen_n: PerSide::repeat(0.0),
             disagreement: Dwell::default(),
         }
     }
@@ -83,8 +86,14 @@ impl TorqueForceCheck {
             .then(|| [self.tactile_n[worst], self.torque_n[worst]])
     }
 
+    /// Returns the difference of both forces, less what masked elements may carry.
     fn difference_n(&self, side: GraspSide) -> f64 {
-        (self.tactile_n[side] - self.torque_n[side]).abs()
+        let more_n = self.torque_n[side] - self.tactile_n[side];
+        if more_n > 0.0 {
+            (more_n - self.unseen_n[side]).max(0.0)
+        } else {
+            -more_n
+        }
     }
 
     /// Updates the disagreement timer. The tolerance is stricter once a mismatch is reported.
@@ -105,7 +114,8 @@ impl TorqueForceCheck {
     pub(super) fn learn_free(&mut self, effort: &HandVector, step_s: f64) {
         let learnt = |free, now| low_pass(free, now, step_s, FREE_FILTER_S);
         self.free_n_m = self.free_n_m.zip_map(effort, learnt);
-        (self.tactile_n, self.torque_n, self.disagreement) = Default::default();
+        (self.tactile_n, self.torque_n, self.unseen_n) = Default::default();
+        self.disagreement = Dwell::default();
     }
 
     /// Updates the check from hand pose, servo torques, N·m or N, and percept. Fingers without
@@ -126,15 +136,21 @@ impl TorqueForceCheck {
         }
         let loaded_n_m = effort.zip_map(&self.free_n_m, |now, free| now - free);
         let felt_n = percept.sides.each_ref().map(|measured| measured.normal_n);
-        let (felt_n, borne_n) = match joint_force_n(model, pose, &loaded_n_m, percept) {
-            JointForce::PerSide(borne_n) => (felt_n, borne_n),
+        let unseen_n = percept.sides.each_ref().map(unseen_n);
+        let (felt_n, unseen_n, borne_n) = match joint_force_n(model, pose, &loaded_n_m, percept) {
+            JointForce::PerSide(borne_n) => (felt_n, unseen_n, borne_n),
             // Until both sides touch, one side pushes the object; the joints cannot distinguish
             // which.
-            JointForce::Mean(borne_n) => (PerSide::repeat(felt_n.mean()), PerSide::repeat(borne_n)),
+            JointForce::Mean(borne_n) => {
+                let [felt_n, unseen_n] = [felt_n.mean(), unseen_n.mean()];
+                let repeat = PerSide::repeat;
+                (repeat(felt_n), repeat(unseen_n), repeat(borne_n))
+            }
         };
         for side in GraspSide::BOTH {
             self.tactile_n[side] = low_pass(self.tactile_n[side], felt_n[side], step_s, FILTER_S);
             self.torque_n[side] = low_pass(self.torque_n[side], borne_n[side], step_s, FILTER_S);
+            self.unseen_n[side] = low_pass(self.unseen_n[side], unseen_n[side], step_s, FILTER_S);
         }
         self.update_timer(settings, step_s);
     }
@@ -150,6 +166,12 @@ fn max_ratio(ones_n: &PerSide<f64>, others_n: &PerSide<f64>, share: f64, setting
             let factor = one_n / (other_n + share * tolerated_n(other_n, settings));
             if factor > most { factor } else { most }
         })
+}
+
+/// Returns the normal force that masked elements carry if the pressure keeps its shape, N.
+fn unseen_n(measured: &ContactPercept) -> f64 {
+    let share = measured.masked_share;
+    (measured.normal_n * share / (1.0 - share)).max(0.0)
 }
 
 /// Returns the tolerated disagreement, N.

@@ -10,10 +10,15 @@ use crate::intake::ValidatedFrame;
 use crate::limits::{FRICTION_FLOOR, MASKED_DECAY_S, ZERO_TRACKING_S};
 use crate::settings::{Perception, Settings};
 use nalgebra::Vector3;
+use shm_schemas::capacity::ELEMENTS;
 
 /// Standard deviations of the unloaded force that are no contact (design choice: one false contact
 /// in about a million frames).
 const NOISE_MARGIN: f64 = 5.0;
+
+/// Largest share of the force that failed elements count for (design choice: one element of a
+/// contact that has grown; the loss of more cannot be told from drift).
+const MASKED_SHARE_MAX: f64 = 0.25;
 
 /// Tactile state of one fingertip or grasp side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +52,9 @@ pub struct ContactPercept {
     /// Loaded share of the face, above 0; 1 for curved faces, whose compression includes the growth
     /// of the contact.
     pub loaded_share: f64,
+    /// Share of the normal force that elements carried before they became masked, 0 to a quarter;
+    /// stays until no element is masked.
+    pub masked_share: f64,
     /// Effective number of loaded fingertips; 1 for a fingertip.
     pub loaded_fingertips: f64,
     /// Moment of the shear about the outward normal of the patch, N·m.
@@ -79,6 +87,7 @@ impl Default for ContactPercept {
             friction_error: 0.0,
             scatter: 0.0,
             loaded_share: 1.0,
+            masked_share: 0.0,
             loaded_fingertips: 1.0,
             moment_n_m: 0.0,
             torsion: 0.0,
@@ -98,6 +107,8 @@ pub struct FingertipPerception {
     /// Readings after the friction filter.
     slow_n: Rows,
     bias_n: Rows,
+    /// Masked elements.
+    masked: u64,
     noise: Noise,
     increment: Increment,
     friction: Friction,
@@ -114,6 +125,7 @@ impl Default for FingertipPerception {
             filtered_n: Rows::default(),
             slow_n: Rows::default(),
             bias_n: Rows::default(),
+            masked: 0,
             noise: Noise::default(),
             increment: Increment::default(),
             friction: Friction::default(),
@@ -171,6 +183,7 @@ impl FingertipPerception {
             friction_error: slipping.error,
             scatter: patch.scatter,
             loaded_fingertips: 1.0,
+            masked_share: self.percept.masked_share,
             loaded_share: axes.loaded_share(&self.filtered_n, self.noise.variance_n2()),
             moment_n_m: patch.moment_n_m,
             torsion: torsion(&patch, slipping.friction),
@@ -254,11 +267,34 @@ impl FingertipPerception {
             *firsts_n.group_mut(group) += first_n;
             *seconds_n.group_mut(group) += second_n;
         }
-        if mask.count_ones() as usize != axes.count {
+        self.update_masked_share(!mask & u64::MAX >> (ELEMENTS - axes.count), axes.count);
+        if self.masked != 0 {
             let masked = (0..axes.count).filter(|element| mask >> element & 1 == 0);
             self.decay(masked, axes.count, frame.step_s(), settings);
         }
         lanes::sum(changes_n2)
+    }
+
+    /// Updates the share of elements that become masked. They still have their last valid force.
+    fn update_masked_share(&mut self, masked: u64, count: usize) {
+        let newly = masked & !self.masked;
+        let before = core::mem::replace(&mut self.masked, masked);
+        let [normals_n, ..] = &self.filtered_n;
+        let share = &mut self.percept.masked_share;
+        if masked == 0 {
+            *share = 0.0;
+        } else if newly != 0 {
+            let sum_n = |set: u64| {
+                let elements = (0..count).filter(|element| set >> element & 1 == 1);
+                elements.map(|element| normals_n.get(element)).sum::<f64>()
+            };
+            let (newly_n, visible_n) = (sum_n(newly), sum_n(!before));
+            if newly_n > 0.0 {
+                let failed = newly_n / visible_n.max(newly_n);
+                let sum = 1.0 - (1.0 - *share) * (1.0 - failed);
+                *share = sum.min(MASKED_SHARE_MAX);
+            }
+        }
     }
 
     /// Decays the masked elements.

@@ -40,6 +40,7 @@ pub(super) fn combine<'a>(
         utilisation_now: shared(|finger| finger.utilisation_now),
         friction: shared(|finger| finger.friction),
         loaded_share: shared(|finger| finger.loaded_share),
+        masked_share: shared(|finger| finger.masked_share),
         loaded_fingertips: loaded_fingertips(fingers.clone()),
         moment_n_m: sum(|finger| finger.moment_n_m),
         gross_slip_s: least(|finger| finger.gross_slip_s).unwrap_or(0.0),

@@ -502,3 +502,39 @@ fn pressure_distribution_gives_contact_share() {
         "a dome's compression model includes its contact area"
     );
 }
+
+/// Elements that fail under load leave the share of the force that they carried.
+#[test]
+fn masked_share_is_that_of_the_failed_elements() {
+    let layout = Layout::from_name("flat-4x4-4.5").expect("a layout");
+    let mut skin = Skin::of_layout(&layout);
+    let mut share = |failed: &[usize]| {
+        let felt_n = |element: usize| {
+            let normal_n = match element {
+                _ if failed.contains(&element) => f32::NAN,
+                5 => 0.4,
+                6 => 0.2,
+                9 => 0.1,
+                10 => 0.3,
+                _ => 0.0,
+            };
+            [normal_n, 0.0, 0.0]
+        };
+        let shares = (0..500).map(|_| skin.feel_elements(&layout, felt_n).masked_share);
+        shares.last().unwrap()
+    };
+    for (failed, expected) in [
+        (&[][..], 0.0),
+        (&[0], 0.0),
+        (&[0, 9], 0.1),
+        (&[0, 6, 9], 0.25),
+        (&[9], 0.25),
+        (&[], 0.0),
+        (&[6], 0.2),
+        (&[], 0.0),
+        (&[5], 0.25),
+    ] {
+        let share = share(failed);
+        assert!((share - expected).abs() < 0.005, "{failed:?}: {share}");
+    }
+}
