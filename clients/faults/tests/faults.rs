@@ -100,6 +100,42 @@ fn masked_element_does_not_hold_the_hand_that_lets_go() {
     assert!(report.has_passed(), "{report:#?}");
 }
 
+/// Regression: the element had carried two fifths of the force, so that the joints and the other
+/// elements disagreed.
+#[test]
+fn masked_element_of_a_narrow_contact_does_not_hold_the_hand() {
+    let mut plan = plan(["F12a", "F14"].into_iter().flat_map(find).collect(), 0);
+    plan.tasks = vec![Task::Assembly];
+    plan.phase = Some("probe".to_owned());
+    (plan.first_seed, plan.seeds) = (20_020, 1);
+    let report = run(&plan);
+    assert!(report.has_passed(), "{report:#?}");
+}
+
+/// Regression: on the way home after screwing, the wrist turned faster than its joint can. The arm
+/// swung to compensate, and the gate caused HOLD.
+#[test]
+fn wrist_that_has_turned_a_cap_goes_home_without_hold() {
+    let mut plan = plan(find("F05").collect(), 0);
+    plan.tasks = vec![Task::Screw];
+    plan.phase = Some("home".to_owned());
+    plan.robot = robot_model::RobotFiles::find("arm7-gripper").expect("built in");
+    (plan.first_seed, plan.seeds) = (20_003, 1);
+    let report = run(&plan);
+    assert!(report.has_passed(), "{report:#?}");
+}
+
+/// Regression: the next controller moved the fingertips of a tilted hand, and the object slid.
+#[test]
+fn restart_keeps_the_grip_of_a_hand_with_two_fingertips_on_one_side() {
+    let mut plan = plan(find("F25a").collect(), 0);
+    plan.robot = robot_model::RobotFiles::find("three-finger").expect("built in");
+    plan.phase = Some("hold".to_owned());
+    plan.first_seed = 20_003;
+    let report = run(&plan);
+    assert!(report.has_passed(), "{report:#?}");
+}
+
 #[test]
 fn late_reaction_fails_with_the_command_that_repeats_it() {
     static TOO_STRICT: Fault = Fault {

@@ -289,21 +289,25 @@ pub fn gap_m(pose: &HandPose) -> f64 {
     pose.across_m().norm()
 }
 
-/// Returns the grasp pose of a hand.
+/// Returns the grasp pose of a hand: its target places the fingertips where they are.
 #[must_use]
 pub fn grasp_pose(hand: &HandModel, pose: &HandPose) -> GraspPose {
     let [tip1_m, tip2_m] = GraspSide::BOTH.map(|side| pose.side_m(side));
     let centre_m = (tip1_m + tip2_m) / 2.0;
     let across = Vector2::new(tip1_m.x - tip2_m.x, tip1_m.y - tip2_m.y);
-    let axis = pose.hand_axis();
+    let axis = hand.hand_axis_of_tips(pose).unwrap_or(pose.hand_axis());
+    let azimuth_rad = hand.bearing_rad(&centre_m);
+    let (sin, cos) = libm::sincos(azimuth_rad);
+    // The hand may lean backwards.
+    let forward = libm::copysign(axis.xy().norm(), axis.x * cos + axis.y * sin);
     let radius_m = hand.tip_radius_m();
     let half_m = across.norm() / 2.0;
     let q = pose.q();
     GraspPose {
         centre_m,
         closing_yaw_rad: unwound_yaw_rad(hand, q, &centre_m, libm::atan2(across.y, across.x)),
-        hand_azimuth_rad: hand.bearing_rad(&centre_m),
-        hand_pitch_rad: libm::atan2(-axis.z, Vector3::new(axis.x, axis.y, 0.0).norm()),
+        hand_azimuth_rad: azimuth_rad,
+        hand_pitch_rad: libm::atan2(-axis.z, forward),
         root_rad: hand.root_rad(q),
         half_opening_m: PerSide::from_fn(|side| {
             half_m - hand.mean_of_side(side, |finger| radius_m[finger])

@@ -24,8 +24,10 @@ pub struct Speeds {
     pub move_m_s: f64,
     /// Yaw, azimuth, pitch and roots, rad/s.
     pub turn_rad_s: f64,
-    /// Opening of each side, m/s.
+    /// Opening and tangential offset of each side, m/s.
     pub open_m_s: f64,
+    /// Radius at which the wrist executes opposite tangential offsets, m; `None`: the fingers do.
+    pub wrist_turn_radius_m: Option<f64>,
 }
 
 /// Path between two poses.
@@ -63,7 +65,12 @@ impl Path {
     /// use robot_model::GraspPose;
     ///
     /// let at = |x_m| GraspPose::from_above(Vector3::new(x_m, 0.0, 0.1), 0.0, 0.05);
-    /// let speeds = Speeds { move_m_s: 0.1, turn_rad_s: 1.0, open_m_s: 0.05 };
+    /// let speeds = Speeds {
+    ///     move_m_s: 0.1,
+    ///     turn_rad_s: 1.0,
+    ///     open_m_s: 0.05,
+    ///     wrist_turn_radius_m: None,
+    /// };
     /// let path = Path::free(at(0.2), at(0.3), &speeds);
     /// assert!((path.duration_s() - 1.0).abs() < 1e-9, "100 mm at a mean speed of 100 mm/s");
     /// assert!((path.pose_at(0.5).centre_m.x - 0.25).abs() < 1e-9);
@@ -187,8 +194,16 @@ pub fn blend(a: &GraspPose, b: &GraspPose, s: f64) -> GraspPose {
 }
 
 fn duration_s(from: &GraspPose, to: &GraspPose, speeds: &Speeds) -> f64 {
+    let [first_m, second_m] = GraspSide::BOTH.map(|f| to.tangential_m[f] - from.tangential_m[f]);
+    let (wrist_rad, slides) = match speeds.wrist_turn_radius_m {
+        Some(radius_m) => {
+            let common_m = (first_m + second_m) / 2.0;
+            ((first_m - second_m) / 2.0 / radius_m, [common_m; 2])
+        }
+        None => (0.0, [first_m, second_m]),
+    };
     let turns = [
-        to.closing_yaw_rad - from.closing_yaw_rad,
+        to.closing_yaw_rad - from.closing_yaw_rad + wrist_rad,
         to.hand_azimuth_rad - from.hand_azimuth_rad,
         to.hand_pitch_rad - from.hand_pitch_rad,
         to.root_rad - from.root_rad,
@@ -196,9 +211,6 @@ fn duration_s(from: &GraspPose, to: &GraspPose, speeds: &Speeds) -> f64 {
     let opening = GraspSide::BOTH
         .into_iter()
         .map(|f| to.half_opening_m[f] - from.half_opening_m[f]);
-    let slides = GraspSide::BOTH
-        .into_iter()
-        .map(|f| to.tangential_m[f] - from.tangential_m[f]);
     let largest = |values: &mut dyn Iterator<Item = f64>| {
         values.fold(0.0, |m: f64, v| if v.abs() > m { v.abs() } else { m })
     };

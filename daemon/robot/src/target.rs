@@ -1,5 +1,6 @@
 //! Target of a hand: tip positions and directions, usually from a grasp pose.
 
+use crate::forward::HandPose;
 use crate::grasp_sides::PerSide;
 use core::f64::consts::FRAC_PI_2;
 
@@ -11,6 +12,33 @@ use crate::sizes::FINGERTIPS_MAX;
 /// Radius of a turn at which a wrist rotation replaces the passing of fingertips, metres. Design
 /// choice: the radius of a small cap. Longer turns need fewer regrasps.
 const WRIST_TURN_RADIUS_M: f64 = 0.012;
+/// Smallest product of distances beside and across, m³, that gives a direction: rounding.
+const BESIDE_ACROSS_MIN_M3: f64 = 1e-12;
+
+impl HandModel {
+    /// Returns the radius at which the wrist executes opposite tangential offsets of the sides,
+    /// metres; `None` if the fingers do ([`GraspPose::executed_by`]).
+    #[must_use]
+    pub fn wrist_turn_radius_m(&self) -> Option<f64> {
+        self.turns_by_wrist.then_some(WRIST_TURN_RADIUS_M)
+    }
+
+    /// Returns the hand axis of the grasp pose whose fingertips lie beside each other as in this
+    /// posture, unit length; `None` if no grasp side has several fingertips. The hand itself may
+    /// point elsewhere, because its direction has a lower priority than the tips.
+    #[must_use]
+    pub fn hand_axis_of_tips(&self, pose: &HandPose) -> Option<Vector3<f64>> {
+        let fingers = self.fingers[..self.finger_count].iter().enumerate();
+        let beside = fingers.fold(Vector3::zeros(), |sum: Vector3<f64>, (finger, model)| {
+            let from_middle_m = pose.tip_m(finger) - pose.side_m(model.side);
+            sum + from_middle_m * model.offset_m
+        });
+        let across_m = pose.across_m();
+        let closing = Vector3::new(across_m.x, across_m.y, 0.0);
+        // Inverts `beside = n × axis`.
+        beside.cross(&closing).try_normalize(BESIDE_ACROSS_MIN_M3)
+    }
+}
 
 /// Target of the inverse kinematics of one hand, base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,11 +135,11 @@ impl GraspPose {
     /// tangential offsets `[d, -d]`.
     #[must_use]
     pub fn executed_by(&self, hand: &HandModel) -> GraspPose {
-        if !hand.turns_by_wrist {
+        let Some(radius_m) = hand.wrist_turn_radius_m() else {
             return *self;
-        }
+        };
         let [first_m, second_m] = self.tangential_m.into_array();
-        let turn_rad = (first_m - second_m) / 2.0 / WRIST_TURN_RADIUS_M;
+        let turn_rad = (first_m - second_m) / 2.0 / radius_m;
         GraspPose {
             closing_yaw_rad: self.closing_yaw_rad + turn_rad,
             tangential_m: PerSide::repeat((first_m + second_m) / 2.0),

@@ -28,6 +28,7 @@ pub(crate) fn path_of(
         move_m_s: speeds.reach_m_s,
         turn_rad_s: speeds.turn_rad_s,
         open_m_s: waypoints.finger_speed_m_s(speeds.open_m_s),
+        wrist_turn_radius_m: waypoints.wrist_turn_radius_m(),
     };
     let gripping = |waypoint, move_m_s| {
         let speeds = Speeds { move_m_s, ..free };

@@ -53,6 +53,7 @@ pub struct Waypoints {
     max_half_opening_m: f64,
     /// Maximum closing and opening speed of each grasp side, m/s.
     finger_m_s: f64,
+    wrist_turn_radius_m: Option<f64>,
     /// Commanded object position, base frame, m.
     commanded_m: Vector2<f64>,
     corrections: Corrections,
@@ -142,6 +143,7 @@ impl Waypoints {
             turning: request.turn.sign(),
             max_half_opening_m: hand.max_opening_m() / 2.0,
             finger_m_s: hand.finger_speed_m_s(),
+            wrist_turn_radius_m: hand.wrist_turn_radius_m(),
             commanded_m: source.centre_m.xy(),
             corrections: Corrections::default(),
         }
@@ -193,6 +195,7 @@ impl Waypoints {
             turning: Turn::CLOCKWISE.sign(),
             max_half_opening_m: hand.max_opening_m() / 2.0,
             finger_m_s: hand.finger_speed_m_s(),
+            wrist_turn_radius_m: hand.wrist_turn_radius_m(),
             commanded_m: now.centre_m.xy(),
             corrections: Corrections::default(),
         }
@@ -235,6 +238,12 @@ impl Waypoints {
     #[must_use]
     pub fn finger_speed_m_s(&self, desired_m_s: f64) -> f64 {
         desired_m_s.min(FINGER_SPEED_SHARE * self.finger_m_s / PEAK_TO_MEAN_SPEED)
+    }
+
+    /// Returns [`HandModel::wrist_turn_radius_m`] of the hand.
+    #[must_use]
+    pub fn wrist_turn_radius_m(&self) -> Option<f64> {
+        self.wrist_turn_radius_m
     }
 
     /// Returns the pose that centres the held object above the target.

@@ -27,6 +27,7 @@ pub(crate) fn path() -> Path {
             move_m_s: 0.01,
             turn_rad_s: 1.0,
             open_m_s: 0.01,
+            wrist_turn_radius_m: None,
         },
     )
 }

@@ -67,3 +67,29 @@ fn shared_drive_closing_is_not_reported_as_opening() {
     let command = output(PerSide::repeat(-1e-6));
     assert!(command.closing_m_s().iter().all(|closing| *closing < 0.0));
 }
+
+/// Regression: a hand with two fingertips on one side tilts against its commanded direction, because
+/// the fingertips have priority. A restarted daemon took the tilt for the command and moved the
+/// fingertips by 0.6 mm at once; the object slid by 6 mm.
+#[test]
+fn synchronised_hand_leaves_its_fingertips_where_they_are() {
+    for name in ["two-hand-arm", "three-finger", "arm7-gripper"] {
+        let robot = RobotModel::find(name).expect("a built-in robot");
+        let hand = robot.hand(HandSide::Right);
+        let home = GraspPose::from_above(hand.home_m(), hand.home_yaw_rad(), hand.home_opening_m());
+        let q = hand.posture_for(&home).expect("a reachable posture").q;
+        for joint in hand.arm_joints() {
+            let mut tilted = q;
+            tilted[joint] += 0.03;
+            let (pose, servo) = (hand.forward(&tilted), HandServo::new(hand, tilted));
+            let target = servo.pose().target(hand);
+            for finger in 0..hand.fingertip_count() {
+                let off_m = (target.tip_m[finger] - pose.tip_m(finger)).norm();
+                assert!(
+                    off_m < 3e-5,
+                    "{name}, joint {joint}, tip {finger}: {off_m} m"
+                );
+            }
+        }
+    }
+}

@@ -10,6 +10,7 @@ const SPEEDS: Speeds = Speeds {
     move_m_s: 0.12,
     turn_rad_s: 0.8,
     open_m_s: 0.05,
+    wrist_turn_radius_m: None,
 };
 /// Ratio of peak to mean speed of a minimum-jerk profile.
 const PEAK: f64 = 1.875;
@@ -143,4 +144,33 @@ fn slowest_coordinate_determines_the_duration() {
         assert!((Path::free(from, to, &SPEEDS).duration_s() - duration_s).abs() < 1e-12);
     }
     assert_eq!(Path::stationary(from).pose_at(0.0), from);
+}
+
+/// Regression: the wrist turned faster than its joint can, and the arm swung to compensate.
+#[test]
+fn opposite_slides_by_the_wrist_take_the_time_of_a_turn() {
+    let from = GraspPose::from_above(Vector3::new(0.3, 0.0, 0.1), 0.0, 0.05);
+    let check =
+        |name: &str, radius_m: Option<f64>, yaw_rad: f64, slides_m: [f64; 2], expected_s: f64| {
+            let to = GraspPose {
+                closing_yaw_rad: yaw_rad,
+                tangential_m: slides_m.into(),
+                ..from
+            };
+            let speeds = Speeds {
+                wrist_turn_radius_m: radius_m,
+                ..SPEEDS
+            };
+            let duration_s = Path::free(from, to, &speeds).duration_s();
+            assert!(
+                (duration_s - expected_s).abs() < 1e-9,
+                "{name}: {duration_s} s"
+            );
+        };
+    let (wrist, opposite_m) = (Some(0.012), [0.006, -0.006]);
+    check("by the fingers", None, 0.0, opposite_m, 0.12);
+    check("by the wrist", wrist, 0.0, opposite_m, 0.5 / 0.8);
+    check("with a turn", wrist, 0.5, opposite_m, 1.0 / 0.8);
+    check("against a turn", wrist, -0.5, opposite_m, 0.05);
+    check("both sides alike", wrist, 0.0, [0.006, 0.006], 0.12);
 }
