@@ -10,7 +10,7 @@ use anyhow::Context;
 use atas_console::{Exit, ExitError};
 use atas_core::Settings;
 use atas_processes::sibling_program;
-use robot_model::TWO_HAND_ARM;
+use robot_model::{RobotFiles, TWO_HAND_ARM};
 use toml::Table;
 
 /// Sections of [`Settings`].
@@ -33,6 +33,19 @@ pub(crate) struct Configured {
     /// Name or file.
     pub(crate) robot: String,
     pub(crate) settings: Settings,
+}
+
+impl Configured {
+    /// Returns name and files of the named robot, else of the configured one.
+    pub(crate) fn robot_files(
+        &self,
+        named: Option<&String>,
+    ) -> anyhow::Result<(String, RobotFiles)> {
+        let name = named.unwrap_or(&self.robot);
+        let files = RobotFiles::find(name)
+            .map_err(|error| ExitError::with_code(Exit::Usage, error.to_string()))?;
+        Ok((name.clone(), files))
+    }
 }
 
 /// Returns robot and settings; without a file, the defaults.

@@ -5,7 +5,7 @@ use atas_console::{Exit, ExitError, Interrupt, Output, table};
 use atas_evaluation::Task;
 use atas_faults::process::Environment;
 use atas_faults::{CATALOGUE, Evidence, Fault, FaultPlan, FaultReport, FaultRow, find};
-use robot_model::{RobotFiles, RobotModel};
+use robot_model::RobotModel;
 use serde_json::{Value, json};
 use sim_backend::Object;
 
@@ -80,8 +80,7 @@ fn run(arguments: &FaultRun, interrupt: &Interrupt, output: &mut Output) -> anyh
 fn plan(arguments: &FaultRun) -> anyhow::Result<FaultPlan> {
     let usage = |text: String| ExitError::with_code(Exit::Usage, text);
     let configured = configured(arguments.config.as_deref())?;
-    let named = arguments.robot.as_ref().unwrap_or(&configured.robot);
-    let robot = RobotFiles::find(named).map_err(|error| usage(error.to_string()))?;
+    let (name, robot) = configured.robot_files(arguments.robot.as_ref())?;
     let tasks = match arguments.task {
         Some(task) => vec![eval::task(task)],
         None => supported_tasks(&robot.load()?),
@@ -111,7 +110,7 @@ fn plan(arguments: &FaultRun) -> anyhow::Result<FaultPlan> {
         robot,
         settings: configured.settings,
         environment: Environment {
-            robot: named.clone(),
+            robot: name,
             config: arguments.config.clone(),
         },
         threads: arguments.threads,

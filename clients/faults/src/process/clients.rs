@@ -8,11 +8,9 @@ use rustix::process::Signal;
 use shm_schemas::{GoalState, Hand};
 use sim_backend::random::split_mix;
 
+use super::pace::TIMEOUT;
 use super::{Drill, Effect, Moment, Pace, Rig};
 
-/// Longest time until the daemon notices a dead client. Design choice: a busy machine needs some
-/// seconds.
-const TIMEOUT: Duration = Duration::from_secs(30);
 /// Ticks after the start of a goal by another process: the hand is on its way or has grasped.
 const CLIENT_TICKS: [u64; 2] = [500, 8_000];
 /// Ticks between two polls of the status.

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use atas_processes::{Child, sibling_program};
 use shm_bus::FreshBus;
 use shm_schemas::ControlOp;
 
+use super::pace::TIMEOUT;
 use super::start::{LogOutput, daemon_words};
 use super::{Drill, Effect, Pace, Rig};
 
@@ -15,8 +16,6 @@ use super::{Drill, Effect, Pace, Rig};
 const REQUESTS: u64 = 1_500;
 /// Ticks between requests.
 const BETWEEN_TICKS: u64 = 2;
-/// Longest time until a program ends. Design choice: a busy machine needs some seconds.
-const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Words before a program that finds every file system but `/dev/shm` read-only.
 const READ_ONLY: &[&str] = &[

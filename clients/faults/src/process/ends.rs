@@ -8,10 +8,9 @@ use rustix::process::Signal;
 use sim_backend::random::split_mix;
 
 use super::memory_group::MemoryGroup;
+use super::pace::TIMEOUT;
 use super::{Drill, Effect, Pace, Rig};
 
-/// Longest wait for the end or the start of a daemon. Design choice: a busy machine needs seconds.
-pub(super) const TIMEOUT: Duration = Duration::from_secs(30);
 /// Ticks without a daemon, as a supervisor needs for its restart. Design choice.
 const DEAD_TICKS: u64 = 100;
 /// Kills during the start, and the longest time after which they come. Design choice: a start takes

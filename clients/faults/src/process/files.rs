@@ -1,7 +1,7 @@
 //! Faults of the configuration file.
 
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use anyhow::Context;
 use atas_core::settings::PARAMETERS;
@@ -10,13 +10,12 @@ use rustix::process::Signal;
 use shm_schemas::{ControlOp, ControlOutcome, ControlReply, ControlRequest, Text};
 use toml::{Table, Value};
 
+use super::pace::TIMEOUT;
 use super::start::own_file;
 use super::{Drill, Effect, Pace, Rig};
 
 /// Parameter that a reload changes; any robot permits it during a goal.
 const CHANGED: (&str, &str) = ("grasp", "dr_n");
-/// Longest time until a reload takes effect. Design choice: a busy machine needs some seconds.
-const TIMEOUT: Duration = Duration::from_secs(30);
 /// Ticks between two polls.
 const BETWEEN_TICKS: u64 = 20;
 

@@ -6,10 +6,9 @@ use shm_bus::{BusError, GoalClient, PendingGoal};
 use shm_schemas::{GoalRequest, GoalState, GoalUpdate};
 use sim_backend::random::split_mix;
 
+use super::pace::TIMEOUT;
 use super::{Drill, Effect, Moment, Pace, Rig};
 
-/// Longest time until the daemon answers. Design choice: a busy machine needs some seconds.
-const TIMEOUT: Duration = Duration::from_secs(30);
 /// Time between two polls without a tick.
 const POLL: Duration = Duration::from_micros(200);
 /// Goals of a flood, and open goals of one client.

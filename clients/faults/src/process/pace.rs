@@ -1,8 +1,14 @@
 //! Pace of a run, and the priority of the simulated robot.
 
+use std::time::Duration;
+
 use atas_process::scheduling;
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::Timespec;
+
+/// Longest wait for a process: its start, its end, an answer or a command, the effect of a reload.
+/// Design choice: a busy machine needs some seconds.
+pub(super) const TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Time of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Faults of other processes on the bus: a second daemon, another user, a second publisher.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use atas_processes::{Child, sibling_program};
 use rustix::process::geteuid;
@@ -9,11 +9,10 @@ use shm_bus::{Bus, BusError, Realtime};
 use shm_schemas::{HandFrame, JointCommand, JointState, service};
 
 use super::disk::wrapper_obstacle;
+use super::pace::TIMEOUT;
 use super::start::daemon_words;
 use super::{Drill, Effect, Pace, Rig};
 
-/// Longest time until a process ends. Design choice: a busy machine needs some seconds.
-const TIMEOUT: Duration = Duration::from_secs(30);
 /// Words before a program without any right on the bus.
 const AS_NOBODY: &[&str] = &[
     "setpriv",

@@ -6,7 +6,8 @@ use anyhow::Context;
 use shm_bus::BusError;
 use shm_schemas::{ControlOp, ControlOutcome, ControlReply, ControlRequest, Status, Text};
 
-use super::rig::{PAUSE, TIMEOUT};
+use super::pace::TIMEOUT;
+use super::rig::PAUSE;
 use super::{Pace, Rig};
 
 impl Rig<'_> {

@@ -23,7 +23,8 @@ use shm_schemas::Mode;
 use sim_backend::Object;
 use sim_backend::random::split_mix;
 
-use super::ends::{EARLY_KILL_MAX, TIMEOUT, wait_end};
+use super::ends::{EARLY_KILL_MAX, wait_end};
+use super::pace::TIMEOUT;
 use super::{Environment, Pace, Rig, Setup};
 use crate::catalogue::Reaction;
 use crate::course::Course;

@@ -12,16 +12,13 @@ use shm_bus::{
 use shm_schemas::{GoalState, GoalUpdate, HandFrame, JointCommand, Mode, ObjectTruth};
 use sim_backend::{TICK_NS, World};
 
-use super::pace::{Pace, RobotPriority, sleep_until};
+use super::pace::{Pace, RobotPriority, TIMEOUT, sleep_until};
 use super::ports::Ports;
 use super::start::{Environment, Setup, start_daemon};
 use crate::catalogue::Reaction;
 use crate::course::{Course, Phase, SETTLE_TICKS};
 use crate::verdict::WATCH_TICKS;
 
-/// Longest time without a command from a running daemon, and longest start. Design choice: a busy
-/// machine needs some seconds.
-pub(super) const TIMEOUT: Duration = Duration::from_secs(30);
 /// Ticks for which the daemon must be ready before the goal. Design choice: 200 ms; while a process
 /// starts, the clock advances unevenly.
 const STEADY_TICKS: u64 = 200;

@@ -4,7 +4,6 @@ use atas_client::percentiles;
 use atas_console::arguments::BenchRestart;
 use atas_console::{Exit, ExitError, Interrupt, Output, number, table};
 use atas_faults::process::{Environment, RestartPlan, RestartReport};
-use robot_model::RobotFiles;
 use serde_json::json;
 use sim_backend::Object;
 
@@ -19,14 +18,12 @@ pub(super) fn restarts(
     interrupt: &Interrupt,
     output: &mut Output,
 ) -> anyhow::Result<()> {
-    let usage = |text: String| ExitError::with_code(Exit::Usage, text);
     let configured = configured(arguments.config.as_deref())?;
-    let robot = arguments.robot.as_ref().unwrap_or(&configured.robot);
-    let files = RobotFiles::find(robot).map_err(|error| usage(error.to_string()))?;
+    let (name, files) = configured.robot_files(arguments.robot.as_ref())?;
     let plan = RestartPlan {
         robot: files.load()?,
         environment: Environment {
-            robot: robot.clone(),
+            robot: name,
             config: arguments.config.clone(),
         },
         settings: configured.settings,
